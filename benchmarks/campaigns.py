@@ -18,14 +18,14 @@ from typing import Any
 
 import click
 
-from fuzz.campaign import Campaign, CampaignState, shrunk_or_same
-from fuzz.config import CampaignConfig
-from fuzz.crews import crew_at
-from fuzz.lanes.plan import lanes_for
-from fuzz.ledger import Goal, begin
-from fuzz.ledger.entry import Done
-from fuzz.result import Memory, UnitResult
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.executors import crew_at
+from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.run import Campaign, CampaignState, shrunk_or_same
+from fuzz.campaign.store import Goal, begin
+from fuzz.campaign.store.entry import Done
+from fuzz.campaign.unit import run_unit
+from fuzz.search.plan import lanes_for
 from sim.scenario import Scenario
 
 __all__ = ["measure", "model"]

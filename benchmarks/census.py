@@ -24,9 +24,9 @@ from typing import Any
 
 import click
 
-from worldgen.census import CensusOptions, Radius, Tally, folder_maps, generated_maps, take_census, tally
 from worldgen.errors import InvalidParameter
-from worldgen.intervals import interval_95
+from worldgen.interop.census import CensusOptions, Radius, Tally, folder_maps, generated_maps, take_census, tally
+from worldgen.support.intervals import interval_95
 
 __all__ = ["ROWS", "Row", "measure"]
 

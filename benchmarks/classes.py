@@ -25,14 +25,14 @@ import click
 import numpy as np
 
 from benchmarks.worlds import documented
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
 from fuzz.faults.as_classes import AsClass
-from fuzz.lanes.native import scenes
-from fuzz.native import Looks, evaluate
-from fuzz.unit import run_unit
+from fuzz.screening import Looks, evaluate
+from fuzz.search.native import scenes
 from sim import Command, Observation, RobotOptions
 from sim.controllers import CONTROLLERS, ProcessController
-from sim.effort import Effort
+from sim.runners.controller_time import Effort
 from sim.scenario import Scenario
 from tests.helpers.interpreted import Interpreted
 from worldgen.random_streams import RandomStream

@@ -19,7 +19,7 @@ import click
 
 from benchmarks.finding import shows
 from benchmarks.searchers import lanes
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
 from fuzz.faults import FAULTS
 from sim.scenario import Scenario
 

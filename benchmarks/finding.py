@@ -29,20 +29,20 @@ import click
 import numpy as np
 
 from benchmarks.searchers import SEARCHERS, lanes
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS, Fault
-from fuzz.judging import failure_of, replay
-from fuzz.proofs import certified
-from fuzz.result import UnitResult
 from fuzz.shrink import shrink
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
 from sim.episode import simulate
 from sim.evidence import evidence_table
-from sim.run_options import step_budget
+from sim.options.run import step_budget
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 from worldgen.world import World
 
 __all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "shows", "tables", "tells"]

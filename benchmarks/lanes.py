@@ -15,10 +15,10 @@ from dataclasses import asdict, dataclass, replace
 
 import click
 
-from fuzz.config import CampaignConfig
-from fuzz.lanes.plan import lanes_for
-from fuzz.result import Memory
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Memory
+from fuzz.campaign.unit import run_unit
+from fuzz.search.plan import lanes_for
 from sim.scenario import Scenario
 
 __all__ = ["CASES", "Row", "campaign", "lanes_at"]

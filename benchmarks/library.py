@@ -26,7 +26,7 @@ from sim.verdict import UNENDED, Verdict
 from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.world import Witness, World
 
 __all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]

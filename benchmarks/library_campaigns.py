@@ -17,8 +17,8 @@ from dataclasses import asdict, dataclass
 import click
 
 from benchmarks.library import controllers
-from fuzz.config import CampaignConfig
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
 from sim.scenario import Scenario
 from worldgen.family import FAMILIES
 

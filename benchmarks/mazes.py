@@ -30,8 +30,8 @@ from typing import Any
 import click
 import numpy as np
 
-from worldgen.families._mazes import METHODS, cells_of, grow, pitch
 from worldgen.families.maze import maze
+from worldgen.families.parts.mazes import METHODS, cells_of, grow, pitch
 from worldgen.random_streams import RandomStream
 
 __all__ = ["PEERS", "measure", "measure_peers", "peak_memory"]

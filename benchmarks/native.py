@@ -27,16 +27,16 @@ import numpy as np
 
 from benchmarks.simulator import maze
 from benchmarks.worlds import documented
-from fuzz.config import CampaignConfig
-from fuzz.lanes.native import scenes
-from fuzz.native import Looks, evaluate
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
+from fuzz.screening import Looks, evaluate
+from fuzz.search.native import scenes
 from sim import RunOptions, simulate_many
 from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
-from sim.lattice_core import Driver, Episode
-from sim.lattice_run import LatticeRun
+from sim.runners.core_calls import Driver, Episode
+from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 

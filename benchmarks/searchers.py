@@ -21,15 +21,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import count
 
-from fuzz.config import CampaignConfig
-from fuzz.door import Door
-from fuzz.features import LAYOUT_BYTES, decode_world
-from fuzz.proofs import certified
-from fuzz.result import Memory, UnitResult
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.unit import run_unit
+from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.triage.proofs import certified
+from fuzz.triage.triage import Door
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
-from sim.run_options import step_budget
+from sim.options.run import step_budget
 from sim.verdict import Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres

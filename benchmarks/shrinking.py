@@ -5,9 +5,9 @@ shrinks each, and prints the table of ``docs/shrinking.md``; with ``--json`` one
 failures a case contributes at most (default 6), ``--hypothesis N`` how many Hypothesis shrinks too (default 1).
 Times are CPU milliseconds.
 
-Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.features`) that the failure was drawn from, through
-public calls only: its property fails where the layout's world fails with the same verdict. So it never leaves the
-layouts.
+Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure was
+drawn from, through public calls only: its property fails where the layout's world fails with the same
+verdict. So it never leaves the layouts.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.database import InMemoryExampleDatabase
 
 from fuzz.failure import Failure
-from fuzz.features import LAYOUT_BYTES, decode_world
-from fuzz.judging import failure_of
-from fuzz.proofs import certified
+from fuzz.search.features import LAYOUT_BYTES, decode_world
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import layouts
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.random_streams import RandomStream

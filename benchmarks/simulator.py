@@ -40,7 +40,7 @@ from sim import Command, Commands, CompiledController, ProcessController, RobotO
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare
 from sim.kernels import layout
-from sim.lattice_core import MOST_CORNERS, SENSES, STATE_WORDS, ffi
+from sim.runners.core_calls import MOST_CORNERS, SENSES, STATE_WORDS, ffi
 from worldgen import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World

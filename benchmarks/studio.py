@@ -18,7 +18,7 @@ from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened
 from worldgen import generate
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 
 SIDE = 2_000  # cells
 STEPS = 1_000_000

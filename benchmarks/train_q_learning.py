@@ -18,7 +18,7 @@ from sim import Command, Observation, _core
 from sim.controllers.base import Memory
 from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS
 from sim.episode import prepare
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 

@@ -37,7 +37,7 @@ import numpy as np
 
 from worldgen import generate
 from worldgen.family import FAMILIES, stream_for
-from worldgen.grid_file import dumps, loads, read_world, write_world
+from worldgen.files.grid import dumps, loads, read_world, write_world
 from worldgen.lattice import radius_in_cells
 from worldgen.reach import REACHABLE, check_certificate, decide, decide_many
 from worldgen.world import Pose, Target, World

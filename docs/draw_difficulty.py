@@ -15,8 +15,8 @@ from PIL import Image, ImageDraw
 
 from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.nodes import Nodes, nodes_of
+from worldgen.difficulty.path import way_of
 from worldgen.difficulty.surroundings import samples_of
-from worldgen.difficulty.way import way_of
 from worldgen.generation import generate
 from worldgen.world import Witness, World
 

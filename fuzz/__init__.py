@@ -16,21 +16,21 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from sim.containment import contain
+from sim.controllers.shared.containment import contain
 
 if TYPE_CHECKING:
-    from fuzz.campaign import Campaign
-    from fuzz.config import CampaignConfig
+    from fuzz.campaign.config import CampaignConfig
+    from fuzz.campaign.run import Campaign
     from fuzz.failure import Failure
-    from fuzz.judging import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
+    from fuzz.triage.judging import Replay, failure_of, replay
 
 contain()  # whatever a campaign, a replay or a shrinking runs may crash
 
 _HOME = {
-    "campaign": ("Campaign",),
-    "config": ("CampaignConfig",),
+    "campaign.run": ("Campaign",),
+    "campaign.config": ("CampaignConfig",),
     "failure": ("Failure",),
     "judging": ("Replay", "failure_of", "replay"),
     "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),

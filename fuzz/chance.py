@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from fuzz.evidence_checks.chance import object_to_chance
 from fuzz.failure import regardless_of_walls
-from fuzz.oracles.chance import object_to_chance
 from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare, simulate
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import Verdict
-from worldgen.intervals import interval_95
+from worldgen.support.intervals import interval_95
 from worldgen.world import Cut, Value, World
 
 __all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of", "in_words", "seeds_that_fail", "share_that_fails"]

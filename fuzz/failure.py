@@ -11,11 +11,11 @@ from pathlib import Path
 from fuzz.simplicity import Case, simplicity
 from sim.episode import Episode, simulate
 from sim.evidence import Evidence, read_evidence
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import UNENDED, Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import dumps, read_world, write_world
+from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.world import Cut, FailureRecord, Value, World
 
 __all__ = ["ID_DIGITS", "Failure", "regardless_of_walls"]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from decimal import Decimal
 from typing import NamedTuple
 
-from sim.run_options import DEFAULT_TIME_STEP
+from sim.options.run import DEFAULT_TIME_STEP
 from sim.scenario import Scenario
 from worldgen.lattice import in_cells
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World

@@ -1,7 +1,7 @@
 """Hypothesis strategies for worlds, per family and combined, and for scenarios: a world and what runs in it.
 
 They draw structure, never raw cells: a family's parameters and seed, or the bytes of a feature layout
-(:mod:`fuzz.features`). Everything shrinks towards small, empty, straight.
+(:mod:`fuzz.search.features`). Everything shrinks towards small, empty, straight.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import Any
 from hypothesis import reject
 from hypothesis import strategies as st
 
-from fuzz.features import LAYOUT_BYTES, decode_world
-from fuzz.variation import Variation, applied
+from fuzz.campaign.variation import Variation, applied
+from fuzz.search.features import LAYOUT_BYTES, decode_world
 from sim.scenario import Scenario
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, Parameter
@@ -26,7 +26,7 @@ __all__ = ["family_worlds", "feature_worlds", "layouts", "scenarios", "scenarios
 
 
 def layouts() -> st.SearchStrategy[bytes]:
-    """Byte strings that :func:`fuzz.features.decode_world` turns into worlds; one choice, so it is fast."""
+    """Byte strings that :func:`fuzz.search.features.decode_world` turns into worlds; one choice, so it is fast."""
     return st.binary(min_size=LAYOUT_BYTES, max_size=LAYOUT_BYTES)
 
 

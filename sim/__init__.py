@@ -35,10 +35,10 @@ if TYPE_CHECKING:
     )
     from sim.episode import Episode, simulate
     from sim.motion import MOTIONS
-    from sim.robot_options import RobotOptions
-    from sim.run_options import RunOptions
+    from sim.options.robot import RobotOptions
+    from sim.options.run import RunOptions
     from sim.scenario import Scenario
-    from sim.thesis_options import ThesisOptions
+    from sim.thesis.options import ThesisOptions
     from sim.trace import Trace
 
 _HOME = {
@@ -49,10 +49,10 @@ _HOME = {
     ),
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
-    "robot_options": ("RobotOptions",),
-    "run_options": ("RunOptions",),
+    "options.robot": ("RobotOptions",),
+    "options.run": ("RunOptions",),
     "scenario": ("Scenario",),
-    "thesis_options": ("ThesisOptions",),
+    "thesis.options": ("ThesisOptions",),
     "trace": ("Trace",),
 }  # fmt: skip
 _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}

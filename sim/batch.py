@@ -18,12 +18,12 @@ from sim._core import lib
 from sim.controllers import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import Episode, simulate
-from sim.fleet_run import FleetRun
-from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
+from sim.options.run import RunOptions, options_of, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
-from sim.run_options import RunOptions, options_of, poses_of, seeds_of, whole, worlds_of
+from sim.runners.lattice import LatticeRun
+from sim.runners.lockstep import FleetRun
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Value, World

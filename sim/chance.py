@@ -21,14 +21,14 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
 from sim.controllers.base import robot_for
-from sim.guarded import ControllerDied, call
-from sim.lattice_core import Driver, Episode
-from sim.lattice_run import LatticeRun
+from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
+from sim.runners.core_calls import Driver, Episode
+from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
-from worldgen.ccall import check, pointer, writable
 from worldgen.errors import InvalidParameter
+from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]

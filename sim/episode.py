@@ -15,12 +15,12 @@ from sim.evidence import (
     WallEvidence,
     evidence_table,
 )
-from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.options.run import RunOptions, check_recordable, check_world, options_of, switch_sets
 from sim.outcome import Outcome, Runnable
-from sim.run_options import RunOptions, check_recordable, check_world, options_of, switch_sets
-from sim.thesis_run import ThesisRun
+from sim.runners.lattice import LatticeRun
+from sim.thesis.run import ThesisRun
 from sim.trace import Trace, state_digest
 from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.errors import InvalidParameter

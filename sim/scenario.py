@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
-from sim.controllers.process import PROGRAM_OPTIONS, is_process_name
-from sim.robot_options import RobotOptions
-from sim.run_options import RunOptions, step_budget, switch_class, switch_sets
-from sim.thesis_options import REPAIRS, ThesisOptions
+from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
+from sim.options.robot import RobotOptions
+from sim.options.run import RunOptions, step_budget, switch_class, switch_sets
+from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, World
 

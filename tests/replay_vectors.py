@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.thesis_core import CELL, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.core_calls import CELL, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from tests.helpers.java_random import java_doubles
 from tests.helpers.recordings import NotARecordingError, parse, read_lines
 

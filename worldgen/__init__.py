@@ -26,8 +26,8 @@ if TYPE_CHECKING:
         OutputError,
         WorldgenError,
     )
+    from worldgen.files.grid import read_world, world_digest, write_world
     from worldgen.generation import generate, stream
-    from worldgen.grid_file import read_world, world_digest, write_world
     from worldgen.reach import check_certificate, decide
     from worldgen.timeline import CellState, Event, Timeline
     from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
@@ -42,7 +42,7 @@ _HOME = {
         "WorldgenError",
     ),
     "generation": ("generate", "stream"),
-    "grid_file": ("read_world", "world_digest", "write_world"),
+    "files.grid": ("read_world", "world_digest", "write_world"),
     "reach": ("check_certificate", "decide"),
     "timeline": ("CellState", "Event", "Timeline"),
     "world": ("Cut", "FailureRecord", "Pose", "Provenance", "Target", "Witness", "World"),

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any, Self
 
-from worldgen.plain_text import quote
+from worldgen.support.plain_text import quote
 
 __all__ = [
     "FormatError",

@@ -22,8 +22,8 @@ from worldgen.parameters import (
     check_positive,
     parameters_of,
 )
+from worldgen.plugins.registry import Registry
 from worldgen.random_streams import RandomStream
-from worldgen.registry import Registry
 from worldgen.world import Value, World
 
 __all__ = [

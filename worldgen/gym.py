@@ -11,7 +11,7 @@ try:
 except ModuleNotFoundError as error:
     if error.name != "gymnasium":
         raise
-    from worldgen.installation import pip_install
+    from worldgen.plugins.installation import pip_install
 
     raise ModuleNotFoundError(
         f"worldgen.gym needs Gymnasium, which is not installed; {pip_install('gym')}", name="gymnasium"

@@ -21,8 +21,8 @@ import numpy as np
 
 from worldgen.errors import WorldgenError
 from worldgen.family import MARGIN, Family, Parameter
+from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, loads, world_digest
 from worldgen.reach import check_certificate, witness_margin
 from worldgen.timeline import CellState
 from worldgen.world import Value, Witness, World

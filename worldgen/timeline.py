@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
-from worldgen.frozen import HoldsFrozen, frozen
+from worldgen.support.frozen import HoldsFrozen, frozen
 
 __all__ = ["CellState", "Event", "Timeline"]
 

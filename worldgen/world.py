@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
-from worldgen.frozen import HoldsFrozen, frozen
+from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.timeline import Timeline
 
 __all__ = [

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from fuzz.regression import Seen
+    from fuzz.replay.regression import Seen
     from sim.episode import Episode
     from worldgen.world import World
 
@@ -136,7 +136,7 @@ class NotAsExpected(Exception):
     """A stored failure is not what it is expected to be; the message says why, in words that steer no terminal."""
 
     def __init__(self, reason: object) -> None:
-        from worldgen.plain_text import shown
+        from worldgen.support.plain_text import shown
 
         super().__init__(shown(reason))
 
@@ -150,7 +150,7 @@ class FailureTest(pytest.Item):
         Raises:
             NotAsExpected: If the failure is not fixed, or not confirmed.
         """
-        from fuzz.regression import check
+        from fuzz.replay.regression import check
         from worldgen.errors import WorldgenError
 
         settings = self.config.stash[_SETTINGS]
@@ -221,7 +221,7 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
 @pytest.fixture
 def worldgen_world(request: pytest.FixtureRequest) -> World:
     """A world of the family that the test's mark names, with a witness that its target can be reached."""
-    from fuzz.regression import Seen
+    from fuzz.replay.regression import Seen
     from worldgen.errors import WorldgenError
     from worldgen.generation import generate
 
@@ -237,7 +237,7 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
 @pytest.fixture
 def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> Episode:
     """The recorded run of the mark's controller in ``worldgen_world``; its seed is the world's."""
-    from fuzz.regression import run
+    from fuzz.replay.regression import run
     from worldgen.errors import WorldgenError
 
     case: _Case = request.node.callspec.params["worldgen_world"]
@@ -266,7 +266,7 @@ def pytest_runtest_makereport(
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":
-        from fuzz.regression import tell
+        from fuzz.replay.regression import tell
 
         folder = _artifacts(item.config)
         told = tell(seen, None if folder is None else folder / _artifact_name(item))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from fuzz.boundary.axes import Axis, Subject
-from fuzz.proofs import certified
+from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.outcome import Outcome

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from fuzz.telling import run_to_draw
-from sim.picture import trail_of
-from sim.stopping import OutOfTime
-from sim.words import frames_in_words
+from sim.describe import frames_in_words
+from sim.drawing.picture import trail_of
+from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
-from worldgen.grid_file.writer import world_digest
-from worldgen.plain_text import counted, shown, shown_lines
+from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
+from worldgen.support.plain_text import counted, shown, shown_lines
 
 __all__ = ["Finding", "Report", "State"]
 

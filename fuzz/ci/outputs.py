@@ -11,7 +11,7 @@ from fuzz.ci.markdown import markdown
 from fuzz.ci.place import repository
 from fuzz.ci.sarif import sarif
 from worldgen.errors import OutputError
-from worldgen.files import check_output, write_bytes
+from worldgen.files.whole import check_output, write_bytes
 
 __all__ = ["NO_OUTPUTS", "Outputs"]
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 from sim.controllers import CONTROLLERS
-from sim.controllers.process import is_process_name
-from sim.shared_object import is_library_name, library_file
-from worldgen.files import read_text
+from sim.controllers.programs.process import is_process_name
+from sim.controllers.shared.object_file import is_library_name, library_file
+from worldgen.files.whole import read_text
 
 __all__ = ["Place", "place_of", "repository", "uri_of"]
 

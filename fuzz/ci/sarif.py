@@ -16,7 +16,7 @@ from fuzz.ci.finding import Finding, Report
 from fuzz.ci.markdown import escaped
 from fuzz.ci.place import Place, place_of, uri_of
 from sim.verdict import Verdict
-from worldgen.plain_text import shown
+from worldgen.support.plain_text import shown
 
 __all__ = ["sarif"]
 

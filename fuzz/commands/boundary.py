@@ -48,7 +48,7 @@ def boundary(
     """
     from fuzz.boundary import AXES, Looks, scan
     from worldgen.errors import InvalidParameter
-    from worldgen.progress import working
+    from worldgen.support.progress import working
 
     subject, axis = _subject(path, controller, motion, time_step, seed), AXES[name]
     start = axis.index(subject)
@@ -74,10 +74,10 @@ def boundary(
 def _subject(path: Path, controller: str | None, motion: str, time_step: float | None, seed: int) -> Subject:
     from fuzz.boundary import Subject
     from fuzz.failure import Failure
-    from sim.run_options import RunOptions
+    from sim.options.run import RunOptions
+    from sim.runners.try_out import try_out
     from sim.scenario import Scenario
-    from sim.try_out import try_out
-    from worldgen.grid_file import read_world
+    from worldgen.files.grid import read_world
 
     world = read_world(path)
     if controller is not None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option, shown
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 __all__ = ["chance"]
 
@@ -34,9 +34,9 @@ def chance(
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure
-    from sim.run_options import RunOptions
+    from sim.options.run import RunOptions
     from sim.scenario import Scenario
-    from worldgen.grid_file import read_world
+    from worldgen.files.grid import read_world
 
     world = read_world(path)
     if controller is not None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note, shown, write_bytes
-from worldgen.plain_text import aligned, counted
+from worldgen.support.plain_text import aligned, counted
 
 if TYPE_CHECKING:
     from fuzz.corpus import Corpus, Entry
@@ -80,10 +80,10 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
     Runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
+    from fuzz.describe import describe
     from fuzz.failure import Failure
-    from fuzz.telling import describe
     from worldgen.errors import WorldgenError
-    from worldgen.files import check_output
+    from worldgen.files.whole import check_output
 
     entries = _read(paths, patterns).entries
     if png is not None:

@@ -27,10 +27,10 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     """
     import os
 
-    from fuzz.crews import crew_of
-    from fuzz.ledger import Goal, begin
+    from fuzz.campaign.executors import crew_of
+    from fuzz.campaign.session import CampaignSession, configure
+    from fuzz.campaign.store import Goal, begin
     from fuzz.report import write_report
-    from fuzz.session import CampaignSession, configure
     from worldgen.errors import OutputError
 
     if out.exists() and not force:
@@ -74,7 +74,7 @@ def _say(command: str) -> None:
 
 def _world_and_run(out: Path, controller: str) -> None:
     from sim import simulate
-    from sim.picture import trail_of
+    from sim.drawing.picture import trail_of
     from worldgen import generate, write_world
     from worldgen.cli.output import write_bytes
     from worldgen.render import draw_png
@@ -91,10 +91,10 @@ def _world_and_run(out: Path, controller: str) -> None:
 
 
 def _replay_and_draw(folder: Path) -> list[dict[str, object]]:
+    from fuzz.describe import run_to_draw
     from fuzz.failure import Failure
-    from fuzz.judging import replay
-    from fuzz.telling import run_to_draw
-    from sim.picture import trail_of
+    from fuzz.triage.judging import replay
+    from sim.drawing.picture import trail_of
     from worldgen.cli.output import write_bytes
     from worldgen.render import draw_png
 

@@ -76,10 +76,10 @@ def find(
     import os
 
     from fuzz.find import Find, FindConfig, parse_wishes
-    from sim.run_options import RunOptions
-    from worldgen.files import check_output
-    from worldgen.grid_file import read_world
-    from worldgen.progress import working
+    from sim.options.run import RunOptions
+    from worldgen.files.grid import read_world
+    from worldgen.files.whole import check_output
+    from worldgen.support.progress import working
 
     for contradiction, reason in (
         (budget is not None and units is not None, "give --budget or --units, not both"),
@@ -119,9 +119,9 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
     from concurrent.futures.process import BrokenProcessPool
 
     from worldgen.errors import OutputError
-    from worldgen.grid_file import write_world
-    from worldgen.plain_text import counted
-    from worldgen.progress import working
+    from worldgen.files.grid import write_world
+    from worldgen.support.plain_text import counted
+    from worldgen.support.progress import working
 
     stopped, broken = False, None
     try:
@@ -217,7 +217,7 @@ def _try_out(config: FindConfig) -> None:
 
 
 def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
-    from worldgen.plain_text import counted
+    from worldgen.support.plain_text import counted
 
     best = search.best
     if best is None:

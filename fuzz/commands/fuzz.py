@@ -12,7 +12,7 @@ from fuzz.commands._options import Duration, output_options
 from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
-    from fuzz.ledger import Goal, Sitting
+    from fuzz.campaign.store import Goal, Sitting
 
 __all__ = ["fuzz"]
 
@@ -138,29 +138,29 @@ def fuzz(
     import time
 
     began = time.monotonic()
-    from fuzz import ledger
+    from fuzz.campaign import store
+    from fuzz.campaign.executors import crew_at, crew_of
+    from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
-    from fuzz.crews import crew_at, crew_of
     from fuzz.report import write_report
-    from fuzz.session import CampaignSession
-    from sim.effort import Effort
+    from sim.runners.controller_time import Effort
 
     loaded = Effort.so_far()
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
     if scheduler is not None and workers is not None:
         raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
-    with ledger.errors_recorded(resume or begun["out"]):
+    with store.errors_recorded(resume or begun["out"]):
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
         known = read_corpus(baseline).entries
-        goal = ledger.Goal(units, None if units else budget or 30.0)
+        goal = store.Goal(units, None if units else budget or 30.0)
         if resume is None:
             sitting = _begin(goal, force=force, **begun)
         else:
             _refuse_beside_resume()
-            sitting = ledger.resume(resume, None if units is None and budget is None else goal)
+            sitting = store.resume(resume, None if units is None and budget is None else goal)
         if sitting.done:
             note(
                 f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, "
@@ -206,10 +206,10 @@ def _begin(
     force: bool,
 ) -> Sitting:
     """A new campaign, or the same one again in its folder."""
-    from fuzz.ledger import begin, stored_seed
-    from fuzz.session import configure
+    from fuzz.campaign.session import configure
+    from fuzz.campaign.store import begin, stored_seed
     from sim.commands.notes import note_unused
-    from worldgen.grid_file import read_world
+    from worldgen.files.grid import read_world
 
     if controller is None or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")

@@ -10,7 +10,7 @@ import click
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note
 
 if TYPE_CHECKING:
-    from fuzz.project import Project
+    from fuzz.ci.project import Project
 
 __all__ = ["init"]
 
@@ -58,11 +58,11 @@ def init(
     import os
     import tempfile
 
-    from fuzz import ledger
-    from fuzz.crews import crew_of
-    from fuzz.project import SEED, Project
-    from fuzz.session import CampaignSession, configure
-    from worldgen.files import write_bytes
+    from fuzz.campaign import store
+    from fuzz.campaign.executors import crew_of
+    from fuzz.campaign.session import CampaignSession, configure
+    from fuzz.ci.project import SEED, Project
+    from worldgen.files.whole import write_bytes
 
     project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
     project.check(force=force)
@@ -78,7 +78,7 @@ def init(
             seed=SEED,
         )
         note(f"searching for the failures that {controller} has today")
-        sitting = ledger.begin(config, Path(scratch) / "found", ledger.Goal(units=units))
+        sitting = store.begin(config, Path(scratch) / "found", store.Goal(units=units))
         with contextlib.redirect_stdout(None):
             code = CampaignSession(sitting, crew_of(os.cpu_count() or 1), lasts=False).run()
         if code not in (0, 1):
@@ -103,8 +103,8 @@ def _service_of(folder: Path) -> str:
 
 def _report(project: Project, failures: int, written: list[Path]) -> None:
     """Say what was written, and what is left for the user to do."""
-    from fuzz.project import FIXED, KNOWN
-    from worldgen.plain_text import counted
+    from fuzz.ci.project import FIXED, KNOWN
+    from worldgen.support.plain_text import counted
 
     click.echo(f"{KNOWN}: {counted(failures, 'known failure')}")
     for path in written:

@@ -8,7 +8,7 @@ import click
 
 from fuzz.commands._options import output_options
 from worldgen.cli.output import emit_json, force_option, json_option, note, shown
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 __all__ = ["replay"]
 
@@ -40,15 +40,15 @@ def replay(
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and certificate. Exit code 0
     if every one is, 1 if one is not (also if the robot arrives now), 2 if a file holds no failure.
     """
-    from fuzz.answer import State as Now
-    from fuzz.answer import answer, summary_in_words
     from fuzz.ci import Finding, Outputs, Report, State
+    from fuzz.describe import describe
     from fuzz.failure import Failure
-    from fuzz.telling import describe
-    from sim.transcript import transcribed
-    from sim.words import frames_in_words
-    from worldgen.plain_text import shown_lines
-    from worldgen.world_files import read_worlds
+    from fuzz.replay.answer import State as Now
+    from fuzz.replay.answer import answer, summary_in_words
+    from sim.controllers.programs.transcript import transcribed
+    from sim.describe import frames_in_words
+    from worldgen.files.worlds import read_worlds
+    from worldgen.support.plain_text import shown_lines
 
     reports = Outputs(**outputs, force=force)
     reports.check()

@@ -26,8 +26,8 @@ def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force:
     name are run. docs/report.md has the whole of it.
     """
     from fuzz.report import write_report
-    from worldgen.plain_text import counted
-    from worldgen.progress import working
+    from worldgen.support.plain_text import counted
+    from worldgen.support.progress import working
 
     with working(f"writing {out}") as work:
         count = write_report(

@@ -9,7 +9,7 @@ import click
 
 from fuzz.commands._options import Duration
 from worldgen.cli.output import emit_json, force_option, json_option, named_also, note
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from fuzz.failure import Failure
@@ -71,10 +71,10 @@ def shrink(
     Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing more can go, and
     checks that independently. Ctrl-C keeps the best so far.
     """
+    from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.shrink import snippet
-    from fuzz.telling import describe
-    from worldgen.files import check_output
+    from worldgen.files.whole import check_output
 
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both say what is printed; give one of them")

@@ -39,7 +39,7 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     import ipaddress
 
     from worldgen.errors import FormatError, InvalidParameter
-    from worldgen.installation import pip_install
+    from worldgen.plugins.installation import pip_install
 
     missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
     if missing:

@@ -1,7 +1,7 @@
 // Layout bytes to worlds as the simulator takes them, and whether a robot can surely reach the target.
 //
 // A row of cells is one word here: bit ix + WG_MARGIN of row iy + WG_MARGIN is 1 where the cell is solid, and all around
-// a world is solid. fuzz/features.py fixes what the bytes mean, the same bit for bit.
+// a world is solid. fuzz/search/features.py fixes what the bytes mean, the same bit for bit.
 
 #ifndef WG_LAYOUTS_H
 #define WG_LAYOUTS_H

@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fuzz.asked import Asked
 from fuzz.corpus.entry import Entry, Facts
-from fuzz.crash_bucket import has_facts
 from fuzz.failure import Failure
-from fuzz.judging import failure_by, failure_of
-from fuzz.proofs import certificate_fault
+from fuzz.oracles import Asked
+from fuzz.triage.crash_bucket import has_facts
+from fuzz.triage.judging import failure_by, failure_of
+from fuzz.triage.proofs import certificate_fault
 from sim.controllers import in_plain_place
 from sim.evidence import FaultEvidence
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
-from worldgen.plain_text import shown
+from worldgen.support.plain_text import shown
 
 __all__ = ["Baseline"]
 

@@ -14,10 +14,10 @@ from fuzz.corpus.entry import Entry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
-from worldgen.archives import ENDINGS, is_archive, writer_for
 from worldgen.errors import InvalidParameter, OutputError
-from worldgen.files import check_output, write_bytes
-from worldgen.installation import pip_install
+from worldgen.files.archives import ENDINGS, is_archive, writer_for
+from worldgen.files.whole import check_output, write_bytes
+from worldgen.plugins.installation import pip_install
 
 __all__ = ["TABLE", "export"]
 

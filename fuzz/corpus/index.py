@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fuzz.corpus.entry import Facts
 from worldgen.errors import FormatError, OutputError
-from worldgen.files import read_text, write_bytes
+from worldgen.files.whole import read_text, write_bytes
 
 __all__ = ["INDEX_FOLDER", "Index"]
 

@@ -10,8 +10,8 @@ from fuzz.corpus.entry import Entry
 from fuzz.corpus.names import name_of
 from fuzz.failure import Failure
 from worldgen.errors import OutputError
-from worldgen.files import write_bytes
-from worldgen.world_files import files_in
+from worldgen.files.whole import write_bytes
+from worldgen.files.worlds import files_in
 
 __all__ = ["merge", "smallest"]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from fuzz.corpus.entry import Entry
 from fuzz.failure import Failure
-from sim.controllers.process import is_process_name
-from sim.picture import trail_of
+from sim.controllers.programs.process import is_process_name
+from sim.drawing.picture import trail_of
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.render import Trail, draw_png
 from worldgen.render.sheet import Panel, draw_sheet

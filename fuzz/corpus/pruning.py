@@ -8,7 +8,7 @@ from itertools import groupby
 
 from fuzz.corpus.entry import Entry
 from fuzz.failure import Failure
-from fuzz.judging import replay
+from fuzz.triage.judging import replay
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
 

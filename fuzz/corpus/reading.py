@@ -10,11 +10,11 @@ from pathlib import Path
 
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.corpus.index import Index
-from worldgen.archives import Member, is_archive, members
 from worldgen.errors import FormatError
-from worldgen.grid_file.disk import unpack_world
-from worldgen.grid_file.schema import MAX_FILE_BYTES
-from worldgen.world_files import files_in, is_world_file
+from worldgen.files.archives import Member, is_archive, members
+from worldgen.files.grid.disk import unpack_world
+from worldgen.files.grid.schema import MAX_FILE_BYTES
+from worldgen.files.worlds import files_in, is_world_file
 
 __all__ = ["Corpus", "Selection", "read_corpus"]
 

@@ -18,7 +18,7 @@ from sim.controllers.base import Act, Memory
 from sim.controllers.core_act import CoreAct
 from sim.controllers.flat_act import compiled_act
 from sim.kernels import layout
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["AsClass"]
 

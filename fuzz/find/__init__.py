@@ -7,6 +7,6 @@ Contents:
 """
 
 from fuzz.find.search import Find, FindConfig, Found, draw
-from fuzz.find.wishes import Result, Wish, parse_wishes
+from fuzz.find.targets import Result, Wish, parse_wishes
 
 __all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "draw", "parse_wishes"]

@@ -10,15 +10,15 @@ from concurrent.futures import Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
-from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
-from fuzz.find.wishes import Result, Wish
-from sim.stopping import OutOfTime, stopping_when
+from fuzz.find.targets import Result, Wish
+from fuzz.search.features import LAYOUT_BYTES, decode_world
+from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
-from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.support.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
 __all__ = ["VERSION", "Find", "FindConfig", "Found", "draw"]

@@ -7,7 +7,7 @@ from typing import Any
 from sim.controllers.base import Controller, robot_for
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 
 __all__ = ["sensors_of"]
 

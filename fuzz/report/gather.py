@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.corpus import Entry, read_corpus
+from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from fuzz.judging import Replay, replay
 from fuzz.report.summary import MEMORY, Summary, read_summary
-from fuzz.telling import run_to_draw
+from fuzz.triage.judging import Replay, replay
 from sim.episode import Episode
-from worldgen.archives import Member, archive_in, members
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.grid_file.disk import expansion_limit, unpack_world
-from worldgen.grid_file.schema import MAX_FILE_BYTES
+from worldgen.files.archives import Member, archive_in, members
+from worldgen.files.grid.disk import expansion_limit, unpack_world
+from worldgen.files.grid.schema import MAX_FILE_BYTES
 
 __all__ = ["MOST_FAILURES", "Reported", "Seen", "Subject", "gather", "look_at"]
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from fuzz.boundary import boundaries_in_words
+from fuzz.describe import seeds_in_words
 from fuzz.report.gather import Reported, Seen
 from fuzz.report.summary import Summary
-from fuzz.telling import seeds_in_words
 from sim.evidence import LoopEvidence
-from worldgen.plain_text import counted, value_in_words
+from worldgen.support.plain_text import counted, value_in_words
 from worldgen.world import Cut, Value, Witness, World
 
 __all__ = ["Group", "groups"]

@@ -16,8 +16,8 @@ from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.report.summary import Summary
 from sim.controllers import CONTROLLERS
-from worldgen.files import check_output, write_bytes
-from worldgen.plain_text import counted
+from worldgen.files.whole import check_output, write_bytes
+from worldgen.support.plain_text import counted
 
 __all__ = ["write_report"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import FormatError
-from worldgen.files import read_text
+from worldgen.files.whole import read_text
 
 __all__ = ["MEMORY", "Archive", "Find", "Lane", "Summary", "read_summary"]
 

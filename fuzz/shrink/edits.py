@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.edited_runs import CellEdit, EditKind
+from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
 from worldgen.timeline import Timeline

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from fuzz.shrink.edits import changed, drop_events, with_time
 from fuzz.simplicity import Case, rounder
-from sim.edited_runs import CellEdit, EditKind
-from sim.run_options import DEFAULT_TIME_STEP
+from sim.options.run import DEFAULT_TIME_STEP
+from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
 from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World

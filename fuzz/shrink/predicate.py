@@ -5,17 +5,17 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
-from fuzz.asked import Asked, Trial
-from fuzz.crash_bucket import crash_bucket, has_facts
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.judging import judge
-from fuzz.proofs import certified, walled_off
-from fuzz.signature import failure_class
+from fuzz.oracles import Asked, Trial
+from fuzz.triage.crash_bucket import crash_bucket, has_facts
+from fuzz.triage.judging import judge
+from fuzz.triage.proofs import certified, walled_off
+from fuzz.triage.signature import failure_class
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
+from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.outcome import Outcome
-from sim.run_options import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER, FAILURES, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld

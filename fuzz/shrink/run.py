@@ -9,22 +9,22 @@ from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
 from fuzz.failure import Failure
-from fuzz.hazards import HAZARD
-from fuzz.judging import failure_by, failure_of, judge
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
-from fuzz.signature import failure_class
 from fuzz.simplicity import Case
+from fuzz.triage.hazards import HAZARD
+from fuzz.triage.judging import failure_by, failure_of, judge
+from fuzz.triage.signature import failure_class
 from sim.episode import simulate
 from sim.evidence import WallEvidence
-from sim.run_options import MAX_STEPS
+from sim.options.run import MAX_STEPS
+from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
-from sim.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import world_digest
+from worldgen.files.grid import world_digest
 from worldgen.world import Value, World
 
 __all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]

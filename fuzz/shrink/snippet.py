@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from fuzz.failure import Failure
-from sim.controllers.process import is_process_name
-from sim.run_options import RunOptions
-from sim.shared_object import is_library_name, library_file
-from worldgen.grid_file import dumps
-from worldgen.plain_text import shown
+from sim.controllers.programs.process import is_process_name
+from sim.controllers.shared.object_file import is_library_name, library_file
+from sim.options.run import RunOptions
+from worldgen.files.grid import dumps
+from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord, Witness
 
 __all__ = ["snippet"]
@@ -28,16 +28,16 @@ def test_{name}_gets_over_this():
     assert fixed(FAILURE).reason == ""
 '''
 _IMPORTS = """
-from fuzz.regression import fixed
-from worldgen.grid_file import loads
+from fuzz.replay.regression import fixed
+from worldgen.files.grid import loads
 """
 _EXAMPLE_IMPORTS = """
 from hypothesis import example, given
 
 from fuzz import worlds
-from fuzz.regression import fixed
+from fuzz.replay.regression import fixed
 from sim import simulate
-from worldgen.grid_file import loads
+from worldgen.files.grid import loads
 """
 _EXAMPLE = """
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from fuzz.proofs import certified
 from fuzz.shrink.edits import edited
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, simplicity
+from fuzz.triage.proofs import certified
 from sim._core import lib
 from sim.controllers import CompiledController
-from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
 from sim.verdict import Verdict
 
 __all__ = ["Trying"]

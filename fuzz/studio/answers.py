@@ -14,6 +14,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
@@ -22,29 +23,28 @@ from fuzz.report.summary import MEMORY
 from fuzz.studio.campaigns import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.exchange import ExchangeAnswers
+from fuzz.studio.gallery import WallAnswers
 from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
 from fuzz.studio.running import check_named, check_record, check_registered, may_run
-from fuzz.studio.walls import WallAnswers
-from fuzz.telling import run_to_draw
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
+from sim.describe import evidence_in_words
+from sim.drawing.picture import drive_of, trail_of
 from sim.episode import Episode, simulate
 from sim.motion import MOTIONS
-from sim.picture import drive_of, trail_of
-from sim.run_options import RunOptions, step_budget
+from sim.options.run import RunOptions, step_budget
 from sim.scenario import Scenario
-from sim.thesis_run import signal_in
-from sim.words import evidence_in_words
+from sim.thesis.run import signal_in
 from worldgen.difficulty import METRICS, measure, search_world
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.families.shift import shifted
 from worldgen.family import FAMILIES
-from worldgen.files import check_output
+from worldgen.files.grid import read_world, write_world
+from worldgen.files.whole import check_output
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 from worldgen.interop import readable_formats
 from worldgen.reach import Decision, decide
-from worldgen.reach.widest import widest_disc
+from worldgen.reach.still.widest import widest_disc
 from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Value, Witness, World

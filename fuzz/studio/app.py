@@ -17,9 +17,9 @@ from starlette.websockets import WebSocket
 
 from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
-from fuzz.studio.lanes import LANES, Lane
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
+from fuzz.studio.workers import LANES, Lane
 
 __all__ = ["FULL", "MOST_MESSAGE", "MOST_PAGES", "Studio", "make_app"]
 

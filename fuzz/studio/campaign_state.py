@@ -9,12 +9,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-from fuzz.ledger import CampaignFolder, read_error
+from fuzz.campaign.store import CampaignFolder, read_error
 from fuzz.report.summary import MEMORY, read_summary
 from fuzz.studio.refusals import refusal
 from worldgen.errors import FormatError
-from worldgen.locks import holder
-from worldgen.world_files import is_world_file
+from worldgen.files.locks import holder
+from worldgen.files.worlds import is_world_file
 
 __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fuzz.ledger import CampaignFolder, forget_error, read_error
+from fuzz.campaign.store import CampaignFolder, forget_error, read_error
 from fuzz.report.summary import MEMORY
 from fuzz.studio.beginning import beginning
 from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
@@ -39,7 +39,7 @@ from fuzz.studio.opened import Opened
 from fuzz.studio.running import may_run
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 
 __all__ = ["CampaignAnswers"]
 

@@ -11,8 +11,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from fuzz.asked import ORACLES
-from fuzz.lanes import OWN_LANES
+from fuzz.oracles import ORACLES
+from fuzz.search.registry import OWN_LANES
 from fuzz.studio.folder import KNOWN
 from fuzz.studio.fuzz_words import options
 from fuzz.studio.refusals import refusal
@@ -20,11 +20,11 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.robot_options import RobotOptions
-from sim.run_options import DEFAULT_TIME_STEP
+from sim.options.declared import Switches
+from sim.options.robot import RobotOptions
+from sim.options.run import DEFAULT_TIME_STEP
 from sim.scenario import Scenario
-from sim.switches import Switches
-from sim.thesis_options import ThesisOptions
+from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from fuzz.features import decode_scene
-from fuzz.ledger import CampaignFolder
+from fuzz.campaign.store import CampaignFolder
 from fuzz.report.summary import MEMORY, read_summary
+from fuzz.search.features import decode_scene
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.files import read_text
+from worldgen.files.whole import read_text
 from worldgen.world import World
 
 __all__ = ["elite_of", "runs_in"]

@@ -17,11 +17,11 @@ from fuzz.studio.opened import Opened
 from fuzz.studio.refusals import hide, note_in_words
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
+from worldgen.files.worlds import is_world_file
 from worldgen.interop import FORMATS, RobotOptions, export_world, import_world, write_export
-from worldgen.interop.movingai import scenario_contents
+from worldgen.interop.formats.movingai import scenario_contents
 from worldgen.world import Value
-from worldgen.world_files import is_world_file
 
 __all__ = ["ExchangeAnswers"]
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.studio.refusals import refusal
-from worldgen.archives import ENDINGS
 from worldgen.errors import InvalidParameter, Message, WorldgenError
-from worldgen.plain_text import shown
-from worldgen.world_files import is_world_file
+from worldgen.files.archives import ENDINGS
+from worldgen.files.worlds import is_world_file
+from worldgen.support.plain_text import shown
 
 __all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder"]
 

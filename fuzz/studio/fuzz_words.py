@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fuzz.asked import ORACLES
 from fuzz.commands.fuzz import fuzz
 from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
-from fuzz.lanes import OWN_LANES
+from fuzz.oracles import ORACLES
+from fuzz.search.registry import OWN_LANES
 from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.pasted import from_anywhere
@@ -23,8 +23,8 @@ from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.files import read_text
-from worldgen.world_files import files_in
+from worldgen.files.whole import read_text
+from worldgen.files.worlds import files_in
 
 __all__ = ["baseline", "begun", "check_lanes", "check_oracles", "command_line", "goal", "options", "workers"]
 

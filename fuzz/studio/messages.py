@@ -16,7 +16,7 @@ from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.grid_file import dumps, loads
+from worldgen.files.grid import dumps, loads
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from worldgen.errors import FormatError, Message, Note, WorldgenError
-from worldgen.plain_text import quote
+from worldgen.support.plain_text import quote
 
 __all__ = ["IMPORT_OPTIONS", "REMEDIES", "hide", "note_in_words", "our_fault", "refusal"]
 

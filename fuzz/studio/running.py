@@ -9,8 +9,8 @@ from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.plain_text import shown
-from worldgen.registry import only_code
+from worldgen.plugins.registry import only_code
+from worldgen.support.plain_text import shown
 from worldgen.world import FailureRecord
 
 __all__ = ["allow_only", "check_named", "check_record", "check_registered", "may_run"]

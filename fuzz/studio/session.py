@@ -12,9 +12,9 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzz.studio.gate import SUBPROTOCOL
-from fuzz.studio.lanes import LANES, Ended, Lane
 from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.watching import Watching
+from fuzz.studio.workers import LANES, Ended, Lane
 from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]

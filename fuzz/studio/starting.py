@@ -7,14 +7,14 @@ import importlib.util
 from pathlib import Path
 
 from sim.controllers import CONTROLLERS
-from sim.controllers.process import is_process_name
+from sim.controllers.programs.process import is_process_name
+from sim.controllers.shared.object_file import check_file, is_library_name
 from sim.scenario import Scenario
-from sim.shared_object import check_file, is_library_name
-from worldgen.archives import is_archive
 from worldgen.errors import InvalidParameter, WorldgenError
-from worldgen.grid_file import read_world
+from worldgen.files.archives import is_archive
+from worldgen.files.grid import read_world
+from worldgen.files.worlds import is_world_file
 from worldgen.interop import read_map
-from worldgen.world_files import is_world_file
 
 __all__ = ["check_controller", "check_world"]
 

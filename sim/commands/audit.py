@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 __all__ = ["audit"]
 
@@ -51,10 +51,10 @@ def audit(
     touched fire; docs/audit.md tells more. Exit code 0 if it was possible, 1 if not.
     """
     from sim.audit import audit as audit_trajectory
-    from sim.audit_file import read_trajectory
-    from sim.audit_report import as_lines, as_object, draw
-    from worldgen.files import check_output
-    from worldgen.grid_file import read_world
+    from sim.audit.file import read_trajectory
+    from sim.audit.report import as_lines, as_object, draw
+    from worldgen.files.grid import read_world
+    from worldgen.files.whole import check_output
 
     if picture is not None and picture.suffix != ".png":
         raise click.UsageError(f"--picture {picture}: name a .png file")

@@ -11,13 +11,13 @@ import click
 
 from sim.commands.notes import note_unused
 from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, write_bytes
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from sim.comparison import NamedWorld
-    from sim.published import Figure
+    from sim.compare.comparison import NamedWorld
+    from sim.compare.published import Figure
     from sim.scenario import Scenario
     from worldgen.world import World
 
@@ -74,12 +74,12 @@ def compare(
     thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with chance runs with many seeds.
     docs/compare.md describes table, CSV and JSON.
     """
-    from sim.comparison import compare as compare_worlds
-    from sim.comparison_picture import MAX_CONTROLLERS, draw_comparison
-    from sim.comparison_report import as_csv, as_text
-    from sim.comparison_report import as_json as plain
-    from sim.published import agreement
-    from worldgen.files import check_output
+    from sim.compare.comparison import compare as compare_worlds
+    from sim.compare.picture import MAX_CONTROLLERS, draw_comparison
+    from sim.compare.published import agreement
+    from sim.compare.report import as_csv, as_text
+    from sim.compare.report import as_json as plain
+    from worldgen.files.whole import check_output
 
     if picture is not None and picture.suffix != ".png":
         raise click.UsageError(f"--picture {picture}: name a .png file")
@@ -114,8 +114,8 @@ def compare(
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[Figure, ...]:
     """Earlier figures: those of ``--against``, or those that lie beside the worlds."""
-    from sim.published import read_figures
-    from worldgen.files import read_text
+    from sim.compare.published import read_figures
+    from worldgen.files.whole import read_text
 
     if against is not None:
         return read_figures(read_text(against), str(against))
@@ -142,9 +142,9 @@ def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
 def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
     """Columns by label."""
     from sim.controllers import CONTROLLERS, CompiledController, ProcessController, names_in
-    from sim.run_options import RunOptions
+    from sim.options.run import RunOptions
+    from sim.runners.try_out import try_out
     from sim.scenario import Scenario
-    from sim.try_out import try_out
     from worldgen.errors import InvalidParameter
 
     duration = RunOptions.time_step if time_step is None else time_step
@@ -165,7 +165,7 @@ def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None,
 
 def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     """The worlds of all files, with names of their own."""
-    from sim.comparison import NamedWorld
+    from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
 
     found = [(file, world, str(path) if path.is_dir() else "") for path in paths for file, world in _read(path)]
@@ -190,7 +190,7 @@ def _with_time(world: NamedWorld, figures: Sequence[Figure]) -> NamedWorld:
 
 def _read(path: Path) -> Iterator[tuple[Path, World]]:
     """The worlds of a folder, or, if there is none, of the folders below; of an archive; or of the one file."""
-    from worldgen.world_files import is_world_file, read_worlds
+    from worldgen.files.worlds import is_world_file, read_worlds
 
     if path.is_dir():
         own = sorted(file for file in path.iterdir() if is_world_file(file.name) and file.is_file())
@@ -206,7 +206,7 @@ def _stem(file: Path) -> str:
 
 def _note_strangers(figures: Sequence[Figure], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]) -> None:
     """Says which published figures have no world here, or were made under another motion model."""
-    from sim.published import figures_of
+    from sim.compare.published import figures_of
 
     strange = sorted({figure.world for figure in figures if not any(figure.is_of(world) for world in worlds)})
     if strange:

@@ -23,7 +23,7 @@ def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -
         scenarios: What is run.
         seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no run draws numbers.
     """
-    from sim.unused_options import coarse_forces, random_run, unused_options
+    from sim.options.unused import coarse_forces, random_run, unused_options
 
     runs = tuple(scenarios)
     sentences = (one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario)))

@@ -10,7 +10,7 @@ import click
 from sim.commands.notes import note_unused
 from sim.verdict import Verdict
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
-from worldgen.progress import working
+from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from sim.episode import Episode
@@ -64,14 +64,14 @@ def run(
     Exit code 0 if the robot arrives, 1 if it does not.
     """
     from sim.controllers.contract import check_contract
+    from sim.controllers.programs.transcript import transcribed
+    from sim.describe import frames_in_words
     from sim.episode import simulate
-    from sim.run_options import RunOptions
+    from sim.options.run import RunOptions
     from sim.scenario import Scenario
-    from sim.transcript import transcribed
-    from sim.words import frames_in_words
-    from worldgen.files import check_output
-    from worldgen.grid_file import read_world
-    from worldgen.plain_text import shown_lines
+    from worldgen.files.grid import read_world
+    from worldgen.files.whole import check_output
+    from worldgen.support.plain_text import shown_lines
 
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
@@ -140,8 +140,8 @@ def _summary(episode: Episode) -> dict[str, object]:
 
 
 def _sentence(episode: Episode) -> str:
-    from sim.words import evidence_in_words
-    from worldgen.plain_text import counted
+    from sim.describe import evidence_in_words
+    from worldgen.support.plain_text import counted
 
     return (
         f"{episode.verdict}{evidence_in_words(episode)}: {counted(episode.steps, 'step')}, {episode.time:g} s, "
@@ -150,7 +150,7 @@ def _sentence(episode: Episode) -> str:
 
 
 def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
-    from sim.picture import drive_of, trail_of
+    from sim.drawing.picture import drive_of, trail_of
     from worldgen import render
 
     trail = trail_of(episode, world)

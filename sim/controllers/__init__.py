@@ -22,7 +22,7 @@ from sim.controllers.base import (
 )
 from sim.controllers.catalogue import CONTROLLERS, controller_of, in_plain_place, names_in
 from sim.controllers.memory_view import MemoryField, MemoryMap
-from sim.controllers.process import ProcessController
+from sim.controllers.programs.process import ProcessController
 
 __all__ = [
     "CONTROLLERS",

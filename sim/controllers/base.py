@@ -1,4 +1,4 @@
-"""The controller contract: a compiled function on arrays, or a class; for programs: :mod:`sim.controllers.process`."""
+"""The controller contract: a compiled function on arrays, or a class. Programs: :mod:`sim.controllers.programs`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sim._core import lib
 from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.kernels import layout
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
 __all__ = [

@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
-from sim.controllers.process import ProcessController, is_process_name
-from sim.controllers.shared_library import library_controller
-from sim.robot_options import RobotOptions
-from sim.shared_object import is_library_name, library_file
+from sim.controllers.programs.process import ProcessController, is_process_name
+from sim.controllers.shared.library import library_controller
+from sim.controllers.shared.object_file import is_library_name, library_file
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter, Message
-from worldgen.registry import Registry, check_code, user_code
+from worldgen.plugins.registry import Registry, check_code, user_code
 
 __all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
 

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers.program import Misbehaviour
+from sim.controllers.programs.program import Misbehaviour
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
-from worldgen.plain_text import shown
+from worldgen.support.plain_text import shown
 
 __all__ = ["ContractBroken", "check_contract", "flat_memory", "no_command", "no_memory"]
 

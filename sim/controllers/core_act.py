@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.controllers.program import Misbehaviour
-from sim.guarded import DEADLINE, HANG
+from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.shared.guarded import DEADLINE, HANG
 from sim.verdict import Verdict
 
 __all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]

@@ -8,7 +8,7 @@ from typing import Any
 
 from sim.controllers.base import Act
 from worldgen.errors import InvalidParameter
-from worldgen.installation import pip_install
+from worldgen.plugins.installation import pip_install
 
 __all__ = ["compiled_act", "flat_address"]
 

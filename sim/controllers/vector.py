@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
 from sim.controllers.contract import ContractBroken, no_command, no_memory
-from sim.effort import timed
 from sim.kernels import layout
-from sim.stopping import breakable
+from sim.runners.controller_time import timed
+from sim.runners.stopping import breakable
 
 __all__ = ["Asker", "OneOfMany"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.registry import Registry
+from worldgen.plugins.registry import Registry
 
 __all__ = ["LATTICE", "MOTIONS", "THESIS", "Motion"]
 

@@ -12,7 +12,7 @@ from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field_robot
 from sim.controllers.library.three_layer import ThreeLayer, three_layer_robot
 from sim.controllers.library.vfh import VfhPlus, vfh_robot
-from sim.controllers.program import Misbehaviour
+from sim.controllers.programs.program import Misbehaviour
 from tests.reference.fuzz import as_classes
 from tests.reference.sim.controllers import dynamic_window, potential_field, three_layer, vfh
 from tests.reference.sim.library import ACTS

@@ -16,7 +16,7 @@ from sim import simulate, simulate_many
 from sim.scenario import Scenario
 from tests.helpers.damages import damages
 from worldgen.errors import WorldgenError
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.reach import decide, decide_in_time
 
 FILES = sorted(Path(corpora.__file__).parent.rglob("*.grid"))[::7]

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fuzz.shrink.edits import edited
-from sim import edited_runs
 from sim.controllers import CONTROLLERS
-from sim.edited_runs import CellEdit, EditedRuns, EditKind, Wanted, has_sure_way
 from sim.episode import prepare
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
+from sim.runners import edited as edited_runs
+from sim.runners.edited import CellEdit, EditedRuns, EditKind, Wanted, has_sure_way
 from tests.reference.sim import layout
 from worldgen import CellState, Event, InvalidWorld, Pose, Target, Timeline, World, decide
 

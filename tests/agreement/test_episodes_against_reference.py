@@ -6,7 +6,7 @@ import pytest
 from sim import CompiledController, RobotOptions, RunOptions
 from sim._core import lib
 from sim.episode import prepare
-from sim.lattice_core import Driver, Episode
+from sim.runners.core_calls import Driver, Episode
 from tests.helpers.interpreted import ACTS
 from tests.reference.sim import lattice_episode, lattice_state, recurrence
 from tests.reference.sim.flat_arrays import COUNTS, arena_of, settings_of

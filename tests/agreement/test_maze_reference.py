@@ -8,7 +8,7 @@ from hypothesis.extra import numpy as hnp
 
 from tests.helpers.tiers import some
 from tests.reference.worldgen.mazes import grow as reference
-from worldgen.families._mazes import (
+from worldgen.families.parts.mazes import (
     CORNER,
     EAST,
     FIT_ANY_SHAPE,
@@ -20,7 +20,7 @@ from worldgen.families._mazes import (
     pitch,
     shape_mask,
 )
-from worldgen.families._mazes.shapes import LEAST
+from worldgen.families.parts.mazes.shapes import LEAST
 from worldgen.random_streams import RandomStream
 
 every_algorithm = pytest.mark.parametrize("algorithm", METHODS)

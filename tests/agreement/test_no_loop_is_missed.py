@@ -7,8 +7,8 @@ import pytest
 
 from sim import Command, CompiledController, RunOptions, simulate, simulate_many
 from sim.controllers import CONTROLLERS, Commands
-from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, EditKind, Wanted
 from sim.episode import prepare
+from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, EditKind, Wanted
 from tests.reference.sim.layout import CMD_SPEED, LOOP
 from worldgen import generate
 from worldgen.family import FAMILIES

@@ -16,20 +16,21 @@ from tests.reference.worldgen import chains, coarse, graph_search, paths
 from tests.reference.worldgen import rasters as reference_rasters
 from tests.reference.worldgen.chains import linked_offsets
 from worldgen._core import ffi, lib
-from worldgen.ccall import check, pointer
 from worldgen.lattice import UNIT, radius_in_cells
-from worldgen.reach import check_certificate, lattice_graph, path, prove
-from worldgen.reach.coarse import walk_squares
-from worldgen.reach.cut import find_chain, rim_cells
-from worldgen.reach.disc import Disc, beyond, parts, target_disc
-from worldgen.reach.disc import _chain_lines as chain_lines
-from worldgen.reach.disc import _inside as is_inside
-from worldgen.reach.disc import _is_away as is_away
-from worldgen.reach.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
-from worldgen.reach.path import clearance_sq, shorten
-from worldgen.reach.prove import decide, decide_many
-from worldgen.reach.target_poses import deciding_poses, plain_poses
-from worldgen.reach.walls import Walls, segment_box_sq
+from worldgen.reach import check_certificate
+from worldgen.reach.still import lattice_graph, path, prove
+from worldgen.reach.still.coarse import walk_squares
+from worldgen.reach.still.cut import find_chain, rim_cells
+from worldgen.reach.still.disc import Disc, beyond, parts, target_disc
+from worldgen.reach.still.disc import _chain_lines as chain_lines
+from worldgen.reach.still.disc import _inside as is_inside
+from worldgen.reach.still.disc import _is_away as is_away
+from worldgen.reach.still.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
+from worldgen.reach.still.path import clearance_sq, shorten
+from worldgen.reach.still.prove import decide, decide_many
+from worldgen.reach.still.target_poses import deciding_poses, plain_poses
+from worldgen.reach.still.walls import Walls, segment_box_sq
+from worldgen.support.ccall import check, pointer
 from worldgen.world import Pose, Target, World
 
 maps = hnp.arrays(np.bool_, st.tuples(st.integers(3, 9), st.integers(3, 9)), fill=st.just(False))
@@ -282,7 +283,7 @@ def test_a_search_for_a_chain_in_small_portions_finds_the_same_one(monkeypatch):
     walls[:3, :3] = walls[-3:, -3:] = False
     ends = (1536, 1536), [(29184, 29184)]
     whole = find_chain(walls, Fraction(7, 10), *ends)
-    monkeypatch.setattr("worldgen.reach.cut._PORTION", 7)
+    monkeypatch.setattr("worldgen.reach.still.cut._PORTION", 7)
     assert find_chain(walls, Fraction(7, 10), *ends).tolist() == whole.tolist()
 
 

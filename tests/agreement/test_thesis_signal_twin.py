@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.thesis_core import WALL, add_noise, signal_map
-from worldgen.interop.thesis_map import WALL as FILE_WALL
-from worldgen.interop.thesis_map import filtered, signal
+from sim.thesis.core_calls import WALL, add_noise, signal_map
+from worldgen.interop.readers.thesis_map import WALL as FILE_WALL
+from worldgen.interop.readers.thesis_map import filtered, signal
 
 SIDES = st.integers(3, 24)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sim.thesis_core import Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.core_calls import Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from tests.helpers import thesis_parts
 from tests.reference.sim import thesis_layout as at
 from tests.reference.sim import thesis_signal

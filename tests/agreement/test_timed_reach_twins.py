@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from tests.helpers.drawn_worlds import changing_worlds, drawn
 from tests.reference.worldgen import timed as reference
 from worldgen import generate
-from worldgen.reach import REACHABLE, confine, decide, decide_in_time, latest, latest_start, timed
+from worldgen.reach import REACHABLE, decide, decide_in_time, latest_start
+from worldgen.reach.timed import confine, earliest, latest
 from worldgen.timeline import CellState, Timeline
 
 BURNING = CellState.BURNING
@@ -24,9 +25,9 @@ def spread_out(states, shape, goal, sources):
 def by_reference(ask, *args):
     """The answer, made by the reference."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (confine, latest, timed):
+        for module in (confine, earliest, latest):
             patch.setattr(module, "safe_intervals", reference.safe_intervals)
-        patch.setattr(timed, "_search", reference.search)
+        patch.setattr(earliest, "_search", reference.search)
         patch.setattr(confine, "_spread_out", spread_out)
         return ask(*args)
 
@@ -57,7 +58,7 @@ def test_a_confinement_is_that_of_the_reference(world, deadline):
 
 
 def test_a_timed_path_past_many_fires_is_that_of_the_reference(monkeypatch):
-    monkeypatch.setattr(timed, "_PORTION", 50)
+    monkeypatch.setattr(earliest, "_PORTION", 50)
     rng = np.random.default_rng(3)
     events = [(round(rng.uniform(0, 3), 3), *rng.integers(3, 17, 2).tolist(), BURNING) for _ in range(150)]
     picture = "\n".join(["." * 19 + "G"] + ["." * 20] * 18 + ["S" + "." * 19])

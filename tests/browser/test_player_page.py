@@ -12,7 +12,7 @@ from PIL import Image
 from fuzz.player import drawn_run, drawn_world, replay_page
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.world import Pose, Target, World
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"

@@ -10,7 +10,7 @@ from fuzz.report import write_report
 from tests.helpers.accessibility import nameless
 from tests.helpers.browser import page_in
 from tests.helpers.campaign_folder import CORPUS, LOOP, TUNNEL, campaign_folder, renamed
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import FailureRecord, Pose, Target, World
 

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.accessibility import COARSE, FINE, complaints, tab_through
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 CORPORA = Path(__file__).parents[2] / "corpora"
 BORDER = 156  # solid cells of an empty world of 40 x 40

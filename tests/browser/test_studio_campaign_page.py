@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_campaign import HANGS, acts
 from tests.helpers.studio_page import CAMPAIGN, opened
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 pytestmark = pytest.mark.nightly
 

@@ -13,7 +13,7 @@ from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
 from tests.helpers.studio_held import hold, let_go
 from tests.helpers.studio_page import opened
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 pytestmark = pytest.mark.nightly
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from sim.episode import simulate
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, place, solid_cells
 from worldgen import generate
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 FAILURE = CONFIG_5.parents[1] / "thesis-faults/thesis-1-loop-104.grid"

@@ -10,7 +10,7 @@ from sim import simulate
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened
 from worldgen.families.shift import shifted
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 

@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_held import hold, let_go
 from worldgen import generate
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 
 pytestmark = pytest.mark.nightly
 

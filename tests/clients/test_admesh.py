@@ -9,7 +9,7 @@ from tests.clients.environments import program
 from tests.helpers.exported_meshes import solid_volume
 from worldgen import generate
 from worldgen.interop import export_world
-from worldgen.interop.boxes import merged_boxes
+from worldgen.interop.geometry.boxes import merged_boxes
 
 FAULTS = ("Total disconnected facets", "Degenerate facets", "Facets removed", "Facets reversed", "Normals fixed")
 

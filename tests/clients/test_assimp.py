@@ -10,7 +10,7 @@ from tests.clients.environments import program
 from tests.helpers.exported_meshes import solid_volume, stl_triangles, volume
 from worldgen import generate
 from worldgen.interop import export_world
-from worldgen.interop.boxes import merged_boxes
+from worldgen.interop.geometry.boxes import merged_boxes
 
 ORIGIN = (-12.7, 3.45)
 LOW, HIGH = (-12.7, 3.45, 0.0), (-9.6, 6.55, 0.5)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sim.audit import audit
-from sim.audit_file import read_trajectory
+from sim.audit.file import read_trajectory
 from tests.clients.environments import client
 from tests.helpers.command_line import worldgen
 from worldgen import read_world

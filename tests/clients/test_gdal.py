@@ -11,7 +11,7 @@ from tests.clients.environments import program
 from tests.helpers.exported_meshes import TINY, covered_cells
 from worldgen import generate
 from worldgen.interop import export_world
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState, Timeline
 
 ORIGIN = (-12.7, 3.45)

@@ -12,7 +12,7 @@ from tests.helpers.exported_meshes import TINY
 from worldgen import generate
 from worldgen.interop import export_world
 from worldgen.render.palette import WALL, rgb
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 
 ORIGIN = (-12.7, 3.45)
 

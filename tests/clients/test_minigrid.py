@@ -7,7 +7,7 @@ import numpy as np
 from tests.clients.environments import client
 from worldgen import generate
 from worldgen.interop import export_world, read_map
-from worldgen.interop.text import cell_of
+from worldgen.interop.formats.text import cell_of
 
 HEADINGS = (0.0, -np.pi / 2, np.pi, np.pi / 2)  # of its directions: right, down, left, up; its y goes down
 SOLID = {"wall", "lava", "key", "ball", "box"}

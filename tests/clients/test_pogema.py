@@ -8,7 +8,7 @@ import numpy as np
 from tests.clients.environments import client
 from worldgen import generate
 from worldgen.interop import export_world, write_export
-from worldgen.interop.text import cell_of
+from worldgen.interop.formats.text import cell_of
 
 STEPS = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 

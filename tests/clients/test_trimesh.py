@@ -10,7 +10,7 @@ from tests.helpers.exact_rays import beams
 from tests.helpers.exported_meshes import TINY, solid_volume
 from worldgen import generate
 from worldgen.interop import export_world
-from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop.geometry.boxes import closing_boxes, merged_boxes
 
 ORIGIN = (-12.7, 3.45)
 

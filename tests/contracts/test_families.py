@@ -12,8 +12,8 @@ import pytest
 from tests.helpers.raising import raises
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, family, stream_for
+from worldgen.files.grid import world_digest
 from worldgen.generation import MAX_ATTEMPTS, generate
-from worldgen.grid_file import world_digest
 from worldgen.reach import check_certificate
 from worldgen.testing import CHECKS, FAMILY_CHECKS, check_family
 from worldgen.world import Pose, Target, Witness, World

@@ -7,14 +7,14 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from fuzz.config import CampaignConfig
-from fuzz.features import decode_scene
-from fuzz.judging import replay
-from fuzz.lanes.archive import archive_table
-from fuzz.ledger.entry import Done, read_entry, write_entry
-from fuzz.native import evaluate
-from fuzz.result import Elite, Memory
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Elite, Memory
+from fuzz.campaign.store.entry import Done, read_entry, write_entry
+from fuzz.campaign.unit import run_unit
+from fuzz.screening import evaluate
+from fuzz.search.archive import archive_table
+from fuzz.search.features import decode_scene
+from fuzz.triage.judging import replay
 from sim.scenario import Scenario
 from worldgen import read_world
 

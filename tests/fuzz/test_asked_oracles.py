@@ -7,23 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzz.asked import Asked, Trial, objection_in_words
-from fuzz.asked.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
-from fuzz.asked.worlds import mirrored, scaled, shifted, turned
 from fuzz.failure import Failure
-from fuzz.judging import failure_by, replay
-from fuzz.proofs import certified
-from fuzz.regression import CONFIRMED, check
+from fuzz.oracles import Asked, Trial, objection_in_words
+from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
+from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
+from fuzz.replay.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
-from sim.run_options import RunOptions
+from fuzz.triage.judging import failure_by, replay
+from fuzz.triage.proofs import certified
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
-from sim.thesis_options import ThesisOptions
+from sim.thesis.options import ThesisOptions
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import CellState, Event, Pose, Target, Timeline, World, generate
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import loads, read_world
+from worldgen.files.grid import loads, read_world
 from worldgen.reach import check_certificate
 
 BLOCK = certified(

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.campaign import Campaign
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import Campaign
 from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
-from fuzz.judging import failure_of
+from fuzz.triage.judging import failure_of
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_boundary, scan, subject_of
 from fuzz.boundary.axes import index_of, three_digits
-from fuzz.campaign import shrunk_or_same
-from fuzz.config import CampaignConfig
-from fuzz.judging import failure_of, replay
-from fuzz.result import Memory
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Memory
+from fuzz.campaign.run import shrunk_or_same
+from fuzz.campaign.unit import run_unit
+from fuzz.triage.judging import failure_of, replay
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -11,21 +11,21 @@ from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign import Campaign, shrunk_or_same
-from fuzz.config import CampaignConfig
-from fuzz.crews import Alone
-from fuzz.deadline import TO_HAND_IN, Deadline
-from fuzz.door import Door
-from fuzz.judging import failure_of
-from fuzz.native import evaluate
-from fuzz.result import UnitResult
-from fuzz.schedule import Schedule
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.deadline import TO_HAND_IN, Deadline
+from fuzz.campaign.executors import Alone
+from fuzz.campaign.result import UnitResult
+from fuzz.campaign.run import Campaign, shrunk_or_same
+from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.unit import run_unit
+from fuzz.screening import evaluate
 from fuzz.shrink import shrink
-from fuzz.unit import run_unit
+from fuzz.triage.judging import failure_of
+from fuzz.triage.triage import Door
 from sim import Command, simulate
 from sim.episode import prepare
+from sim.runners.stopping import OutOfTime, stopping_when
 from sim.scenario import Scenario
-from sim.stopping import OutOfTime, stopping_when
 from tests.helpers.command_line import worldgen
 from worldgen import generate
 
@@ -53,8 +53,8 @@ def clock(monkeypatch):
     """A clock that goes on by a second with each look at it."""
     looks = count()
     now = looks.__next__
-    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=now))
-    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=now))
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=now))
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=now))
     return looks
 
 
@@ -174,7 +174,7 @@ def test_ctrl_c_in_the_first_batch_of_a_unit_keeps_what_was_met_until_then(tmp_p
 
 @pytest.mark.usefixtures("heard")
 def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
-    monkeypatch.setattr("fuzz.crews.local.TO_HAND_IN", 0.0)
+    monkeypatch.setattr("fuzz.campaign.executors.local.TO_HAND_IN", 0.0)
 
     def endless():
         os.kill(os.getpid(), signal.SIGINT)
@@ -191,8 +191,8 @@ def stopped(monkeypatch):
     """Ctrl-C at the time 0, which a worker sees at its second look at the clock; the clock itself stands still."""
     at = SimpleNamespace(now=0.0)
     looks = count()
-    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
-    monkeypatch.setattr("fuzz.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
     return at
 
 
@@ -217,7 +217,7 @@ def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeyp
             raise KeyboardInterrupt
         return whole(*args, **kwargs)
 
-    monkeypatch.setattr("fuzz.lanes.native.evaluate", evaluate_or_stop)
+    monkeypatch.setattr("fuzz.search.native.evaluate", evaluate_or_stop)
     result = run_unit(replace(CONFIG, families=(lane,), examples=1_000), 0)
     assert result.interrupted and result.worlds and result.failures
 
@@ -241,7 +241,7 @@ def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_
     def no_time(*_):
         raise OutOfTime
 
-    monkeypatch.setattr("fuzz.campaign.with_boundaries", no_time)
+    monkeypatch.setattr("fuzz.campaign.run.with_boundaries", no_time)
     made = shrunk_or_same(failure_of(generate("trap", 7), Scenario("turn-right")))
     assert not made.complete and made.failure.is_shrunk
 
@@ -261,8 +261,8 @@ def test_shrinking_that_is_cut_short_gives_its_best_so_far(monkeypatch):
 
 def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_nothing_is_to_be_shrunk(monkeypatch):
     at = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now))
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now))
     schedule = Schedule(100.0)
     schedule.begin()
     assert schedule.deadline() == Deadline(1075.0, 1087.5)
@@ -277,7 +277,7 @@ def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_not
 @pytest.mark.parametrize(("start_up", "left"), [(2.0, 98.0), (60.0, 97.0)])
 def test_what_start_up_takes_counts_up_to_three_seconds(start_up, left, monkeypatch):
     at = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
     schedule = Schedule(100.0, began=0.0)
     at.now = start_up
     schedule.begin()
@@ -318,7 +318,7 @@ def test_json_of_a_campaign_says_how_long_each_part_took(tmp_path):
 
 @pytest.mark.parametrize(("tried", "loading", "is_over"), [(0.0, 0.0, False), (6.0, 0.0, False), (6.0, 5.0, True)])
 def test_what_the_controller_took_before_the_search_counts_in_full(tried, loading, is_over, monkeypatch):
-    monkeypatch.setattr("fuzz.schedule.time.monotonic", lambda: 100.0)
+    monkeypatch.setattr("fuzz.campaign.schedule.time.monotonic", lambda: 100.0)
     schedule = Schedule(10.0, began=80.0, own=tried)
     schedule.begin(loading)
     assert schedule.is_over() == is_over

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from fuzz.campaign import Campaign, Found
-from fuzz.config import CampaignConfig
-from fuzz.judging import replay
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import Campaign, Found
+from fuzz.campaign.unit import run_unit
+from fuzz.triage.judging import replay
 from sim.scenario import Scenario
 from worldgen import check_certificate
 

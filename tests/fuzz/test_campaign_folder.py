@@ -17,18 +17,18 @@ from types import SimpleNamespace
 
 import pytest
 
-import fuzz.ledger.folder
-from fuzz.campaign import Campaign, Shrinking
-from fuzz.config import CampaignConfig
-from fuzz.crews import Alone, WorkersLost
-from fuzz.deadline import Deadline
-from fuzz.lanes.native import Pace
-from fuzz.ledger import CampaignFolder, Goal, begin, read_error, resume, setup_of, stored_seed
-from fuzz.ledger.setup import config_of, digest_of_sources
-from fuzz.session import CampaignSession
-from fuzz.summary import units_in_words
-from fuzz.unit import run_unit
-from fuzz.variation import Variation
+import fuzz.campaign.store.folder
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.deadline import Deadline
+from fuzz.campaign.executors import Alone, WorkersLost
+from fuzz.campaign.run import Campaign, Shrinking
+from fuzz.campaign.session import CampaignSession
+from fuzz.campaign.store import CampaignFolder, Goal, begin, read_error, resume, setup_of, stored_seed
+from fuzz.campaign.store.fingerprint import config_of, digest_of_sources
+from fuzz.campaign.summary import units_in_words
+from fuzz.campaign.unit import run_unit
+from fuzz.campaign.variation import Variation
+from fuzz.search.native import Pace
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -79,7 +79,7 @@ def copied(whole, tmp_path):
 
 @pytest.mark.parametrize("seed", some(range(4)))
 def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(seed, whole, tmp_path, monkeypatch):
-    chance, write = random.Random(seed), fuzz.ledger.folder.write_bytes
+    chance, write = random.Random(seed), fuzz.campaign.store.folder.write_bytes
     left, killed, done = 0, 0, False
 
     def write_or_die(path, data, *, force):
@@ -89,7 +89,7 @@ def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(seed
             raise Killed
         write(path, data, force=force)
 
-    monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", write_or_die)
+    monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", write_or_die)
     while not done:
         left = chance.randrange(1, 14)
         try:
@@ -177,8 +177,8 @@ def test_a_campaign_whose_seed_was_drawn_is_found_again_by_the_same_command(copi
 def ticking(patch, start=0):
     """A clock that goes on by a second with each look at it."""
     clock = count(start).__next__
-    patch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=clock))
-    patch.setattr("fuzz.deadline.time", SimpleNamespace(time=clock))
+    patch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=clock))
+    patch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=clock))
 
 
 def test_a_time_counts_anew(copied, monkeypatch, capsys):
@@ -203,10 +203,10 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
         return Shrinking(failure, complete=False)
 
     with monkeypatch.context() as patch:
-        patch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-        patch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
-        patch.setattr("fuzz.campaign.run_unit", unit_of_15_s)
-        patch.setattr("fuzz.campaign.shrunk_or_same", endless_shrinking)
+        patch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+        patch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
+        patch.setattr("fuzz.campaign.run.run_unit", unit_of_15_s)
+        patch.setattr("fuzz.campaign.run.shrunk_or_same", endless_shrinking)
         run(begin(CONFIG, tmp_path / "out", Goal(seconds=40.0)))
     assert at.now == 1_000.0
     said = capsys.readouterr()
@@ -232,8 +232,8 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
         return replace(result, cut=bool(result.failures))
 
     with monkeypatch.context() as at_once:
-        at_once.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-        at_once.setattr("fuzz.campaign.run_unit", cut_where_it_failed)
+        at_once.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+        at_once.setattr("fuzz.campaign.run.run_unit", cut_where_it_failed)
         assert run(begin(CONFIG, out, Goal(seconds=60.0))) == 1
     said = json.loads(capsys.readouterr().out)
     assert said["units_cut"] == 1 and said["failures"] and list(out.glob("*.grid"))
@@ -246,7 +246,7 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
 def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped(tmp_path, monkeypatch):
     config = replace(CONFIG, families=("archive",), examples=4, shrink=False)
     for lane in ("archive", "native"):
-        monkeypatch.setattr(f"fuzz.lanes.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
+        monkeypatch.setattr(f"fuzz.search.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
 
     def left(name):
         sitting = begin(config, tmp_path / name, Goal(units=4))
@@ -260,8 +260,8 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         return run_unit(config, unit, known, Deadline(begin=1.0) if unit == 1 else deadline)
 
     with monkeypatch.context() as once:
-        once.setattr("fuzz.deadline.time", SimpleNamespace(time=count().__next__))
-        once.setattr("fuzz.campaign.run_unit", cut_in_the_second)
+        once.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))
+        once.setattr("fuzz.campaign.run.run_unit", cut_in_the_second)
         cut, entries = left("stopped")
     # The unit 3 knows what the unit 1 met.
     whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
@@ -295,9 +295,9 @@ class StuckInTheFirst(Alone):
 @pytest.fixture
 def stuck(monkeypatch):
     at = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
-    monkeypatch.setattr("fuzz.campaign.LISTEN", 0.0)
+    monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.run.LISTEN", 0.0)
     return StuckInTheFirst(at)
 
 
@@ -467,9 +467,7 @@ def test_a_second_writer_is_refused(copied):
 
 @pytest.mark.gate
 def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
-    script = (
-        f"import time; from pathlib import Path; from fuzz.ledger import CampaignFolder as F\nF(Path({str(copied)!r}))"
-    )
+    script = f"import time; from pathlib import Path; from fuzz.campaign.store import CampaignFolder\nheld = CampaignFolder(Path({str(copied)!r}))"
     process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
     process.stdout.readline()
     with raises(OutputError, "campaign-is-running", out=str(copied)):
@@ -499,7 +497,7 @@ def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
 
 @pytest.mark.gate
 def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(whole, tmp_path, monkeypatch):
-    write, left = fuzz.ledger.folder.write_bytes, 9
+    write, left = fuzz.campaign.store.folder.write_bytes, 9
 
     def full(path, data, *, force):
         nonlocal left
@@ -508,7 +506,7 @@ def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(w
             raise OutputError("unwritable", "{path}: cannot be written: No space left on device", path=path)
         write(path, data, force=force)
 
-    monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", full)
+    monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", full)
     result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
     assert result.code == 2 and "No space left on device; what is there is whole: make room, and" in result.err
     assert read_error(tmp_path).code == "broken-off"
@@ -534,7 +532,7 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
 )  # fmt: skip
 def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_the_core_does_not(tmp_path, file, same):
     (tmp_path / file).parent.mkdir(parents=True)
-    (tmp_path / "fuzz/campaign.py").write_text("")
+    (tmp_path / "fuzz/failure.py").write_text("")
     before = digest_of_sources([tmp_path / "fuzz"])
     (tmp_path / file).write_text("changed")
     assert (digest_of_sources([tmp_path / "fuzz"]) == before) is same

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from fuzz.chance import seeds_that_fail
+from fuzz.evidence_checks import object_to_breach, objection
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.judging import failure_of, judge, replay
-from fuzz.oracles import object_to_breach, objection
-from fuzz.signature import failure_class
+from fuzz.triage.judging import failure_of, judge, replay
+from fuzz.triage.signature import failure_class
 from sim import simulate
 from sim.episode import prepare
 from sim.evidence import BudgetEvidence
 from sim.scenario import Scenario
 from worldgen import Cut
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 FAULTS = resources.files("corpora") / "thesis-faults"
 CAUSES = ("slide", "back-off", "corner")

@@ -11,14 +11,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzz.chance import Chance, chance_details, chance_of, in_words
-from fuzz.judging import failure_of
-from fuzz.oracles.chance import object_to_chance
-from fuzz.proofs import certified
+from fuzz.evidence_checks.chance import object_to_chance
 from fuzz.shrink import shrink
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
 from sim import RobotOptions, simulate, simulate_many
 from sim.chance import ARRIVED, explore
 from sim.controllers.base import CompiledController
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.reference.sim import layout

@@ -14,15 +14,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzz.campaign import Campaign, UnitDone
-from fuzz.config import CampaignConfig
-from fuzz.crews import WorkersLost, crew_at
-from fuzz.crews.errand import Errand
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.executors import WorkersLost, crew_at
+from fuzz.campaign.executors.remote import Errand
+from fuzz.campaign.run import Campaign, UnitDone
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.installation import pip_install
+from worldgen.plugins.installation import pip_install
 
 pytestmark = [
     pytest.mark.gate,
@@ -155,7 +155,7 @@ def test_a_scheduler_that_is_killed_ends_the_campaign_in_one_sentence(tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr("fuzz.crews.cluster._TO_CONNECT", 0.5)
+    monkeypatch.setattr("fuzz.campaign.executors.dask._TO_CONNECT", 0.5)
     options = ("--controller", "turn-right", "--units", 1, "--seed", 1)
     result = worldgen("fuzz", *options, "--scheduler", "tcp://127.0.0.1:1", "--out", tmp_path / "out")
     assert result.code == 2 and "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in result.err
@@ -168,7 +168,7 @@ def test_what_is_no_address_is_refused_before_anything_is_asked(address):
 
 
 def test_without_dask_the_way_to_install_it_is_said(monkeypatch):
-    monkeypatch.delitem(sys.modules, "fuzz.crews.cluster", raising=False)
+    monkeypatch.delitem(sys.modules, "fuzz.campaign.executors.dask", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InvalidParameter, match=re.escape(pip_install("dask"))):
         crew_at("tcp://127.0.0.1:1", CONFIG)

@@ -14,7 +14,7 @@ from fuzz.corpus.index import INDEX_FOLDER
 from fuzz.failure import Failure
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
-from worldgen.installation import pip_install
+from worldgen.plugins.installation import pip_install
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP = FAULTS / "thesis-1-loop-104.grid"

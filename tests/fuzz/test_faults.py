@@ -9,8 +9,8 @@ import pytest
 from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tables, tells
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
-from fuzz.judging import failure_of
-from fuzz.proofs import certified
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario

@@ -3,11 +3,11 @@
 import numpy as np
 from hypothesis import given
 
-from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.search.features import LAYOUT_BYTES, decode_world
 from fuzz.strategies import feature_worlds, layouts
 from sim.controllers import CONTROLLERS
-from sim.lattice_run import LatticeRun
-from sim.run_options import RunOptions
+from sim.options.run import RunOptions
+from sim.runners.lattice import LatticeRun
 from worldgen import check_certificate
 
 

@@ -10,19 +10,20 @@ import numpy as np
 import pytest
 
 from build_tools.cores import compiler
-from fuzz.config import CampaignConfig
-from fuzz.lanes.native import scenes
-from fuzz.native import evaluate
-from fuzz.unit import run_unit
-from sim import containment, guarded, simulate
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
+from fuzz.screening import evaluate
+from fuzz.search.native import scenes
+from sim import simulate
 from sim.chance import ENDED, explore
 from sim.controllers import CONTROLLERS
-from sim.edited_runs import CellEdit, EditedRuns, EditKind, Wanted
-from sim.lattice_run import LatticeRun
+from sim.controllers.shared import containment, guarded
+from sim.controllers.shared.object_file import include_folder
+from sim.options.run import RunOptions
 from sim.outcome import LIMIT
-from sim.run_options import RunOptions
+from sim.runners.edited import CellEdit, EditedRuns, EditKind, Wanted
+from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
-from sim.shared_object import include_folder
 from worldgen import generate
 from worldgen.random_streams import RandomStream
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.hazards import can_sense, is_unsensed
-from fuzz.judging import failure_of, replay
-from fuzz.proofs import certified
 from fuzz.shrink import shrink
+from fuzz.triage.hazards import can_sense, is_unsensed
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World
-from worldgen.grid_file import loads, read_world
+from worldgen.files.grid import loads, read_world
 from worldgen.timeline import CellState, Timeline
 
 AHEAD = """

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.config import CampaignConfig
-from fuzz.features import LAYOUT_BYTES, SCENE_BYTES, decode_scene, decode_world
-from fuzz.judging import failure_of, replay
-from fuzz.native import evaluate
-from fuzz.proofs import certified
-from fuzz.unit import run_unit
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
+from fuzz.screening import evaluate
+from fuzz.search.features import LAYOUT_BYTES, SCENE_BYTES, decode_scene, decode_world
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
@@ -18,7 +18,7 @@ from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import dumps
+from worldgen.files.grid import dumps
 from worldgen.lattice import UNIT
 from worldgen.random_streams import RandomStream
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
 from fuzz.faults.as_classes import AsClass
-from fuzz.judging import replay
-from fuzz.lanes.native import scenes as drawn
-from fuzz.native import evaluate
-from fuzz.native.one_by_one import OneByOne
-from fuzz.unit import run_unit
+from fuzz.screening import evaluate
+from fuzz.screening.one_by_one import OneByOne
+from fuzz.search.native import scenes as drawn
+from fuzz.triage.judging import replay
 from sim import Command, Commands
 from sim.controllers import CONTROLLERS
-from sim.controllers.program_batch import Offer
+from sim.controllers.programs.batch import Offer
 from sim.episode import prepare
 from sim.scenario import Scenario
 from worldgen.lattice import UNIT
@@ -232,7 +232,7 @@ def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
 @pytest.mark.gate
 @pytest.mark.parametrize("name", ["Many", "Many+motion=endpoint", "ManyFragile"])
 def test_a_look_at_a_vector_class_is_its_run_alone_in_the_decoded_world(name, monkeypatch):
-    monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 16)
+    monkeypatch.setattr("fuzz.screening.in_lockstep.PLACES", 16)
     looks = look(named(name), 100, budget=300)
     assert_looks_are_runs(looks)
     assert {"crash" if name == "ManyFragile" else "undecided", "reached"} <= set(looks.verdict)
@@ -241,7 +241,7 @@ def test_a_look_at_a_vector_class_is_its_run_alone_in_the_decoded_world(name, mo
 @pytest.mark.gate
 def test_a_vector_class_looks_the_same_for_any_number_of_places(monkeypatch):
     few = look(named("Many"), 200)
-    monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 3)
+    monkeypatch.setattr("fuzz.screening.in_lockstep.PLACES", 3)
     assert (look(named("Many"), 200).raw == few.raw).all()
 
 

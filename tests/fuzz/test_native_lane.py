@@ -5,14 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from fuzz.config import CampaignConfig
-from fuzz.judging import replay
-from fuzz.lanes.native import Few, fits, scenes
-from fuzz.lanes.plan import planned_lane
-from fuzz.native import evaluate
-from fuzz.result import Memory
-from fuzz.unit import run_unit
-from fuzz.variation import Variation
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Memory
+from fuzz.campaign.unit import run_unit
+from fuzz.campaign.variation import Variation
+from fuzz.screening import evaluate
+from fuzz.search.native import Few, fits, scenes
+from fuzz.search.plan import planned_lane
+from fuzz.triage.judging import replay
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.oracles import objection
+from fuzz.evidence_checks import objection
 from sim import MOTIONS, Command, simulate
+from sim.describe import evidence_in_words
 from sim.episode import prepare
 from sim.evidence import BurnedEvidence
-from sim.run_options import RunOptions
-from sim.words import evidence_in_words
+from sim.options.run import RunOptions
 from worldgen import CellState, Event, Pose, Target, Timeline, Witness, World
 
 SWEPT, ENDPOINT = MOTIONS.get("swept"), MOTIONS.get("endpoint")

@@ -12,7 +12,7 @@ from fuzz.studio.messages import message_of
 from sim import simulate
 from tests.helpers.page_scripts import FOLDER, called, missing_node, run_tests
 from worldgen import generate
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 pytestmark = pytest.mark.skipif(bool(missing_node()), reason=missing_node() or "-")
 

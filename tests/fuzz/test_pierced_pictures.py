@@ -9,9 +9,9 @@ import pytest
 from PIL import Image
 
 from sim import simulate
-from sim.picture import drive_of, trail_of
-from sim.pierced import pierced_cells
-from worldgen.grid_file import read_world
+from sim.drawing.picture import drive_of, trail_of
+from sim.drawing.wall_penetrations import pierced_cells
+from worldgen.files.grid import read_world
 from worldgen.render import Frame, draw_gif, draw_png, draw_svg
 from worldgen.render.palette import PIERCED, rgb
 from worldgen.world import Pose, Target, World

@@ -4,10 +4,10 @@ from collections import Counter
 
 import pytest
 
-from fuzz.config import CampaignConfig
-from fuzz.lanes import check_lane
-from fuzz.lanes.plan import Prices, lane_shares, lanes_for, planned_lane
-from fuzz.result import LaneYield, Memory
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import LaneYield, Memory
+from fuzz.search.plan import Prices, lane_shares, lanes_for, planned_lane
+from fuzz.search.registry import check_lane
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter

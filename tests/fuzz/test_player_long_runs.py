@@ -9,7 +9,7 @@ from fuzz.player import drawn_run
 from fuzz.player.memory import BLOCKED
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from sim.long_runs import MOST_HELD
+from sim.runners.long_runs import MOST_HELD
 from tests.fuzz.test_player_memory import room, shapes
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
@@ -19,8 +19,8 @@ LITTLE = 1 << 21
 
 @pytest.fixture
 def little(monkeypatch):
-    monkeypatch.setattr("sim.lattice_run.MOST_HELD", LITTLE)
-    monkeypatch.setattr("sim.long_runs.in_portions.MOST_HELD", LITTLE)
+    monkeypatch.setattr("sim.runners.lattice.MOST_HELD", LITTLE)
+    monkeypatch.setattr("sim.runners.long_runs.in_portions.MOST_HELD", LITTLE)
 
 
 def driven(*, lean, steps=2000):

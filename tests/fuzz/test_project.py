@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from fuzz import project as module
-from fuzz.campaign import Campaign
-from fuzz.project import FIXED, KNOWN, Project
+from fuzz.campaign.run import Campaign
+from fuzz.ci import project as module
+from fuzz.ci.project import FIXED, KNOWN, Project
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.cli import configuration
 from worldgen.errors import FormatError, InvalidParameter, OutputError
-from worldgen.installation import Origin
+from worldgen.plugins.installation import Origin
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "ci"
 ROBOT = "./robot.py:Robot"

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzz.answer import State, answer, summary_in_words
 from fuzz.failure import Failure
-from fuzz.judging import failure_of, replay
-from fuzz.regression import CONFIRMED, Seen, check, run, tell
+from fuzz.replay.answer import State, answer, summary_in_words
+from fuzz.replay.regression import CONFIRMED, Seen, check, run, tell
+from fuzz.triage.judging import failure_of, replay
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 from worldgen.world import Pose, Target, World
 
 BREACH = Path("corpora/thesis-faults/thesis-1-breach.grid")

@@ -27,7 +27,7 @@ from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.world import FailureRecord
 
 

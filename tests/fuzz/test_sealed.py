@@ -5,12 +5,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fuzz.proofs import walled_off
-from fuzz.sealed import SEALED_BYTES, decode_sealed
+from fuzz.search.sealed import SEALED_BYTES, decode_sealed
+from fuzz.triage.proofs import walled_off
 from sim.episode import prepare
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 from worldgen.reach import BLOCKED, check_certificate, decide
 from worldgen.world import Pose, Target, World
 

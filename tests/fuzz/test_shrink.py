@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.unit import run_unit
 from fuzz.failure import Failure
-from fuzz.judging import failure_of, replay
-from fuzz.proofs import certified
 from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
 from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
-from fuzz.unit import run_unit
-from sim.edited_runs import has_sure_way
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
+from sim.runners.edited import has_sure_way
 from sim.scenario import Scenario
-from sim.thesis_options import ThesisOptions
+from sim.thesis.options import ThesisOptions
 from tests.helpers.raising import raises
 from worldgen import (
     CellState,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.judging import failure_of, replay
-from fuzz.proofs import certified
 from fuzz.shrink import ORDER, PASSES, snippet, trying
+from fuzz.triage.judging import failure_of, replay
+from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.asked import worlds as corresponding
-from fuzz.contacts import contacts, enclosure, part_of, times_round
-from fuzz.features import LAYOUT_BYTES, decode_world
-from fuzz.proofs import certified
-from fuzz.signature import failure_class
+from fuzz.oracles import worlds as corresponding
+from fuzz.search.features import LAYOUT_BYTES, decode_world
+from fuzz.triage.contacts import contacts, enclosure, part_of, times_round
+from fuzz.triage.proofs import certified
+from fuzz.triage.signature import failure_class
 from sim.episode import Episode, simulate
 from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence
 from sim.trace import Trace

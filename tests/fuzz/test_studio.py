@@ -27,20 +27,20 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from fuzz.studio import Folder, Gate
 from fuzz.studio.app import FULL, MOST_MESSAGE
 from fuzz.studio.catalogue import catalogue
-from fuzz.studio.lanes import Lane
 from fuzz.studio.messages import message_of, restored, world_of
 from fuzz.studio.serving import USUAL_PORT, bind, called
 from fuzz.studio.session import Session
 from fuzz.studio.starting import check_controller
+from fuzz.studio.workers import Lane
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.helpers.studio import get, page_of, studio_of
 from worldgen import generate
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.grid_file import dumps, read_world, write_world
-from worldgen.installation import pip_install
+from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.interop import export_world
+from worldgen.plugins.installation import pip_install
 from worldgen.world import Pose, Target, World
 
 CONTROLLER = """

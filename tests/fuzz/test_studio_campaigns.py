@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import pytest
 
-from fuzz import ledger
-from fuzz.campaign import Campaign
+from fuzz.campaign import store
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.session import configure
 from fuzz.failure import Failure
 from fuzz.report.summary import MEMORY
-from fuzz.session import configure
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
@@ -25,8 +25,8 @@ from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import HANGS, SHORT, acts, begin, watch
 from worldgen import generate
 from worldgen.errors import OutputError
-from worldgen.grid_file import read_world, write_world
-from worldgen.locks import holder, lock, sign
+from worldgen.files.grid import read_world, write_world
+from worldgen.files.locks import holder, lock, sign
 from worldgen.world import FailureRecord
 
 
@@ -355,13 +355,13 @@ def stored(tmp_path):
     config = configure(
         controller="turn-right", motion="swept", families=("trap",), examples=8, seed=1, fixed_map=None, time_step=None
     )
-    ledger.begin(config, tmp_path / "c", ledger.Goal(units=2)).folder.close()
+    store.begin(config, tmp_path / "c", store.Goal(units=2)).folder.close()
     return tmp_path / "c"
 
 
 def give_up(out):
     """Has a command that writes there end with an error."""
-    with raises(OutputError, "worker-died"), ledger.errors_recorded(out):
+    with raises(OutputError, "worker-died"), store.errors_recorded(out):
         raise OutputError("worker-died", "a worker of {out} died", "give fewer --workers", at_terminal=True, out=out)
 
 
@@ -374,7 +374,7 @@ def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder
 
 def test_a_campaign_that_begins_again_has_not_given_up(stored):
     give_up(stored)
-    ledger.resume(stored).folder.close()
+    store.resume(stored).folder.close()
     assert campaign_state(stored, "c")["error"] is None
 
 
@@ -396,7 +396,7 @@ def test_a_record_that_no_campaign_wrote_is_passed_over(stored, changes):
     give_up(stored)
     file = stored / MEMORY / "error.json"
     file.write_text(json.dumps(json.loads(file.read_text()) | changes))
-    assert ledger.read_error(stored) is None
+    assert store.read_error(stored) is None
 
 
 def test_a_folder_without_a_campaign_gets_no_record(tmp_path):

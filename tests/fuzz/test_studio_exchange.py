@@ -9,7 +9,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import generate
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.interop import FORMATS
 
 pytest.importorskip("starlette", reason="the studio's extra is not here")

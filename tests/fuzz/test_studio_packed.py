@@ -10,7 +10,7 @@ from sim import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of
 from tests.helpers.studio_packed import FAILURES, PACKERS, fill, pack_zip, studio_with_kinds
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.world import World
 
 pytestmark = pytest.mark.nightly  # what they share takes half a minute

@@ -14,7 +14,7 @@ from tests.helpers.studio_campaign import begin, watch
 from tests.repo.test_errors_are_data import MESSAGES
 from worldgen import generate
 from worldgen.errors import FormatError, InvalidParameter, Message, Note
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 
 AT_TERMINAL = {
     (str(call.args[0].value), place): {str(keyword.arg) for keyword in call.keywords}

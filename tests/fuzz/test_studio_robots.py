@@ -8,7 +8,7 @@ from fuzz.studio.messages import message_of
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.studio import page_of, studio_of
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 

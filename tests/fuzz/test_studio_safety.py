@@ -27,9 +27,9 @@ from tests.helpers.studio import free_port, page_of, studio_of
 from tests.helpers.studio_campaign import begin
 from worldgen import generate
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 from worldgen.interop import export_world
-from worldgen.registry import LOAD_SECONDS
+from worldgen.plugins.registry import LOAD_SECONDS
 from worldgen.world import FailureRecord, Provenance
 
 FAILURE = Path(__file__).parents[2] / "corpora/thesis-faults/thesis-1-loop-104.grid"

@@ -2,9 +2,9 @@
 
 import pytest
 
-from fuzz.campaign import Campaign
-from fuzz.config import CampaignConfig
-from fuzz.summary import controller_share, summary_of, times_in_words
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import Campaign
+from fuzz.campaign.summary import controller_share, summary_of, times_in_words
 from sim.scenario import Scenario
 
 

@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-from worldgen.grid_file import read_world, world_digest, write_world
+from worldgen.files.grid import read_world, world_digest, write_world
 
 CORPUS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP, TUNNEL, STALLED = "thesis-1-loop-104.grid", "thesis-2-slide.grid", "thesis-1-confined.grid"

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.lattice_core import MOST_CORNERS, Arena, beam_tables, grid_of, headings
-from worldgen.ccall import pointer, writable
+from sim.runners.core_calls import MOST_CORNERS, Arena, beam_tables, grid_of, headings
+from worldgen.support.ccall import pointer, writable
 
 Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from worldgen.interop.boxes import closing_boxes
+from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.world import Pose, Target, World
 
 __all__ = ["TINY", "any_worlds", "covered_cells", "glb_parts", "solid_volume", "stl_triangles", "volume"]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from worldgen import Pose, Target, World, write_world
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 
 # A gap of one cell between two halls; a disc of more than half a cell does not pass it.
 GAP = (

@@ -7,8 +7,8 @@ import numpy as np
 from PIL import Image
 
 from worldgen.errors import InvalidWorld
+from worldgen.files.grid import dumps
 from worldgen.generation import generate
-from worldgen.grid_file import dumps
 from worldgen.interop import FORMATS, export_world
 from worldgen.world import Pose, Target, World
 

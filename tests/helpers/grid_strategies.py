@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from worldgen.grid_file import dumps
+from worldgen.files.grid import dumps
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzz.native.batch import LOOK, Batch, Patience, Seat, ffi, lib
+from fuzz.screening.batch import LOOK, Batch, Patience, Seat, ffi, lib
 
 
 class Drawn(NamedTuple):

@@ -8,8 +8,8 @@ import numpy as np
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.thesis_core import Setup
-from worldgen.ccall import check, pointer
+from sim.thesis.core_calls import Setup
+from worldgen.support.ccall import check, pointer
 
 SLIDE: int = _lib.WG_SLIDE
 WEAKENED: int = _lib.WG_SIGNAL_WEAKENED

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fuzz.asked import worlds
+from fuzz.oracles import worlds
 from worldgen.world import Pose, Target, Witness, World
 
 __all__ = ["mirrored", "scaled", "turned"]

@@ -32,7 +32,7 @@ FAULTS = (
     # Worlds and their files
     Fault(
         "upside-down", "a world that is written and read is the same world",
-        "worldgen/grid_file/writer.py", "rows = flip_rows(world.walls)", "rows = world.walls",
+        "worldgen/files/grid/writer.py", "rows = flip_rows(world.walls)", "rows = world.walls",
         ("tests/worldgen/test_grid_file.py",),
     ),
     Fault(
@@ -44,28 +44,29 @@ FAULTS = (
     # Proofs
     Fault(
         "disc-too-small", "the prover lets no disc through a gap that is too narrow",
-        "worldgen/reach/walls.py", "return (radius * UNIT) ** 2", "return (radius * UNIT - UNIT // 8) ** 2",
+        "worldgen/reach/still/walls.py", "return (radius * UNIT) ** 2", "return (radius * UNIT - UNIT // 8) ** 2",
         ("tests/worldgen/test_reach.py",),
     ),
     Fault(
         "free-cells", "the checker refuses a cut through a cell that is free",
-        "worldgen/reach/check.py", "_require(outside or bool(blocked[iy, ix]),", "_require(outside or ix >= 0,",
+        "worldgen/reach/check/certificate.py",
+        "_require(outside or bool(blocked[iy, ix]),", "_require(outside or ix >= 0,",
         ("tests/worldgen/test_reach_check.py",),
     ),
     Fault(
         "ends-early", "the checker refuses a witness that ends outside the target",
-        "worldgen/reach/check.py", "_require(missed <= TOLERANCE", "_require(missed <= 1.0",
+        "worldgen/reach/check/certificate.py", "_require(missed <= TOLERANCE", "_require(missed <= 1.0",
         ("tests/worldgen/test_reach_check.py",),
     ),
     Fault(
         "fire-forgotten", "the checker refuses a witness through a cell while it is blocked",
-        "worldgen/reach/check.py", "(since[cell] <= end[piece]) & (until[cell] > begin[piece])",
+        "worldgen/reach/check/certificate.py", "(since[cell] <= end[piece]) & (until[cell] > begin[piece])",
         "(since[cell] <= end[piece]) & (until[cell] > end[piece])",
         ("tests/worldgen/test_reach_check.py", "tests/worldgen/test_reach_timed.py"),
     ),
     Fault(
         "no-margin-of-time", "a timed witness is clear of every change, at every time",
-        "worldgen/reach/timed.py", "points[far], times[at] - MARGIN, times[far] + MARGIN)",
+        "worldgen/reach/timed/earliest.py", "points[far], times[at] - MARGIN, times[far] + MARGIN)",
         "points[far], times[at] - MARGIN, times[at] + MARGIN)",
         ("tests/worldgen/test_reach_timed.py",),
     ),
@@ -115,7 +116,7 @@ FAULTS = (
     ),
     Fault(
         "fleet-in-transit", "robots in lockstep do what each does alone",
-        "sim/fleet_run.py", 'ends = entries[looped] + reports["period"][looped]',
+        "sim/runners/lockstep.py", 'ends = entries[looped] + reports["period"][looped]',
         'ends = entries[looped] + 2 * reports["period"][looped]',
         ("tests/sim/test_vector_controllers.py",),
     ),
@@ -126,13 +127,13 @@ FAULTS = (
     ),
     Fault(
         "secret-memory", "a controller with memory that it doesn't declare proves no loop",
-        "sim/python_loop.py", "self.complete = hidden is not None and hidden_state(self._controller) == hidden",
+        "sim/runners/python_loop.py", "self.complete = hidden is not None and hidden_state(self._controller) == hidden",
         "self.complete = True",
         ("tests/sim/test_episode.py",),
     ),
     Fault(
         "fast-audit", "an audit finds every move that is faster than the robot",
-        "sim/audit.py", "rows = np.flatnonzero(steps > allowed + slack)",
+        "sim/audit/judge.py", "rows = np.flatnonzero(steps > allowed + slack)",
         "rows = np.flatnonzero(steps > 2.0 * allowed + slack)",
         ("tests/sim/test_audit.py",),
     ),
@@ -144,7 +145,7 @@ FAULTS = (
     # The fuzzer
     Fault(
         "loose-oracle", "the oracle of a loop compares two whole periods, state by state",
-        "fuzz/oracles/loop.py", "if not np.array_equal(one, two):", "if one.shape != two.shape:",
+        "fuzz/evidence_checks/loop.py", "if not np.array_equal(one, two):", "if one.shape != two.shape:",
         ("tests/fuzz/test_oracles.py",),
     ),
     Fault(
@@ -162,28 +163,28 @@ FAULTS = (
     ),
     Fault(
         "classes-merged", "failures that touch walls differently are in different classes",
-        "fuzz/signature.py", "[min(count, 3)]", "[min(count, 1)]",
+        "fuzz/triage/signature.py", "[min(count, 3)]", "[min(count, 1)]",
         ("tests/fuzz/test_signature.py", "tests/quality/test_library_failures.py"),
     ),
     Fault(
         "unit-by-chance", "with --units a campaign's corpus depends on its seed alone",
-        "fuzz/lanes/task.py", "return RandomStream(self.config.seed)",
+        "fuzz/search/task.py", "return RandomStream(self.config.seed)",
         "return RandomStream(self.config.seed + id(self) // 16 % 997)",
         ("tests/fuzz/test_campaign.py",),
     ),
     Fault(
         "resumed-short", "a campaign that is stopped and resumed ends as one that was not",
-        "fuzz/ledger/entry.py", 'steps=int(entry["steps"]),', "steps=0,",
+        "fuzz/campaign/store/entry.py", 'steps=int(entry["steps"]),', "steps=0,",
         ("tests/fuzz/test_campaign_folder.py",),
     ),
     Fault(
         "old-names", "a baseline's failures are run again, so that no old name hides a new class",
-        "fuzz/corpus/baseline.py", "now, reason = _failure_now(world)", 'now, reason = world, ""',
+        "fuzz/corpus/baseline.py", "now, reason = _failure_now(failure)", 'now, reason = failure, ""',
         ("tests/fuzz/test_baseline.py",),
     ),
     Fault(
         "any-digest", "replay compares the digest of every state",
-        "fuzz/judging.py", "if episode.trace_digest != record.trace_digest:",
+        "fuzz/triage/judging.py", "if episode.trace_digest != record.trace_digest:",
         "if len(episode.trace_digest) != len(record.trace_digest):",
         ("tests/fuzz/test_commands.py",),
     ),
@@ -195,12 +196,12 @@ FAULTS = (
     # Formats
     Fault(
         "map-upside-down", "an imported map has its walls where they were",
-        "worldgen/interop/ros.py", "flip_rows(walls), metadata.resolution,", "walls, metadata.resolution,",
+        "worldgen/interop/formats/ros.py", "flip_rows(walls), metadata.resolution,", "walls, metadata.resolution,",
         ("tests/worldgen/test_ros_map.py",),
     ),
     Fault(
         "export-upside-down", "what is exported and imported again is the same map",
-        "worldgen/interop/ros.py", "solid = flip_rows(world.walls)", "solid = world.walls",
+        "worldgen/interop/formats/ros.py", "solid = flip_rows(world.walls)", "solid = world.walls",
         ("tests/worldgen/test_ros_out.py", "tests/worldgen/test_formats.py"),
     ),
     Fault(

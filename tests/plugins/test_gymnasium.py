@@ -22,7 +22,7 @@ from tests.sim.test_batch import burning
 from tests.sim.test_episode import arena
 from worldgen import InvalidParameter, Pose, Target, World, generate, read_world, write_world
 from worldgen.difficulty import measure
-from worldgen.installation import pip_install
+from worldgen.plugins.installation import pip_install
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVectorEnv
 from worldgen_plugins.for_gymnasium.interface import SENSORS

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.judging import failure_of, replay
+from fuzz.triage.judging import failure_of, replay
 from sim.scenario import Scenario
 from worldgen.generation import generate
 

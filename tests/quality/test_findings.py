@@ -4,8 +4,8 @@ import functools
 
 import pytest
 
-from fuzz.campaign import Campaign
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import Campaign
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from sim.scenario import Scenario

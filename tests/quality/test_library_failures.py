@@ -5,10 +5,10 @@ import pathlib
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.judging import replay
-from fuzz.signature import failure_class
+from fuzz.triage.judging import replay
+from fuzz.triage.signature import failure_class
 from sim.controllers import CONTROLLERS
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 
 ROOT = pathlib.Path(__file__).parents[2]
 FAILURES = ROOT / "corpora" / "failures"

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from sim import Scenario, simulate
-from sim.comparison import NamedWorld, compare
+from sim.compare.comparison import NamedWorld, compare
+from sim.compare.published import agreement, read_figures
 from sim.episode import prepare
-from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
-from worldgen.reach.check import check_certificate
+from worldgen.reach.check.certificate import check_certificate
 
 FOLDER = Path(__file__).parents[2] / "corpora" / "thesis"
 NAMES = [f"config-{k:02d}" for k in range(1, 11)]

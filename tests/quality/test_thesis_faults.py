@@ -8,17 +8,17 @@ import shlex
 import pytest
 
 from benchmarks.thesis_faults import KINDS, draw_worlds, tally
-from fuzz.campaign import Campaign
-from fuzz.config import CampaignConfig
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import Campaign
 from fuzz.failure import Failure
-from fuzz.judging import replay
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
+from fuzz.triage.judging import replay
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Cut, Witness, check_certificate
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.render.frame import BAND
 from worldgen.render.primitives import Path
 from worldgen.render.scene import compose

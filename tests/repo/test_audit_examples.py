@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sim.audit import audit
-from sim.audit_file import read_trajectory
+from sim.audit.file import read_trajectory
 from worldgen import read_world
 
 FOLDER = Path(__file__).parents[2] / "examples" / "audits"

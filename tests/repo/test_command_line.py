@@ -54,7 +54,7 @@ def test_a_fault_of_our_own_is_code_3_without_traceback(monkeypatch, tmp_path):
     def broken(path):
         raise RuntimeError("a bug")
 
-    monkeypatch.setattr("worldgen.grid_file.read_world", broken)
+    monkeypatch.setattr("worldgen.files.grid.read_world", broken)
     result = worldgen("show", tmp_path / "w.grid")
     assert result.code == 3 and "a fault of our own" in result.err and "Traceback" not in result.err
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.asked import ORACLES
+from fuzz.oracles import ORACLES
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
 

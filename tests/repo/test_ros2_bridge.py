@@ -14,7 +14,7 @@ import pytest
 from sim import Command, ProcessController, simulate
 from tests.helpers import fake_ros
 from worldgen import Pose, Target, World, generate
-from worldgen.grid_file import dumps
+from worldgen.files.grid import dumps
 from worldgen.world import Provenance
 
 FOLDER = Path(__file__).parents[2] / "examples" / "ros2"

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.judging import failure_of
-from fuzz.proofs import certified
 from fuzz.shrink import ORDER, PASSES
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen

@@ -4,7 +4,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from fuzz.studio.lanes import LANES
+from fuzz.studio.workers import LANES
 from tests.helpers.command_line import worldgen
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -75,7 +75,7 @@ from sim import simulate
 from sim.controllers import CONTROLLERS
 from worldgen import generate
 from worldgen.family import FAMILIES
-from worldgen.grid_file import dumps
+from worldgen.files.grid import dumps
 
 digest = hashlib.sha256()
 for family in FAMILIES.names():

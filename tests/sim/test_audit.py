@@ -19,7 +19,7 @@ from PIL import Image
 from fuzz.failure import Failure
 from sim import simulate
 from sim.audit import KINDS, Trajectory, audit
-from sim.audit_file import parse_trajectory
+from sim.audit.file import parse_trajectory
 from tests.helpers.audit_referee import second_opinion
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import changing_worlds, drawn, still_worlds

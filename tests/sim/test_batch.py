@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sim import CompiledController, RobotOptions, RunOptions, simulate, simulate_many
 from sim.batch import VERDICTS
 from sim.controllers import CONTROLLERS
-from sim.lattice_run import LatticeRun
+from sim.runners.lattice import LatticeRun
 from tests.helpers.raising import raises
 from tests.sim.test_episode import GoToTarget, arena, cup
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Timeline, generate

@@ -14,16 +14,16 @@ from PIL import Image
 from scipy.stats import binomtest
 
 from sim import Scenario, simulate
-from sim.comparison import NamedWorld, compare, standing
-from sim.comparison_report import as_csv, as_text
+from sim.compare.comparison import NamedWorld, compare, standing
+from sim.compare.published import agreement, read_figures
+from sim.compare.report import as_csv, as_text
 from sim.controllers import names_in
-from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
-from worldgen.intervals import interval_95
+from worldgen.support.intervals import interval_95
 
 EMPTY = NamedWorld("empty", hall((15, 15)))
 WALL = NamedWorld("wall", hall((24, 24), walls=[(x, 15) for x in range(10, 19)]))

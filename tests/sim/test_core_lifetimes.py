@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sim import Commands, Observations, RobotOptions, RunOptions, lattice_core, simulate
+from sim import Commands, Observations, RobotOptions, RunOptions, simulate
 from sim.controllers import CONTROLLERS
-from sim.lattice_core import Driver, Episode
-from sim.lattice_run import LatticeRun
+from sim.runners import core_calls
+from sim.runners.core_calls import Driver, Episode
+from sim.runners.lattice import LatticeRun
 from tests.sim.test_episode import cup
 
 
@@ -48,7 +49,7 @@ def test_an_arena_keeps_its_table_of_rays():
         arena = run.arena()
         if forgets:
             # What a second thread does that makes the same table at the same time.
-            lattice_core.ray_table.cache_clear()
+            core_calls.ray_table.cache_clear()
         episode = Episode(arena, run.settings, Driver(controller, controller.memory))
         episode.run_to_the_end()
         ended.append(episode.state_words().tolist())

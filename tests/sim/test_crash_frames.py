@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.crash_frames import crash_facts
+from sim.controllers.crash_frames import crash_facts
 
 ROBOT = "/home/ann/robot.py"
 

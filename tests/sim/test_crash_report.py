@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from sim.controllers import crash_report
-from sim.controllers.crash_report import report_of
+from sim.controllers.programs import crash_report
+from sim.controllers.programs.crash_report import report_of
 
 ADDRESS_SANITIZER = """\
 pose 3 4

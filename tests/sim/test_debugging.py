@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from sim.controllers import CONTROLLERS
-from sim.controllers.program import WantsMemory
+from sim.controllers.programs.program import WantsMemory
 from sim.episode import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
+from sim.describe import evidence_in_words
 from sim.episode import prepare
-from sim.words import evidence_in_words
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World, generate
@@ -77,7 +77,7 @@ def test_the_loop_entry_is_the_first_repeated_state():
 
 def test_a_loop_that_is_too_long_to_be_recorded_is_not_proved_and_no_error(monkeypatch):
     proved = simulate(arena(), Circle(), steps=3000)
-    monkeypatch.setattr("sim.lattice_run.MAX_RECORDED", proved.evidence.period)
+    monkeypatch.setattr("sim.runners.lattice.MAX_RECORDED", proved.evidence.period)
     assert (proved.verdict, simulate(arena(), Circle(), steps=3000).verdict) == ("loop", "stalled")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from sim import CompiledController, simulate
 from sim.controllers.base import robot_for
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 from tests.reference.sim import layout
 from worldgen import Pose, Target, World
 

@@ -11,7 +11,7 @@ from sim.controllers import CONTROLLERS
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
-from worldgen.registry import LOAD_SECONDS
+from worldgen.plugins.registry import LOAD_SECONDS
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
 STANDS = "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"

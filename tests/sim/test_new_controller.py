@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from sim import ProcessController, RunOptions, simulate
 from sim.commands.new_controller import new_controller
 from sim.controllers import CONTROLLERS
-from sim.shared_object import include_folder
+from sim.controllers.shared.object_file import include_folder
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import InvalidParameter, OutputError, Pose, Target, World, generate

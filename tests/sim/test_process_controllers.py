@@ -126,7 +126,9 @@ def test_a_flood_of_stderr_does_not_put_off_the_deadline():
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("sim.controllers.program.time", SimpleNamespace(monotonic=lambda: now[0], sleep=time.sleep))
+    monkeypatch.setattr(
+        "sim.controllers.programs.program.time", SimpleNamespace(monotonic=lambda: now[0], sleep=time.sleep)
+    )
 
     def send_and_look_late(*order):
         send(*order)
@@ -234,7 +236,7 @@ def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
     stubborn = program(do, at=1)
     stubborn[-1] = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)" + stubborn[-1]
     code = (
-        "import os, sys; from sim.controllers.program import Program; "
+        "import os, sys; from sim.controllers.programs.program import Program; "
         "print(Program(tuple(sys.argv[1:]), None).ask(b'{}\\n', 10.0)); os.kill(os.getpid(), 9)"
     )
     killed = subprocess.run([sys.executable, "-c", code, *stubborn], check=False)

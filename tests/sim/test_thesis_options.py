@@ -11,10 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from sim import simulate
-from sim.robot_options import RobotOptions
-from sim.thesis_core import STATE_FIELDS, WALL, Setup, signal_map
-from sim.thesis_options import ARBITERS, ThesisOptions
-from sim.thesis_run import signal_in
+from sim.options.robot import RobotOptions
+from sim.thesis.core_calls import STATE_FIELDS, WALL, Setup, signal_map
+from sim.thesis.options import ARBITERS, ThesisOptions
+from sim.thesis.run import signal_in
 from tests.helpers import thesis_parts
 from tests.helpers.raising import raises
 from tests.reference.sim.thesis_signal import bearing

@@ -7,7 +7,7 @@ from tests.helpers.drawn_worlds import drawn
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.interop import export_world, find_format, read_map
-from worldgen.interop.xml_tree import read_xml
+from worldgen.interop.readers.xml_tree import read_xml
 
 POST = """    <model name='unit_cylinder_0'>
       <static>1</static>

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from worldgen.interop import export_world
-from worldgen.interop.boxes import merged_boxes
+from worldgen.interop.geometry.boxes import merged_boxes
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 

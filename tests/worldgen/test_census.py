@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.helpers.foreign_maps import GAP, solid, write_each_kind
-from worldgen.census import CensusMap, CensusOptions, GridPlanners, Radius, folder_maps, take_census, tally
-from worldgen.census.case import cell_ends, draw_ends
 from worldgen.errors import InvalidParameter
-from worldgen.intervals import interval_95
+from worldgen.interop.census import CensusMap, CensusOptions, GridPlanners, Radius, folder_maps, take_census, tally
+from worldgen.interop.census.case import cell_ends, draw_ends
 from worldgen.random_streams import RandomStream
 from worldgen.reach import check_certificate
-from worldgen.rows import flip_rows
+from worldgen.support.intervals import interval_95
+from worldgen.support.rows import flip_rows
 
 HALF, WIDER, WHOLE = Radius(0.5, True), Radius(0.7, True), Radius(1.0, True)
 FOUR = ((0, 1), (1, 0), (0, -1), (-1, 0))

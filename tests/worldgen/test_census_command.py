@@ -11,9 +11,9 @@ import pytest
 from tests.helpers.command_line import worldgen
 from tests.helpers.foreign_maps import GAP, write_each_kind, write_octile, write_scenario, write_text
 from worldgen import Pose, Target, World, read_world, write_world
-from worldgen.census.report import CSV_COLUMNS
-from worldgen.census.tally import ROWS
-from worldgen.cli.census import census as command
+from worldgen.commands.census import census as command
+from worldgen.interop.census.report import CSV_COLUMNS
+from worldgen.interop.census.tally import ROWS
 from worldgen.reach import check_certificate
 
 TARGET = Target(0.65, 0.65, 0.05)
@@ -21,7 +21,7 @@ GENERATOR = """
 import numpy as np
 print('loading')
 
-from worldgen.census import CensusMap
+from worldgen.interop.census import CensusMap
 
 def maps(seed, *, side=6, density=0.2, border=False, kind="noise"):
     rng = np.random.default_rng(seed)
@@ -220,7 +220,7 @@ def test_ctrl_c_leaves_the_table_of_what_came_before(generator, monkeypatch):
     def stop(*args, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("worldgen.census.take.draw_ends", stop)
+    monkeypatch.setattr("worldgen.interop.census.take.draw_ends", stop)
     result = worldgen("census", generator("few"), "--seed", 1)
     assert result.code == 130 and "interrupted after 0 maps" in result.err and result.out.startswith("0 maps")
 

@@ -11,8 +11,8 @@ from tests.helpers.pieces import pieces, states_at
 from tests.helpers.raising import raises
 from worldgen.compose import Piece, above, beside, drawn, of_cells, of_family, of_world, read, rectangle
 from worldgen.errors import InvalidParameter
+from worldgen.files.grid import write_world
 from worldgen.generation import generate
-from worldgen.grid_file import write_world
 from worldgen.lattice import TURN
 
 HOW = ("over", "union", "intersection", "carve")

@@ -8,10 +8,10 @@ import pytest
 
 from tests.helpers.raising import raises
 from worldgen.difficulty import METRICS, Metrics, measure, with_metrics
-from worldgen.difficulty.way import angle
+from worldgen.difficulty.path import angle
 from worldgen.errors import FormatError, InvalidWorld
+from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, loads, world_digest
 from worldgen.world import Pose, Target, Witness, World
 
 

@@ -10,22 +10,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-import worldgen.families._mazes
 import worldgen.families.maze
+import worldgen.families.parts.mazes
 from tests.helpers.turned_worlds import mirrored, scaled, turned
 from tests.worldgen.test_difficulty import drawn
 from worldgen.difficulty import METRICS, measure
 from worldgen.difficulty import junctions as junctions_module
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.nodes import nodes_of, squared_distances
+from worldgen.difficulty.path import way_of
 from worldgen.difficulty.pockets import by_distance, pockets
 from worldgen.difficulty.surroundings import samples_of
-from worldgen.difficulty.way import way_of
-from worldgen.families._mazes.board import ways_out
+from worldgen.families.parts.mazes.board import ways_out
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.reach import decide, widest_disc
-from worldgen.reach.disc import target_disc
+from worldgen.reach.still.disc import target_disc
 from worldgen.world import Pose, Target, Witness, World
 
 every_family = pytest.mark.parametrize("name", FAMILIES.names())

@@ -12,8 +12,8 @@ from worldgen.difficulty.search import Search, wish_for
 from worldgen.difficulty.space import KEPT, drawn, free_parameters, varied
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
+from worldgen.files.grid import dumps, read_world
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, read_world
 from worldgen.random_streams import RandomStream
 
 

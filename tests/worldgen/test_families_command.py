@@ -8,12 +8,12 @@ import pytest
 
 import worldgen.sets.making
 from tests.helpers.command_line import worldgen as run
-from worldgen.cli.family_command import family_command
+from worldgen.commands.family_command import family_command
 from worldgen.difficulty import with_metrics
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
+from worldgen.files.grid import dumps, read_world, world_digest
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, read_world, world_digest
 
 every_family = pytest.mark.parametrize("name", FAMILIES.names())
 

@@ -13,9 +13,9 @@ from scipy import ndimage
 from tests.helpers.raising import raises
 from tests.reference.worldgen import planting
 from worldgen.errors import InvalidParameter
-from worldgen.families._open_ground import in_sight
-from worldgen.families._planting import disc_cells, put_down
 from worldgen.families.forest import forest
+from worldgen.families.parts.open_ground import in_sight
+from worldgen.families.parts.planting import disc_cells, put_down
 from worldgen.family import stream_for
 from worldgen.generation import generate
 

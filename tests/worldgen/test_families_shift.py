@@ -13,7 +13,7 @@ from worldgen.families.shift import shift
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, check_certificate, decide
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState, Timeline
 
 SEEDS = st.integers(0, 2**64 - 1)

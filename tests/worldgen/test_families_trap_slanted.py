@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from tests.helpers.raising import raises
-from worldgen.angles import SCALE, _sine
 from worldgen.errors import InvalidParameter
-from worldgen.families._open_ground import in_sight
-from worldgen.families._raster import box, extents, fill, turned
+from worldgen.families.parts.open_ground import in_sight
+from worldgen.families.parts.raster import box, extents, fill, turned
 from worldgen.families.trap import trap
 from worldgen.family import stream_for
 from worldgen.generation import generate
+from worldgen.support.angles import SCALE, _sine
 
 SEEDS = st.integers(0, 2**64 - 1)
 SHAPES = st.sampled_from(["U", "L", "spiral", "V", "comb", "nested", "pair"])

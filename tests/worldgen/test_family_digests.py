@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from worldgen.family import FAMILIES, stream_for
-from worldgen.grid_file.writer import world_digest
+from worldgen.files.grid.writer import world_digest
 
 SEEDS = 200
 STORED = json.loads((Path(__file__).parents[1] / "data" / "family_digests.json").read_text(encoding="utf-8"))

@@ -15,8 +15,8 @@ from tests.helpers.raising import raises
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.family import FAMILIES
+from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 from worldgen.interop import (
     FORMATS,
     HELD,

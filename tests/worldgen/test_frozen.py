@@ -7,10 +7,10 @@ import pickle
 import numpy as np
 import pytest
 
-from worldgen.families._layout import Arena
-from worldgen.frozen import frozen, hand_over
+from worldgen.families.parts.layout import Arena
+from worldgen.files.grid import dumps, loads
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, loads
+from worldgen.support.frozen import frozen, hand_over
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 

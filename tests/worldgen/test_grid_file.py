@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from tests.helpers.grid_strategies import damaged_files, values, worlds_with_everything
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidWorld, OutputError
-from worldgen.grid_file import disk, dumps, loads, read_world, world_digest, write_world
-from worldgen.grid_file.schema import EXPANSION_FLOOR, MAX_HEADER_BYTES
-from worldgen.rows import flip_rows
+from worldgen.files.grid import disk, dumps, loads, read_world, world_digest, write_world
+from worldgen.files.grid.schema import EXPANSION_FLOOR, MAX_HEADER_BYTES
+from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 
@@ -306,7 +306,7 @@ def test_an_integer_at_the_limit_survives():
 
 def test_reading_imports_no_heavy_library():
     code = (
-        "import sys; from worldgen.grid_file import read_world; read_world(sys.argv[1]);"
+        "import sys; from worldgen.files.grid import read_world; read_world(sys.argv[1]);"
         "print(*{'numba', 'scipy', 'shapely', 'PIL', 'click'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code, GOLDEN], capture_output=True, text=True, check=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from worldgen.grid_file import dumps, loads, schema
+from worldgen.files.grid import dumps, loads, schema
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "grid-format.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```grid\n(.*?)```", DOCUMENT, re.DOTALL)

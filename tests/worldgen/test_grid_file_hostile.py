@@ -6,7 +6,7 @@ import pytest
 
 from tests.helpers.raising import check_says
 from worldgen.errors import FormatError
-from worldgen.grid_file import loads
+from worldgen.files.grid import loads
 
 GOOD = """%worldgen-grid 1
 cell_size = 0.1

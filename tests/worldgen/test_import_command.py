@@ -16,7 +16,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.interop import import_world, place
 from worldgen.interop.place import is_clear as place_is_clear
 from worldgen.reach import check_certificate, decide

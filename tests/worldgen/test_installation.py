@@ -5,8 +5,8 @@ from importlib.metadata import PathDistribution
 
 import pytest
 
-from worldgen import installation
-from worldgen.installation import origin, pip_install, requirement
+from worldgen.plugins import installation
+from worldgen.plugins.installation import origin, pip_install, requirement
 
 
 @pytest.fixture

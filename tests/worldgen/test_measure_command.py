@@ -10,8 +10,8 @@ import pytest
 
 from tests.helpers.command_line import worldgen as run
 from worldgen.difficulty import METRICS, measure
+from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 
 
 @pytest.fixture

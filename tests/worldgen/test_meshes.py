@@ -15,8 +15,8 @@ from tests.helpers.exported_meshes import TINY, any_worlds, glb_parts, solid_vol
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.interop import Destination, export_world
-from worldgen.interop.glb import _disc, _sine_cosine
-from worldgen.interop.placed_boxes import solid_boxes
+from worldgen.interop.formats.glb import _disc, _sine_cosine
+from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import Pose, Target
 

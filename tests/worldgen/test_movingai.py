@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop import RobotOptions, import_world, read_map, read_scenario
-from worldgen.interop.movingai import read_movingai
+from worldgen.interop.formats.movingai import read_movingai
 
 MAPS = importlib.resources.files("corpora") / "maps"
 MAZE, PROBLEMS = MAPS / "maze-32-32-2.map", MAPS / "maze-32-32-2-even-1.scen"

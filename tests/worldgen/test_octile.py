@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.helpers.octile_twin import octile_length
-from worldgen.interop import octile
-from worldgen.interop.landmarks import landmark_distances, rounding
-from worldgen.interop.octile import OctileMap
+from worldgen.interop.benchmark import octile
+from worldgen.interop.benchmark.landmarks import landmark_distances, rounding
+from worldgen.interop.benchmark.octile import OctileMap
 
 
 def drawn(*rows):

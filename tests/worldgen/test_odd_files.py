@@ -12,7 +12,7 @@ from tests.helpers.foreign_samples import picture
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.interop import read_map
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 
 PIXELS = np.array([[0, 254, 205], [254, 254, 0]], np.uint8)
 SOLID = PIXELS < 206  # what is unknown is solid

@@ -10,8 +10,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from tests.reference.worldgen import ground as ground_reference
-from worldgen.families._open_ground import components, covered, dig_from, far_poses, in_sight, steps_from
-from worldgen.families._routes import free_windows, shortest_way
+from worldgen.families.parts.open_ground import components, covered, dig_from, far_poses, in_sight, steps_from
+from worldgen.families.parts.routes import free_windows, shortest_way
 from worldgen.random_streams import RandomStream
 
 

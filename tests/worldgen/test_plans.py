@@ -19,7 +19,7 @@ from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
 from worldgen.interop import export_world
-from worldgen.interop.polygons import cell_polygons
+from worldgen.interop.geometry.polygons import cell_polygons
 from worldgen.timeline import CellState, Timeline
 
 SVG = "{http://www.w3.org/2000/svg}"

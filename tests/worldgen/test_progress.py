@@ -4,8 +4,8 @@ import logging
 
 import pytest
 
-from worldgen import progress
-from worldgen.progress import Display, display_on_stderr, set_verbosity, working
+from worldgen.support import progress
+from worldgen.support.progress import Display, display_on_stderr, set_verbosity, working
 
 
 class Clock:

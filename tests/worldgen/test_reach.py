@@ -18,8 +18,8 @@ from tests.reference.worldgen.chains import linked_offsets
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import radius_in_cells
 from worldgen.reach import BLOCKED, REACHABLE, check_certificate, decide
-from worldgen.reach.cut import find_chain
-from worldgen.reach.walls import segment_box_sq
+from worldgen.reach.still.cut import find_chain
+from worldgen.reach.still.walls import segment_box_sq
 from worldgen.world import Pose, Target, World
 
 STAIRCASE = """

@@ -20,18 +20,18 @@ from worldgen.reach import (
     UNDECIDED,
     check_certificate,
     check_confinement,
-    confine,
     decide,
     decide_in_time,
     latest_start,
     until,
     witness_margin,
 )
-from worldgen.reach.disc import target_disc
-from worldgen.reach.hasten import hasten
-from worldgen.reach.latest import find_latest_start
-from worldgen.reach.spans import ChangingWalls, Spans
-from worldgen.reach.timed import find_timed_path
+from worldgen.reach.still.disc import target_disc
+from worldgen.reach.timed import confine
+from worldgen.reach.timed.earliest import find_timed_path
+from worldgen.reach.timed.latest import find_latest_start
+from worldgen.reach.timed.retime import hasten
+from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Witness
 

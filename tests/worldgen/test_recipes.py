@@ -15,8 +15,8 @@ from worldgen.compose._sizes import TooLarge
 from worldgen.compose.recipe import family_from_recipe
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
+from worldgen.files.grid import dumps, loads, world_digest, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, loads, world_digest, write_world
 from worldgen.reach import check_certificate, witness_margin
 from worldgen.testing import CHECKS, FAMILY_CHECKS
 
@@ -363,7 +363,7 @@ values = st.recursive(
 @given(st.data())
 def test_steps_with_any_values_make_a_world_or_one_line(data):
     from worldgen.compose._recipe_text import VERBS
-    from worldgen.grid_file.toml_text import value_text
+    from worldgen.files.grid.toml_text import value_text
 
     verb = data.draw(st.sampled_from(sorted(VERBS)))
     step = {

@@ -12,8 +12,8 @@ from PIL import Image
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop import read_map
-from worldgen.interop.grey_image import GreyImage, read_grey_image
-from worldgen.interop.ros import RosMetadata, occupancy, read_ros_map
+from worldgen.interop.formats.ros import RosMetadata, occupancy, read_ros_map
+from worldgen.interop.readers.grey_image import GreyImage, read_grey_image
 
 KEYS = {
     "image": "m.pgm", "resolution": "0.05", "origin": "[-1.5, 2.25, 0.0]", "negate": "0",

@@ -13,16 +13,16 @@ import zipfile
 
 import pytest
 
-import worldgen.locks
+import worldgen.files.locks
 import worldgen.sets.stores
 from tests.helpers.command_line import worldgen as run
 from tests.helpers.raising import raises
 from tests.helpers.set_contents import contents
-from worldgen.archives import members
 from worldgen.difficulty import with_metrics
 from worldgen.errors import FormatError, InvalidParameter, OutputError
+from worldgen.files.archives import members
+from worldgen.files.grid import dumps, read_world, world_digest
 from worldgen.generation import generate, stream
-from worldgen.grid_file import dumps, read_world, world_digest
 from worldgen.sets import Difference, check_set, make_set, manifest_of, plan_set, regenerate_set
 from worldgen.sets.journal import Journal
 from worldgen.sets.manifest import Entry, parse_manifest
@@ -267,7 +267,7 @@ def test_no_other_command_begins_in_a_folder_that_is_being_removed(tmp_path, mon
 @pytest.mark.skipif(os.name == "nt", reason="no file locks")
 def test_a_manifest_that_is_removed_before_it_is_locked_is_not_written(traps, monkeypatch):
     manifest = traps / "manifest.jsonl"
-    monkeypatch.setattr(worldgen.locks.fcntl, "flock", lambda *_: manifest.unlink())
+    monkeypatch.setattr(worldgen.files.locks.fcntl, "flock", lambda *_: manifest.unlink())
     with raises(OutputError, "written-meanwhile"):
         Journal(manifest).read()
 

@@ -11,7 +11,7 @@ from worldgen.difficulty import measure
 from worldgen.difficulty.strata import StrataSearch, edges_of
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
-from worldgen.grid_file import read_world, world_digest
+from worldgen.files.grid import read_world, world_digest
 from worldgen.sets import make_set, manifest_of, plan_stratified_set, strata_of
 
 SPREAD = ("maze", "--size", 20, "--difficulty", "0.2..0.8", "--seed", 3, "--no-metrics")

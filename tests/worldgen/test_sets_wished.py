@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.command_line import worldgen as run
 from tests.helpers.set_contents import contents
-from worldgen.grid_file import read_world
+from worldgen.files.grid import read_world
 from worldgen.sets import manifest_of
 
 WISHED = ("trap", "--where", "detour > 2", "--size", 12, "--seed", 5)

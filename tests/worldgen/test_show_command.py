@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from worldgen.cli.show import show
+from worldgen.commands.show import show
 from worldgen.errors import FormatError, InvalidParameter, OutputError
-from worldgen.grid_file import write_world
+from worldgen.files.grid import write_world
 from worldgen.world import FailureRecord, Pose, Target, World
 
 
@@ -81,7 +81,7 @@ def test_the_signal_and_the_witness_can_be_left_out(grid, tmp_path):
 
 def test_the_terminal_picture_needs_no_pillow(grid):
     code = (
-        "import sys; from worldgen.cli.show import show; "
+        "import sys; from worldgen.commands.show import show; "
         f"show([{str(grid)!r}], standalone_mode=False); sys.exit('PIL' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode == 0

@@ -13,15 +13,15 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from tests.helpers.thesis_editor import Editor
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 from worldgen.interop import (
     RobotOptions,
     export_world,
     import_world,
 )
-from worldgen.interop.java_stream import read_ints, write_ints
-from worldgen.interop.thesis_map import MAX_SIZE, filtered, read_thesis_map, signal
+from worldgen.interop.readers.java_stream import read_ints, write_ints
+from worldgen.interop.readers.thesis_map import MAX_SIZE, filtered, read_thesis_map, signal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 

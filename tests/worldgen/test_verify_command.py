@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from tests.helpers.drawn_worlds import drawn
-from worldgen.cli.verify import verify
+from worldgen.commands.verify import verify
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.grid_file import read_world, write_world
+from worldgen.files.grid import read_world, write_world
 from worldgen.reach import decide
 from worldgen.timeline import CellState, Event, Timeline
 

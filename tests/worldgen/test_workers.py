@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from worldgen.workers import ctrl_c_held_back, ctrl_c_kept
+from worldgen.support.workers import ctrl_c_held_back, ctrl_c_kept
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 

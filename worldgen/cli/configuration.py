@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import click
 
 from worldgen.errors import InvalidParameter
-from worldgen.progress import say_once
+from worldgen.support.progress import say_once
 
 __all__ = ["FILE", "configured"]
 

@@ -13,7 +13,7 @@ import click
 
 from worldgen.cli.configuration import FILE, configured
 from worldgen.cli.output import note
-from worldgen.progress import set_verbosity
+from worldgen.support.progress import set_verbosity
 
 __all__ = ["QUIET_AND_VERBOSE", "equip"]
 

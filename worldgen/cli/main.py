@@ -18,8 +18,8 @@ from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
 from worldgen.cli.hidden_packages import check_hidden
 from worldgen.cli.output import note
 from worldgen.errors import NotAGrid, WorldgenError
-from worldgen.plug_ins import points_of
-from worldgen.progress import display_on_stderr
+from worldgen.plugins.entry_points import points_of
+from worldgen.support.progress import display_on_stderr
 
 __all__ = ["cli", "main"]
 
@@ -56,7 +56,7 @@ class LazyGroup(click.Group):
             return command
         if cmd_name in self._points("worldgen.families") or ":" in cmd_name or cmd_name.endswith(".toml"):
             # ./mine.py:my_family, ./recipe.toml
-            from worldgen.cli.family_command import family_command
+            from worldgen.commands.family_command import family_command
 
             return family_command(cmd_name)
         return None

@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 
 import click
 
-from worldgen.files import write_bytes
-from worldgen.plain_text import shown, shown_lines
-from worldgen.progress import is_quiet, spoke
+from worldgen.files.whole import write_bytes
+from worldgen.support.plain_text import shown, shown_lines
+from worldgen.support.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",

@@ -13,7 +13,7 @@ from typing import Any
 from worldgen.compose._values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import MARGIN
-from worldgen.grid_file.header import Header
+from worldgen.files.grid.header import Header
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
 __all__ = ["MAX_BYTES", "ROBOT", "Declared", "Part", "RecipeText", "Step", "read_recipe", "words_of"]

@@ -11,7 +11,6 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.angles import SCALE, direction
 from worldgen.compose._cells import HOW, Bools, Events, How, settled, taken, timeline_of
 from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, moved
 from worldgen.compose._placing import corner_of, overlaid, put_down
@@ -21,6 +20,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, check_choice
 from worldgen.lattice import TURN
 from worldgen.random_streams import RandomStream
+from worldgen.support.angles import SCALE, direction
 from worldgen.timeline import Timeline
 from worldgen.world import (
     DEFAULT_CELL_SIZE,

@@ -25,7 +25,7 @@ from worldgen.compose.piece import Piece
 from worldgen.compose.sources import drawn, first_possible, of_world, read
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, MARGIN, Bounds, Build, Family, family
-from worldgen.grid_file import loads
+from worldgen.files.grid import loads
 from worldgen.interop.foreign_map import read_bounded
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide

@@ -21,7 +21,7 @@ from worldgen.generation import generate
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import in_cells
 from worldgen.random_streams import RandomStream
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 from worldgen.world import MAX_SIDE, Value, World
 
 T = TypeVar("T")

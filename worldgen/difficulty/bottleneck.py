@@ -18,15 +18,15 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.nodes import Bools
-from worldgen.difficulty.way import Ints
+from worldgen.difficulty.path import Ints
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import REACHABLE, decide
-from worldgen.reach.cut import Chain, find_chain, rim_cells
-from worldgen.reach.disc import target_disc
-from worldgen.reach.target_poses import deciding_poses
-from worldgen.reach.walls import Walls
+from worldgen.reach.still.cut import Chain, find_chain, rim_cells
+from worldgen.reach.still.disc import target_disc
+from worldgen.reach.still.target_poses import deciding_poses
+from worldgen.reach.still.walls import Walls
+from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import Timeline
 from worldgen.world import World
 

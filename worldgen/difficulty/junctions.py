@@ -17,9 +17,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.nodes import Bools, Nodes, squared_distances
-from worldgen.difficulty.way import Ints
+from worldgen.difficulty.path import Ints
+from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["decision_points"]
 

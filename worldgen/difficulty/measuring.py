@@ -14,11 +14,11 @@ from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.metrics import METRICS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import Bools, nodes_of
+from worldgen.difficulty.path import Way, distance, way_of
 from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of, surroundings
-from worldgen.difficulty.way import Way, distance, way_of
 from worldgen.lattice import UNIT
-from worldgen.reach.disc import target_disc
+from worldgen.reach.still.disc import target_disc
 from worldgen.timeline import CellState
 from worldgen.world import Witness, World
 

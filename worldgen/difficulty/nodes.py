@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
-from worldgen.difficulty.way import Ints
+from worldgen.difficulty.path import Ints
 from worldgen.lattice import UNIT, radius_in_cells
-from worldgen.reach.lattice_graph import Graph, build_graph
-from worldgen.reach.walls import ExactPoint, Walls
+from worldgen.reach.still.lattice_graph import Graph, build_graph
+from worldgen.reach.still.walls import ExactPoint, Walls
+from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
 
 __all__ = ["HALF", "Nodes", "nodes_of", "squared_distances"]

@@ -18,11 +18,11 @@ import math
 import numpy as np
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.nodes import HALF, Bools, Nodes
-from worldgen.difficulty.way import Ints, Way
-from worldgen.reach.disc import Disc
-from worldgen.reach.lattice_graph import nodes_within
+from worldgen.difficulty.path import Ints, Way
+from worldgen.reach.still.disc import Disc
+from worldgen.reach.still.lattice_graph import nodes_within
+from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["by_distance", "pockets"]
 

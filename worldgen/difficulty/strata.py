@@ -20,8 +20,8 @@ from worldgen.difficulty.measuring import measure
 from worldgen.difficulty.space import drawn, free_parameters, mixed, varied
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import Family
+from worldgen.files.grid import world_digest
 from worldgen.generation import generate
-from worldgen.grid_file import world_digest
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 

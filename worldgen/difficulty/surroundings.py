@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
-from worldgen.difficulty.way import Ints, Way
+from worldgen.difficulty.path import Ints, Way
 from worldgen.lattice import UNIT
+from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["Samples", "samples_of", "surroundings"]
 

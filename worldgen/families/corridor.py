@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families._corridor_layouts import (
+from worldgen.families.parts.corridor_layouts import (
     Edge,
     Node,
     Slot,
@@ -22,7 +22,7 @@ from worldgen.families._corridor_layouts import (
     tees,
     turned_at_random,
 )
-from worldgen.families._layout import (
+from worldgen.families.parts.layout import (
     CHOSEN,
     STEPS,
     Arena,
@@ -35,7 +35,7 @@ from worldgen.families._layout import (
     spread_unevenly,
     without_effect,
 )
-from worldgen.families._mazes import ROOT, spanning_tree
+from worldgen.families.parts.mazes import ROOT, spanning_tree
 from worldgen.family import Bounds, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._blaze import (
+from worldgen.families.parts.blaze import (
     FIREBREAK,
     Plan,
     Times,
@@ -21,8 +21,8 @@ from worldgen.families._blaze import (
     leaves_a_way,
     weak_walls,
 )
-from worldgen.families._ground import lay_ground
-from worldgen.families._layout import (
+from worldgen.families.parts.ground import lay_ground
+from worldgen.families.parts.layout import (
     CHOSEN,
     Arena,
     CellSize,

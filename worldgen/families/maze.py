@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import (
+from worldgen.families.parts.layout import (
     CHOSEN,
     SIZE,
     Arena,
@@ -20,7 +20,7 @@ from worldgen.families._layout import (
     Width,
     spread_evenly,
 )
-from worldgen.families._mazes import (
+from worldgen.families.parts.mazes import (
     FIT_ANY_SHAPE,
     ROCK,
     Mask,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._doors import hang_doors, shut_doors
-from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
-from worldgen.families._layout import (
+from worldgen.families.parts.doors import hang_doors, shut_doors
+from worldgen.families.parts.floor_plan import Sizes, Style, divide, fit_sizes, joined
+from worldgen.families.parts.layout import (
     CHOSEN,
     Arena,
     CellSize,
@@ -19,8 +19,8 @@ from worldgen.families._layout import (
     Width,
     without_effect,
 )
-from worldgen.families._open_ground import far_poses
-from worldgen.families._routes import free_windows
+from worldgen.families.parts.open_ground import far_poses
+from worldgen.families.parts.routes import free_windows
 from worldgen.family import family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World

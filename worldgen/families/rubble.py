@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._doors import hang_doors
-from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
-from worldgen.families._layout import (
+from worldgen.families.parts.doors import hang_doors
+from worldgen.families.parts.floor_plan import Sizes, Style, divide, fit_sizes, joined
+from worldgen.families.parts.layout import (
     CHOSEN,
     STEPS,
     Arena,
@@ -23,9 +23,9 @@ from worldgen.families._layout import (
     Wall,
     Width,
 )
-from worldgen.families._noise import smooth_noise
-from worldgen.families._open_ground import FAR, dig_from, steps_from
-from worldgen.families._routes import free_windows
+from worldgen.families.parts.noise import smooth_noise
+from worldgen.families.parts.open_ground import FAR, dig_from, steps_from
+from worldgen.families.parts.routes import free_windows
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World

@@ -9,8 +9,8 @@ from typing import Annotated
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._ground import lay_ground
-from worldgen.families._layout import Arena, CellSize, Margin, RobotRadius, RobotSpeed, Share, Size
+from worldgen.families.parts.ground import lay_ground
+from worldgen.families.parts.layout import Arena, CellSize, Margin, RobotRadius, RobotSpeed, Share, Size
 from worldgen.family import Bounds, family
 from worldgen.lattice import exact, in_cells
 from worldgen.random_streams import RandomStream

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import (
+from worldgen.families.parts.layout import (
     CHOSEN,
     Arena,
     CellSize,
@@ -20,8 +20,8 @@ from worldgen.families._layout import (
     Width,
     without_effect,
 )
-from worldgen.families._raster import box
-from worldgen.families._turned_trap import (
+from worldgen.families.parts.raster import box
+from worldgen.families.parts.turned_trap import (
     Figure,
     chevron,
     comb,

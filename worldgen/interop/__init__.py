@@ -15,8 +15,8 @@ What a file has no room for lies beside it (``sidecar``). Shared by the formats:
 from worldgen.interop.exporting import Export, export_world, guess_format, write_export
 from worldgen.interop.foreign_map import ForeignMap
 from worldgen.interop.format import FORMATS, HELD, Destination, Exported, Format
+from worldgen.interop.formats.movingai import Scenario, read_scenario
 from worldgen.interop.importing import Imported, RobotOptions, as_json, describe, import_world, parse_point
-from worldgen.interop.movingai import Scenario, read_scenario
 from worldgen.interop.place import Placement, place
 from worldgen.interop.recognising import find_format, looks_like_a_map, read_map, readable_formats
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
-from worldgen.files import check_output, write_bytes
+from worldgen.files.whole import check_output, write_bytes
 from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
 from worldgen.interop.sidecar import SUFFIX, sidecar_text

@@ -14,7 +14,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_between, check_declared, parameters_of
-from worldgen.registry import Registry
+from worldgen.plugins.registry import Registry
 from worldgen.world import Value, World
 
 __all__ = [

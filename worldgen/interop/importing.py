@@ -10,7 +10,7 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap
-from worldgen.interop.movingai import SCENARIO_RADIUS, read_scenario
+from worldgen.interop.formats.movingai import SCENARIO_RADIUS, read_scenario
 from worldgen.interop.place import heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import exact

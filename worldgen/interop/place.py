@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.ccall import check, pointer, writable
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
     UNIT,
@@ -27,8 +26,9 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.random_streams import RandomStream
-from worldgen.reach.lattice_graph import build_graph
-from worldgen.reach.walls import Walls, point_box_sq
+from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.reach.still.walls import Walls, point_box_sq
+from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from worldgen.errors import FormatError, Message
-from worldgen.grid_file.header import Header
-from worldgen.grid_file.toml_text import value_text
+from worldgen.files.grid.header import Header
+from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, held_values
 from worldgen.world import Value, World

@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from worldgen.reach.confinement import Confinement
-from worldgen.reach.deadline import decide_in_time, latest_start, until
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
-from worldgen.reach.prove import decide, decide_many
-from worldgen.reach.widest import widest_disc
+from worldgen.reach.still.prove import decide, decide_many
+from worldgen.reach.still.widest import widest_disc
+from worldgen.reach.timed.confinement import Confinement
+from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 
 if TYPE_CHECKING:
-    from worldgen.reach.check import CheckReport, check_certificate
-    from worldgen.reach.check_margin import delayed, witness_margin
-    from worldgen.reach.check_stays import check_confinement
+    from worldgen.reach.check.certificate import CheckReport, check_certificate
+    from worldgen.reach.check.confinement import check_confinement
+    from worldgen.reach.check.margin import delayed, witness_margin
 
 __all__ = [
     "BLOCKED",
@@ -43,15 +43,15 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in {"CheckReport", "check_certificate"}:
-        from worldgen.reach import check
+        from worldgen.reach.check import certificate
 
-        return getattr(check, name)
+        return getattr(certificate, name)
     if name == "check_confinement":
-        from worldgen.reach import check_stays
+        from worldgen.reach.check import confinement
 
-        return check_stays.check_confinement
+        return confinement.check_confinement
     if name in {"delayed", "witness_margin"}:
-        from worldgen.reach import check_margin
+        from worldgen.reach.check import margin
 
-        return getattr(check_margin, name)
+        return getattr(margin, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

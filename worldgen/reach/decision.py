@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from worldgen.errors import InvalidParameter
-from worldgen.reach.confinement import Confinement
+from worldgen.reach.timed.confinement import Confinement
 from worldgen.world import Certificate
 
 __all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_deadline", "check_margin", "check_radius"]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 
 __all__ = ["coverage"]
 

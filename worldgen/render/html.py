@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import html
 
-from worldgen.plain_text import value_in_words
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.overlay import Trail
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
+from worldgen.support.plain_text import value_in_words
 from worldgen.world import Witness, World
 
 __all__ = ["draw_html"]

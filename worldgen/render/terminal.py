@@ -29,7 +29,7 @@ from worldgen.render.palette import (
     rgb,
 )
 from worldgen.render.polyline import along, arc_length
-from worldgen.rows import flip_rows
+from worldgen.support.rows import flip_rows
 from worldgen.world import Witness, World
 
 __all__ = ["draw_terminal", "wants_color"]

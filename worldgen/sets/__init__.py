@@ -16,7 +16,7 @@ from worldgen.sets.make import SetDiffers, SetDone, begun_set, make_set, regener
 from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest
 from worldgen.sets.plan import SetPlan, plan_set
 from worldgen.sets.stratified import StratifiedPlan, StratumCount, plan_stratified_set, strata_of
-from worldgen.sets.wished import WishedPlan, plan_wished_set
+from worldgen.sets.wanted import WishedPlan, plan_wished_set
 
 __all__ = [
     "MANIFEST",

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from worldgen.archives import is_archive, members
 from worldgen.errors import FormatError
+from worldgen.files.archives import is_archive, members
 from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_manifest
 
 __all__ = ["Difference", "check_set", "manifest_of"]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from worldgen.errors import FormatError, OutputError
-from worldgen.locks import lock
+from worldgen.files.locks import lock
 from worldgen.sets.manifest import Manifest, parse_manifest
 
 __all__ = ["Journal"]

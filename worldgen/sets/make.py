@@ -13,7 +13,7 @@ from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest, read_manif
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, FolderStore, Store, store_for
 from worldgen.sets.stratified import StratifiedPlan
-from worldgen.sets.wished import WishedPlan
+from worldgen.sets.wanted import WishedPlan
 
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 

@@ -14,9 +14,9 @@ from typing import cast
 
 from worldgen.difficulty import measure
 from worldgen.errors import GenerationFailed, WorldgenError
+from worldgen.files.grid import dumps, world_digest
 from worldgen.generation import generate
-from worldgen.grid_file import dumps, world_digest
-from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.support.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.world import Provenance, Value, World
 
 __all__ = ["Job", "Made", "make_all"]

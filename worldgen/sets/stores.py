@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Protocol
 
-from worldgen.archives import is_archive, writer_for
 from worldgen.errors import OutputError
+from worldgen.files.archives import is_archive, writer_for
 from worldgen.sets.journal import Journal, append_at
 from worldgen.sets.manifest import MANIFEST, Entry, Manifest, read_manifest
 

@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from sim import Command, Observation
 from sim._core import ffi, lib
-from sim.robot_options import RobotOptions
-from worldgen.ccall import pointer, writable
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
+from worldgen.support.ccall import pointer, writable
 
 __all__ = ["CHOICES", "DEFAULT_BEAMS", "SENSORS", "Interface"]
 

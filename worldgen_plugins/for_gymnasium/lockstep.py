@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from sim import CompiledController
 from sim._core import ffi, lib
-from sim.lattice_core import MOST_CORNERS, STATE_WORDS
-from sim.lattice_run import LatticeRun
-from worldgen.ccall import check, pointer, writable
+from sim.runners.core_calls import MOST_CORNERS, STATE_WORDS
+from sim.runners.lattice import LatticeRun
 from worldgen.lattice import lattice_to_metres
+from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
+from worldgen_plugins.for_gymnasium.distances import ways_to_target
 from worldgen_plugins.for_gymnasium.options import Rules
-from worldgen_plugins.for_gymnasium.ways import ways_to_target
 
 __all__ = ["Lockstep", "Told"]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypedDict
 
-from sim.robot_options import RobotOptions
-from sim.run_options import DEFAULT_TIME_STEP, RunOptions
+from sim.options.robot import RobotOptions
+from sim.options.run import DEFAULT_TIME_STEP, RunOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import Family
 from worldgen.world import Value, World

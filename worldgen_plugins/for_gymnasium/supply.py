@@ -7,15 +7,15 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from sim.run_options import whole
+from sim.options.run import whole
 from worldgen.difficulty.expression import parse
 from worldgen.difficulty.search import TRIES, Search, found
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
+from worldgen.files.grid import read_world
+from worldgen.files.worlds import read_worlds
 from worldgen.generation import stream
-from worldgen.grid_file import read_world
 from worldgen.world import World
-from worldgen.world_files import read_worlds
 
 __all__ = ["DEFAULT_FAMILY", "DEFAULT_POOL", "SOURCES", "Supply"]
 

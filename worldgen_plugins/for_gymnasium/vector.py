@@ -12,9 +12,9 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
 from sim._core import lib
-from sim.run_options import whole
+from sim.options.run import whole
 from worldgen.errors import InvalidParameter
-from worldgen.progress import working
+from worldgen.support.progress import working
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
 from worldgen_plugins.for_gymnasium.lockstep import Lockstep, Told

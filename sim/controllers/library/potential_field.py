@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["PotentialField", "potential_field", "potential_field_robot"]
 

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from sim import _core
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["AT_RESET", "NEEDS", "SENSES", "SITUATIONS", "TURNS", "best_turns", "q_learning", "q_learning_robot"]
 

@@ -23,7 +23,7 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
 from sim.controllers.memory_view import MemoryField
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["BEAMS", "RANGE", "tangent_bug"]
 

@@ -25,7 +25,7 @@ import numpy.typing as npt
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
 from sim.controllers.memory_view import MemoryField, MemoryMap
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["SIDE", "ThreeLayer", "three_layer", "three_layer_robot"]
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
-from sim.robot_options import RobotOptions
+from sim.options.robot import RobotOptions
 
 __all__ = ["VfhPlus", "vfh", "vfh_robot"]
 

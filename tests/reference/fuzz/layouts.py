@@ -1,7 +1,8 @@
 """Layout bytes to worlds as the simulator takes them, and whether a robot can surely reach the target.
 
 A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 where the cell is solid, and all
-around a world is solid. What the bytes mean is fixed by :func:`fuzz.features.decode_world`, the same bit for bit.
+around a world is solid. What the bytes mean is fixed by :func:`fuzz.search.features.decode_world`,
+the same bit for bit.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz import layout_bytes
-from fuzz.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
+from fuzz.search import layout_bytes
+from fuzz.search.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
 
 __all__ = ["MARGIN", "ROWS", "byte_of", "draw_layout", "fill_arena", "flood_length", "places_of", "size_of"]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.lattice_core import Arena
+from sim.runners.core_calls import Arena
 from tests.reference.sim import lattice_state
 
 __all__ = ["COUNTS", "arena_of", "settings_of"]

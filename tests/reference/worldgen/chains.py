@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from tests.reference.worldgen.cut import odd_walk
 from worldgen.lattice import UNIT
-from worldgen.reach.cut import rim_cells
-from worldgen.reach.walls import Cell, ExactPoint, Point
+from worldgen.reach.still.cut import rim_cells
+from worldgen.reach.still.walls import Cell, ExactPoint, Point
 
 __all__ = ["find_chain", "linked_offsets"]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.reach.lattice_graph import Graph, neighbour_shifts
+from worldgen.reach.still.lattice_graph import Graph, neighbour_shifts
 
 _FAR = 2**62
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from worldgen.lattice import UNIT
-from worldgen.reach.path import merge_straight
-from worldgen.reach.walls import ExactPoint, Walls, segment_box_sq
+from worldgen.reach.still.path import merge_straight
+from worldgen.reach.still.walls import ExactPoint, Walls, segment_box_sq
 
 _PATIENCE = 6
 _TESTS = 6_000

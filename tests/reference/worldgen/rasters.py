@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.reach.lattice_graph import Graph
+from worldgen.reach.still.lattice_graph import Graph
 
 
 def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.reach.intervals import Blocked, Intervals
-from worldgen.reach.lattice_graph import neighbour_shifts
-from worldgen.reach.spans import FOREVER
-from worldgen.reach.walls import Cell
+from worldgen.reach.still.lattice_graph import neighbour_shifts
+from worldgen.reach.still.walls import Cell
+from worldgen.reach.timed.intervals import Blocked, Intervals
+from worldgen.reach.timed.spans import FOREVER
 
 
 def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Intervals:

@@ -4,8 +4,8 @@ import numpy as np
 
 from tests.reference.worldgen.mazes import edges, row_by_row, walks
 from tests.reference.worldgen.mazes.board import AT, LEFT, ROOT, STATE_SIZE, USED, blank_board, inner
-from worldgen.families._mazes import METHODS
-from worldgen.families._mazes.board import links_of_parents
+from worldgen.families.parts.mazes import METHODS
+from worldgen.families.parts.mazes.board import links_of_parents
 
 KERNELS = {
     "wilson": walks.wilson,
@@ -23,7 +23,7 @@ KERNELS = {
 
 
 def grow(rng, mask, algorithm, *, newest=0.5, oldest=0.0):
-    """Return the links of a random maze; as :func:`worldgen.families._mazes.grow`."""
+    """Return the links of a random maze; as :func:`worldgen.families.parts.mazes.grow`."""
     method = METHODS[algorithm]
     rows, columns = mask.shape
     stream = rng if algorithm in ("wilson", "backtracker") else rng.child(algorithm)

@@ -1,0 +1,1 @@
+"""A campaign: units of search done by an executor, failures shrunk, everything kept in a store on disk."""

@@ -1,0 +1,147 @@
+"""This process, or several on this machine."""
+
+from __future__ import annotations
+
+import _thread
+import math
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
+from ctypes import c_double
+from multiprocessing import get_context
+from types import TracebackType
+from typing import ParamSpec, Self, TypeVar
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
+from fuzz.campaign.executors.executor import Crew, WorkersLost
+from fuzz.campaign.loading import load
+from worldgen.support.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+
+__all__ = ["Alone", "Processes", "crew_of"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_WAITING = 1  # units that wait for a worker, so that none is idle
+
+
+def crew_of(workers: int) -> Crew:
+    """So many processes; of one, this one."""
+    return Alone() if workers == 1 else Processes(workers)
+
+
+class Alone:
+    """Does the work at once, in this process.
+
+    Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met. Work that does not
+    end by then is interrupted.
+    """
+
+    room = 1
+    _stopped_at = math.inf  # by the clock of deadlines
+
+    def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Do it."""
+        future: Future[T] = Future()
+        with ExitStack() as open_:
+            open_.enter_context(stopping_from(lambda: self._stopped_at))
+            open_.enter_context(ctrl_c_held_back(lambda: self._stop(open_)))
+            future.set_result(work(*args, **kwargs))
+        return future
+
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+        """Load it here; Ctrl-C ends that at once, because nothing is met by then."""
+        future: Future[float] = Future()
+        future.set_result(load(config))
+        return [future]
+
+    def listen(self) -> None:
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came while work was under way."""
+        if self._stopped_at < math.inf:
+            self._stopped_at = math.inf
+            raise KeyboardInterrupt
+
+    def _stop(self, open_: ExitStack) -> None:
+        """Tell the work, and interrupt it if it takes too long, as a controller does that never answers."""
+        self._stopped_at = now()
+        patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
+        patience.daemon = True
+        patience.start()
+        open_.callback(patience.cancel)
+
+    def stop(self) -> None:
+        """Nothing: no work is under way when somebody can call this."""
+
+    def __enter__(self) -> Self:
+        """Nothing to start."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Nothing to end."""
+
+
+class Processes:
+    """Processes on this machine, deaf to Ctrl-C, ended when this one ends.
+
+    Args:
+        workers: How many.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self.room = workers + _WAITING
+        self._workers = workers
+        self._open = ExitStack()
+        self._context = get_context("spawn")
+        self._stopped_at = self._context.RawValue(c_double, math.inf)  # one word, so it needs no lock
+
+    def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Gives it to the next process that is free."""
+        with workers_begin_deaf():
+            return self._pool.submit(work, *args, **kwargs)
+
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+        """Start all processes, and load it in each."""
+        return [self.submit(load, config) for _ in range(self._workers)]
+
+    def listen(self) -> None:
+        """Raises ``KeyboardInterrupt`` if Ctrl-C came."""
+        self._listen()
+
+    def stop(self) -> None:
+        """Tell all processes."""
+        self._stopped_at.value = now()
+
+    def __enter__(self) -> Self:
+        """Ready to start processes, one when it is first needed."""
+        self._pool = ProcessPoolExecutor(
+            self._workers, mp_context=self._context, initializer=_begin, initargs=(self._stopped_at,)
+        )
+        self._listen = self._open.enter_context(ctrl_c_held_back())
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Ends the processes; at once if something went wrong, or they were told to stop.
+
+        Raises:
+            WorkersLost: If one of them died.
+        """
+        with self._open:
+            if error is None and self._stopped_at.value == math.inf:
+                self._pool.shutdown()
+            else:
+                end_workers(self._pool)
+        if isinstance(error, BrokenProcessPool):
+            raise WorkersLost(
+                "worker-died",
+                "a worker process died, perhaps killed by the controller or for want of memory ({reason})",
+                reason=str(error),
+            ) from error
+
+
+def _begin(stopped_at: c_double) -> None:
+    """Do what a worker does first."""
+    begin_deaf()
+    stop_from(lambda: stopped_at.value)

@@ -1,0 +1,116 @@
+"""Work that is done elsewhere: first it is made sure that the code there is the code here."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import socket
+import tempfile
+import threading
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+from hypothesis.errors import HypothesisDeprecationWarning
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.store import Setup, setup_of
+from fuzz.campaign.store.fingerprint import digest_of
+from fuzz.oracles import ORACLES, Asked
+from sim.controllers import CONTROLLERS
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.plugins.registry import Registry, lend
+
+__all__ = ["Errand"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_ONE = threading.Lock()  # controllers that are programs, and Hypothesis, are one thread's
+_here: dict[str, str] = {}  # key of the errand that this process is ready for
+_REGISTRIES: tuple[Registry[Any], ...] = (CONTROLLERS, FAMILIES, ORACLES)
+
+
+@dataclass(frozen=True)
+class Errand:
+    """What goes along with each piece of work.
+
+    Args:
+        config: The campaign's.
+        setup: Here.
+        files: Contents of the Python files that the configuration names, by the names that it gives them.
+    """
+
+    config: CampaignConfig
+    setup: Setup
+    files: Mapping[str, bytes] = field(repr=False)
+
+    @classmethod
+    def of(cls, config: CampaignConfig) -> Errand:
+        """The errand of a configuration.
+
+        Raises:
+            InvalidParameter: If something that it names cannot be found.
+        """
+        setup = setup_of(config)
+        return cls(config, setup, {place: Path(place).expanduser().read_bytes() for place in _places(config)})
+
+    def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:
+        """Does the work in this process, whose code is looked at first.
+
+        Raises:
+            InvalidParameter: If it is other code.
+        """
+        # Dask's own threads draw from `random` while Hypothesis, in this one, looks whether a strategy did.
+        warnings.filterwarnings("ignore", "Do not use the `random` module", HypothesisDeprecationWarning)
+        with _ONE:
+            _be_alike(self)
+            return work(*args, **kwargs)
+
+
+def _places(config: CampaignConfig) -> list[str]:
+    """The Python files that a configuration names."""
+    names = [config.scenario.controller, *config.families, *(Asked.parse(text).name for text in config.oracles)]
+    return sorted({name.rpartition(":")[0] for name in names if name.rpartition(":")[0].endswith(".py")})
+
+
+def _be_alike(errand: Errand) -> None:
+    """Takes over the errand's files, and looks whether all code is the same; once for each campaign in turn.
+
+    Raises:
+        InvalidParameter: If it is not.
+    """
+    key = digest_of([errand.setup.digest, sorted(errand.files)])
+    if _here.get("errand") == key:
+        return
+    _here.clear()
+    for place, data in errand.files.items():
+        lend(place, _copy(Path(place).name, data))
+        for registry in _REGISTRIES:
+            registry.forget(place)
+    said = errand.setup.differences(setup_of(errand.config))
+    if said:
+        raise InvalidParameter(
+            "other-code",
+            "the worker on {host} has other code: {differences!l}",
+            "install the same there as here, and start the workers anew",
+            host=socket.gethostname(),
+            differences=list(said),
+        )
+    _here["errand"] = key
+
+
+def _copy(name: str, data: bytes) -> Path:
+    """A file of this content, in a folder that goes when this process does."""
+    folder = Path(_folder().name) / hashlib.sha256(data).hexdigest()
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_bytes(data)
+    return folder / name
+
+
+@functools.cache
+def _folder() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="worldgen-")

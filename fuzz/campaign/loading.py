@@ -1,0 +1,25 @@
+"""Loads what the first units of a campaign need, in each of its processes: the library and the controller."""
+
+from __future__ import annotations
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.triage.proofs import certified
+from sim.runners.controller_time import Effort
+from sim.runners.try_out import EMPTY_ARENA, try_out
+
+__all__ = ["load"]
+
+
+def load(config: CampaignConfig) -> float:
+    """Let the controller take two steps, and prove a world.
+
+    Args:
+        config: The campaign's.
+
+    Returns:
+        Seconds that the controller's own code took of this.
+    """
+    began = Effort.so_far()
+    try_out(config.scenario)
+    certified(EMPTY_ARENA)
+    return began.since().own

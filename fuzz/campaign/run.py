@@ -1,0 +1,559 @@
+"""Campaigns: units done by a crew, their failures shrunk, all of it remembered. Yields events; prints nothing."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, TypeVar
+
+from fuzz.boundary import with_boundaries
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.deadline import TO_HAND_IN, Deadline
+from fuzz.campaign.executors import Crew, crew_of
+from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.schedule import Schedule
+from fuzz.campaign.store import Ledger
+from fuzz.campaign.store.entry import Done
+from fuzz.campaign.unit import run_unit
+from fuzz.failure import Failure
+from fuzz.shrink import shrink
+from sim.controllers.shared.guarded import renew
+from sim.runners.controller_time import Effort
+from sim.runners.stopping import OutOfTime, check_time, stopping_when
+from worldgen.errors import WorldgenError
+from worldgen.support.workers import LISTEN
+
+__all__ = [
+    "Campaign",
+    "CampaignState",
+    "Find",
+    "Found",
+    "Progress",
+    "Shrinking",
+    "UnitDone",
+    "shrunk_or_same",
+]
+
+T = TypeVar("T")
+
+_RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
+GRACE = 1.0  # s after the end of the time in which work under way may still come in
+_AHEAD = 64  # units that may be done while the one before them is not
+
+
+@dataclass(frozen=True)
+class UnitDone:
+    """A unit has been merged, in order of unit numbers.
+
+    Args:
+        unit: Its number.
+        state: The campaign's, with it.
+        again: Whether it was done in an earlier sitting.
+    """
+
+    unit: int
+    state: CampaignState
+    again: bool = False
+
+
+@dataclass(frozen=True)
+class Found:
+    """A failure is new in its class, or smaller than what was known.
+
+    Args:
+        kind: Its class.
+        failure: The failure, shrunk.
+        replaces: Whether the class had one already.
+    """
+
+    kind: str
+    failure: Failure
+    replaces: bool
+
+
+Progress = UnitDone | Found
+
+
+@dataclass(frozen=True)
+class Find:
+    """A class was met for the first time, or in a smaller world than before.
+
+    Args:
+        unit: That met it.
+        lane: Of that unit.
+        kind: The class.
+        failure: As it was found, before shrinking.
+        worlds: Of the campaign up to that unit, and with it.
+        steps: Likewise.
+        seconds: Likewise, over all sittings.
+    """
+
+    unit: int
+    lane: str
+    kind: str
+    failure: Failure
+    worlds: int
+    steps: int
+    seconds: float
+
+
+@dataclass
+class CampaignState:
+    """Totals so far.
+
+    Args:
+        units: Done and merged.
+        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or too early.
+        too_early: Those of them that were done whole, but knew too little, since an earlier unit was cut short.
+        until: One more than the greatest number of a unit, whole or cut.
+        worlds: Scenarios simulated.
+        steps: Steps simulated.
+        seconds: Of all sittings together.
+        times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
+        effort: Of this sitting, of all workers together: where the time of units and of shrinking went.
+        verdicts: At first look.
+        met: How often each class was met.
+        known: The same, for classes that the baseline has.
+        best: By class, the smallest failure, shrunk.
+        memory: What the lanes brought, and what later units know of it.
+        finds: In the order of units.
+    """
+
+    units: int = 0
+    cut: int = 0
+    too_early: int = 0
+    until: int = 0
+    worlds: int = 0
+    steps: int = 0
+    seconds: float = 0.0
+    times: dict[str, float] = field(default_factory=dict)
+    effort: Effort = field(default_factory=Effort)
+    verdicts: Counter[str] = field(default_factory=Counter)
+    met: Counter[str] = field(default_factory=Counter)
+    known: Counter[str] = field(default_factory=Counter)
+    best: dict[str, Failure] = field(default_factory=dict)
+    memory: Memory = field(default_factory=Memory)
+    finds: list[Find] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class _Under(Generic[T]):
+    """Work under way, or remembered.
+
+    Args:
+        future: Its result.
+        seconds: Of the campaign when it was done in an earlier sitting; ``None`` of work that is new.
+    """
+
+    future: Future[T]
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Shrinking:
+    """What shrinking came to.
+
+    Args:
+        failure: The failure.
+        complete: Whether shrinking ended by itself, and not by the clock.
+        effort: Where its time went.
+    """
+
+    failure: Failure
+    complete: bool = True
+    effort: Effort = field(default_factory=Effort)
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """A failure that is to be shrunk.
+
+    Args:
+        failure: As it was found.
+        kept: What shrinking keeps.
+        before: How many failures of its class have their turn before it.
+    """
+
+    failure: Failure
+    kept: str = "verdict"
+    before: int = 0
+
+
+class Campaign:
+    """A budgeted search.
+
+    Args:
+        config: What to look for.
+        units: Amount of work; the corpus then depends on the seed alone.
+        seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the rest for shrinking.
+            Units under way are then cut short, and keep what they met. What was not shrunk until the end is pending.
+        workers: Processes; 1 works in this one.
+        crew: Who does the work, instead of processes.
+        ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
+        is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
+        began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
+        own: Seconds since then that the controller's own code took.
+
+    Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
+    that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
+    """
+
+    def __init__(
+        self,
+        config: CampaignConfig,
+        *,
+        units: int | None = None,
+        seconds: float | None = None,
+        workers: int = 1,
+        crew: Crew | None = None,
+        ledger: Ledger | None = None,
+        is_known: Callable[[Failure], bool] = lambda _: False,
+        began: float | None = None,
+        own: float = 0.0,
+    ) -> None:
+        self._is_known = is_known
+        self.config, self.units, self.seconds = config, units, seconds
+        self.state = CampaignState()
+        self._crew: Crew = crew or crew_of(workers)
+        self._ledger = ledger or Ledger()
+        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
+        self._candidates: dict[str, list[Failure]] = {}  # by class, those that are shrunk
+        self._known_ones: dict[str, list[Failure]] = {}  # likewise, those that would be were their class no known one
+        self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
+        # What cut units met is kept and shown. What later units know and what is stored of them depends on whole ones
+        # alone, or a campaign would go on to something else than one that nobody stopped.
+        self._memory = Memory()
+        self._met_whole: Counter[tuple[str, bool]] = Counter()  # units that met a class, by class and whether no news
+        self._known = [Memory(), Memory()]  # by epoch
+        self._knows_too_little = math.inf  # the first epoch whose memory lacks what a cut unit would have met
+        self._jobs: list[_Job] = []  # that wait for a worker
+        self._under_way: dict[int, _Under[UnitResult]] = {}  # units
+        self._shrinks: list[tuple[_Job, _Under[Shrinking]]] = []
+        self._next = 0  # unit
+        self._merged = 0  # units
+        self._before = 0.0  # s, of earlier sittings
+        self._earlier = self._ledger.seconds()
+
+    @property
+    def is_ready(self) -> bool:
+        """Return True once what the first units need is loaded, and the time has begun."""
+        return self._schedule.is_ready
+
+    def pending(self) -> dict[str, Failure]:
+        """Failures by class that are proved but not shrunk yet; of use after an interruption, or when time is up."""
+        best = self.state.best
+        return {kind: min(found, key=_size) for kind, found in self._candidates.items() if kind not in best}
+
+    def run(self) -> Generator[Progress, None, None]:
+        """Does the campaign, or what is left of it.
+
+        Raises:
+            KeyboardInterrupt: After Ctrl-C, once the units under way have handed in what they had.
+        """
+        with self._crew as crew:
+            try:
+                yield from self._run(crew)
+            except KeyboardInterrupt:
+                crew.stop()
+                if self._schedule.is_ready:
+                    wait([one.future for one in self._under_way.values()], TO_HAND_IN)
+                list(self._take_what_is_done())
+                raise
+
+    def _run(self, crew: Crew) -> Generator[Progress, None, None]:
+        while True:
+            self._hand_out(crew)
+            if not self._under_way and not self._shrinks:
+                self._queue(self._slid())
+                if not self._shrinks and (not self._jobs or self._schedule.is_over()):
+                    break
+                continue
+            self._wait(crew)
+            while self._merged in self._under_way and self._under_way[self._merged].future.done():
+                yield from self._merge_next()
+                yield from self._kept()
+            yield from self._kept()
+            if self._schedule.is_over(GRACE):
+                break
+        yield from self._take_what_is_done()
+        if self._under_way or self._shrinks:  # they do not answer in time, so nobody waits for them
+            crew.stop()
+        if self.units is None:
+            self._take_from_earlier()
+        if self._schedule.is_ready:
+            self.state.seconds = self._before + self._schedule.sat()
+            self.state.times = self._schedule.times()
+
+    def _merge_next(self) -> Iterator[Progress]:
+        unit, under = self._merged, self._under_way.pop(self._merged)
+        self._merged += 1
+        self._queue(self._merge(unit, under))
+        yield UnitDone(unit, self.state, under.seconds is not None)
+        if under.future.result().interrupted:
+            raise KeyboardInterrupt
+
+    def _take_what_is_done(self) -> Iterator[Found]:
+        """At the end: merge the units that are done, also those behind a unit that is not, which has lost its turn."""
+        for unit, under in sorted(self._under_way.items()):
+            if under.future.done():
+                del self._under_way[unit]
+                if not under.future.cancelled() and under.future.exception() is None:
+                    self._queue(self._merge(unit, under))
+        yield from self._kept()
+
+    def _take_from_earlier(self) -> None:
+        """What an earlier sitting met in units that were cut short, and this one did not come to."""
+        for unit in self._ledger.units_cut():
+            if unit >= self._merged and (done := self._ledger.cut_unit(unit)) is not None:
+                self._merge(unit, _Under(_finished(done.result), done.seconds))
+
+    def _hand_out(self, crew: Crew) -> None:
+        """Gives each free worker something to do.
+
+        The first failure of each class is shrunk before more is searched, the others after it. Where time is the
+        budget, shrinking has its share of it: during the search and after it.
+        """
+        while self._occupied() < crew.room and len(self._under_way) < crew.room + _AHEAD:
+            search_first = self._schedule.search_comes_first
+            if not search_first:
+                self._queue(self._slid_already())
+            job, unit = self._next_job(first_only=search_first), None
+            if job is None and self._schedule.may_search:
+                if (unit := self._unit(crew, self._next)) is not None:
+                    self._under_way[self._next], self._next = unit, self._next + 1
+                    continue
+                if not self._schedule.is_ready and self._has_more_units():
+                    self._get_ready(crew)
+                    continue
+            job = job or self._next_job()
+            if job is None:
+                return
+            if not self._schedule.is_ready:
+                self._get_ready(crew)
+            seconds, end = self._schedule.for_shrinking(self._jobs_before(job) + 1, max(crew.room - 1, 1))
+            with self._schedule.doing(0, 1):
+                self._shrinks.append(
+                    (job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
+                )
+
+    def _occupied(self) -> int:
+        """How many workers have something to do, or a result that is merged before they get more.
+
+        Units are merged in order. Those that are done behind one that is not keep nobody busy.
+        """
+        units = list(self._under_way.values())
+        if self._merged in self._under_way and not self._under_way[self._merged].future.done():
+            units = [one for one in units if not one.future.done()]
+        return len(units) + len(self._shrinks)
+
+    def _get_ready(self, crew: Crew) -> None:
+        """Waits until all that is needed is loaded; the time begins when it is."""
+        loading = [] if self._schedule.is_unlimited else crew.prepare(self.config)
+        while loading and wait(loading, LISTEN).not_done:
+            crew.listen()
+        self._schedule.begin(max((one.result() for one in loading), default=0.0))
+
+    def _next_job(self, *, first_only: bool = False) -> _Job | None:
+        """A failure to be shrunk, the first of each class before others; ``None`` when none has its turn."""
+        if self._schedule.is_over() or (first_only and self._schedule.shrank_enough()):
+            return None
+        order = _by_turn if self._schedule.is_unlimited else _by_size
+        job = min(self._jobs, key=order, default=None)
+        if job is None or (job.before and first_only):
+            return None
+        self._jobs.remove(job)
+        return job
+
+    def _jobs_before(self, job: _Job) -> int:
+        """How many of those that wait are as urgent, with those under way."""
+        return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
+
+    def _queue(self, jobs: list[_Job]) -> None:
+        """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
+        for job in jobs:
+            done = self._ledger.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
+            if done is None:
+                self._jobs.append(job)
+            else:
+                self._shrinks.append((job, _Under(_finished(Shrinking(done)), 0.0)))
+
+    def _has_more_units(self) -> bool:
+        if self.units is not None and self._next >= self.units:
+            return False
+        return self._next // self.config.epoch < len(self._known)
+
+    def _unit(self, crew: Crew, unit: int) -> _Under[UnitResult] | None:
+        """The unit under way, or as the ledger has it; ``None`` where there is none, or who does it is not ready."""
+        if not self._has_more_units():
+            return None
+        done = self._ledger.unit(unit)
+        if done is not None:
+            # A unit's own figure leaves out what was shrunk after the last one.
+            self._before = max(done.seconds, self._earlier)
+            return _Under(_finished(done.result), done.seconds)
+        if not self._schedule.is_ready or self._schedule.is_over():
+            return None
+        known = self._known[unit // self.config.epoch]
+        deadline = self._schedule.deadline()
+        with self._schedule.doing(1, 0):
+            return _Under(crew.submit(run_unit, self.config, unit, known, deadline))
+
+    def _wait(self, crew: Crew) -> None:
+        # Units that are done behind the next one to be merged are no reason to wake up.
+        units = [one for unit, one in self._under_way.items() if unit == self._merged or not one.future.done()]
+        futures: list[Future[Any]] = [one.future for one in units]
+        futures += [one.future for _, one in self._shrinks]
+        with self._schedule.doing(len(units), len(self._shrinks)):
+            while not wait(futures, LISTEN, return_when=FIRST_COMPLETED).done and not self._schedule.is_over(GRACE):
+                crew.listen()
+        crew.listen()
+
+    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
+        """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
+        state, result = self.state, under.future.result()
+        if under.seconds is None:
+            state.effort += result.effort
+        if result.cut and under.seconds is None:
+            result = self._more_of(unit, result)
+        if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
+            state.too_early += not result.cut
+            result = replace(result, cut=True)
+        state.times |= self._schedule.times()
+        state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
+        state.units += not result.cut
+        state.cut += result.cut
+        state.until = max(state.until, unit + 1)
+        state.worlds += result.worlds
+        state.steps += result.steps
+        state.verdicts += result.verdicts
+        state.met += result.met
+        jobs = []
+        kept: dict[str, Failure] = {}
+        for kind, failure in sorted(result.failures.items()):
+            is_known = self._is_known(failure)
+            candidates = self._known_ones if is_known else self._candidates
+            is_news, few = state.memory.is_news(kind, failure), len(candidates.get(kind, ())) < _RESTARTS
+            if is_news:
+                totals = (state.worlds, state.steps, state.seconds)
+                state.finds.append(Find(unit, result.lane, kind, failure, *totals))
+            few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
+            if few_whole or self._memory.is_news(kind, failure):
+                kept[kind] = failure
+            self._met_whole[kind, is_known] += not result.cut
+            if is_known:
+                state.known[kind] += result.met[kind]
+            if few if self.config.shrink else is_news:
+                jobs += [] if is_known else [_Job(failure, before=len(candidates.get(kind, ())))]
+                candidates.setdefault(kind, []).append(failure)
+        elites = {cell: elite for cell, elite in result.elites.items() if self._memory.is_better(cell, elite)}
+        result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
+        if under.seconds is None:
+            self._ledger.save_unit(unit, Done(result, state.seconds))
+        state.memory = state.memory.after(result)
+        if result.cut:
+            self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
+        else:
+            self._memory = self._memory.after(result)
+        if (unit + 1) % self.config.epoch == 0:
+            self._known.append(self._memory)
+        return jobs
+
+    def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
+        """A unit's result, or what an earlier sitting had of the same unit, if that came further."""
+        before = self._ledger.cut_unit(unit)
+        if before is None or before.result.worlds <= result.worlds:
+            return result
+        return replace(before.result, interrupted=result.interrupted)
+
+    def _slid(self) -> list[_Job]:
+        """Once all else is done: of classes whose worlds all slid into other classes the smallest failure."""
+        return self._whole(kind for kind in self._candidates if kind not in self.state.best)
+
+    def _slid_already(self) -> list[_Job]:
+        """The same of classes whose first world has slid, while others wait: they come before second worlds."""
+        if not self.config.shrink:
+            return []
+        waiting = {job.failure.bucket for job in self._jobs if not job.before}
+        waiting |= {job.failure.bucket for job, _ in self._shrinks}
+        return self._whole(kind for kind in self._candidates.keys() - waiting if kind not in self.state.best)
+
+    def _whole(self, kinds: Iterable[str]) -> list[_Job]:
+        fresh = sorted(set(kinds) - self._kept_whole)
+        self._kept_whole.update(fresh)
+        return [_Job(min(self._candidates[kind], key=_size), "class") for kind in fresh]  # each takes a second
+
+    def _kept(self) -> Iterator[Found]:
+        """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
+        for job, under in [one for one in self._shrinks if one[1].future.done()]:
+            self._shrinks.remove((job, under))
+            result = under.future.result()
+            shrunk = result.failure
+            self.state.effort += result.effort
+            if under.seconds is None and result.complete:
+                self._ledger.save_shrunk(job.failure, job.kept, shrunk)
+            self.state.times |= self._schedule.times()
+            if not result.complete and not shrunk.is_shrunk:  # no time was left for it
+                continue
+            if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end
+                continue
+            kind = shrunk.bucket
+            before = self.state.best.get(kind)
+            if before is None or _size(shrunk) < _size(before):
+                self.state.best[kind] = shrunk
+                yield Found(kind, shrunk, before is not None)
+
+
+def shrunk_or_same(
+    failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
+) -> Shrinking:
+    """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms.
+
+    Args:
+        failure: As it was found.
+        kept: What shrinking keeps, as :func:`fuzz.shrink.shrink` takes it.
+        seconds: Stop after this time with the best so far.
+        end: By :func:`fuzz.campaign.deadline.now`: if even that is not proved until then, the failure stays as it was.
+    """
+    began = Effort.so_far()
+    renew()
+    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
+
+
+def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: float) -> Shrinking:
+    try:
+        with stopping_when(Deadline(end, end).to_begin_is_over):
+            check_time()
+            made = shrink(failure, keep=kept, seconds=seconds)
+            if not made.complete:
+                return Shrinking(made.failure, complete=False)
+            try:
+                return Shrinking(with_boundaries(made.failure, failure))
+            except OutOfTime:  # it is shrunk and proved all the same; a later sitting measures where it begins
+                return Shrinking(made.failure, complete=False)
+    except OutOfTime:
+        return Shrinking(failure, complete=False)
+    except WorldgenError:
+        return Shrinking(failure)
+
+
+def _finished(result: T) -> Future[T]:
+    future: Future[T] = Future()
+    future.set_result(result)
+    return future
+
+
+def _by_turn(job: _Job) -> tuple[int]:
+    return (job.before,)
+
+
+def _by_size(job: _Job) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
+    """The first of each class, the smallest first: so the most are done by the end of the time."""
+    return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
+
+
+def _size(failure: Failure) -> tuple[tuple[int, ...], bytes]:
+    """Its size; of two failures of one size the one whose text comes first is the smaller."""
+    return failure.size, failure.dumps()

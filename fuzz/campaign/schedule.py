@@ -1,0 +1,145 @@
+"""How a campaign divides its time: start-up, search, shrinking."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Iterator
+
+from fuzz.campaign.deadline import NO_DEADLINE, Deadline, now
+
+__all__ = ["Schedule"]
+
+_SEARCH = 0.75  # share of the time after which shrinking comes first
+_SEARCH_ON = 0.9  # share after which no more is searched, even if nothing is left to shrink
+_PROVE = 0.5  # share of what is then left in which a failure that was met is still proved
+_UNSHRUNK = 0.97  # share of the time for the search where nothing is shrunk
+_SHRINKING = 0.25  # share of the work during the search that goes to the first failure of each class
+_ONE_OF = 0.1  # share of the time that one failure may take to be shrunk while the search goes on
+_COUNTED = 3.0  # s of the start-up that count, at most, and no more than the search's share leaves
+_LEAST = 0.05  # s that a failure gets to be shrunk
+_TO_CONFIRM = 0.3  # share of a failure's time in which what it was shrunk to is proved
+
+
+class Schedule:
+    """A campaign's clock. The time begins with the first work that no earlier sitting did.
+
+    What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would leave nothing of a
+    short budget. What the controller's own code took of it counts in full.
+
+    Args:
+        seconds: Of search and shrinking together; ``None`` for no limit.
+        shrinks: Whether failures are shrunk.
+        began: When the command began, by ``time.monotonic``; now if omitted.
+        own: Seconds since then that the controller's own code took already.
+    """
+
+    def __init__(
+        self, seconds: float | None, *, shrinks: bool = True, began: float | None = None, own: float = 0.0
+    ) -> None:
+        self._seconds, self._shrinks = seconds, shrinks
+        self._began = time.monotonic() if began is None else began
+        self._ready = self._last = math.inf
+        self._search = self._shrinking = 0.0  # s
+        self._own = own  # s
+        self.start_up = 0.0  # s
+
+    @property
+    def is_unlimited(self) -> bool:
+        """Return True if no time is set."""
+        return self._seconds is None
+
+    @property
+    def is_ready(self) -> bool:
+        """Return True once work can begin."""
+        return self._ready < math.inf
+
+    @property
+    def search_comes_first(self) -> bool:
+        """Return True until the search's share of the time is over; then it goes on where nothing is to be shrunk."""
+        return self._left(self._share_to_search(urgent=True)) > 0.0
+
+    @property
+    def may_search(self) -> bool:
+        """Return True if a unit may still begin."""
+        return self._left(self._share_to_search(urgent=False)) > 0.0
+
+    def begin(self, own: float = 0.0) -> None:
+        """Begin the time: all that is needed is loaded.
+
+        Args:
+            own: Seconds that the controller's own code took of that.
+        """
+        self._ready = time.monotonic()
+        self._own += own
+        self.start_up = self._ready - self._began
+
+    def is_over(self, grace: float = 0.0) -> bool:
+        """Return True if the time is over, and ``grace`` seconds more."""
+        return self._seconds is not None and self._left() + grace <= 0.0
+
+    def deadline(self) -> Deadline:
+        """Return when a unit is to end: with the search's share of the time, or with what is left of it after that."""
+        if self._seconds is None:
+            return NO_DEADLINE
+        share = self._share_to_search(urgent=self.search_comes_first)
+        at = now()
+        prove = share + _PROVE * (1.0 - share)
+        return Deadline(at + self._left(share), at + self._left(prove))
+
+    def shrank_enough(self) -> bool:
+        """Return True if shrinking had its share of the search so far, and the search is to have its turn."""
+        if self._seconds is None:
+            return False
+        return self._shrinking > _SHRINKING * (self._search + self._shrinking)
+
+    def for_shrinking(self, failures: int, workers: int) -> tuple[float | None, float]:
+        """Return the seconds that the next failure gets, and when it must be proved.
+
+        The second is a time by :func:`fuzz.campaign.deadline.now`.
+
+        Args:
+            failures: How many are to be shrunk, this one included.
+            workers: Who do it.
+        """
+        if self._seconds is None:
+            return None, math.inf
+        left = max(self._left(), 0.0)
+        share = _ONE_OF * self._seconds if self.search_comes_first else left * workers / failures
+        share = max(min(share, left), _LEAST)
+        return share * (1.0 - _TO_CONFIRM), now() + share
+
+    @contextlib.contextmanager
+    def doing(self, units: int, shrinks: int) -> Iterator[None]:
+        """Count the time inside for what is under way."""
+        begin = time.monotonic()
+        try:
+            yield
+        finally:
+            spent = time.monotonic() - begin
+            all_ = max(units + shrinks, 1)
+            self._search += spent * units / all_
+            self._shrinking += spent * shrinks / all_
+
+    def sat(self) -> float:
+        """Return the seconds of this sitting, without start-up."""
+        return time.monotonic() - self._ready if self.is_ready else 0.0
+
+    def times(self) -> dict[str, float]:
+        """Return the seconds of each part so far."""
+        shrinking = min(self._shrinking, self.sat())
+        return {"start-up": self.start_up, "search": self.sat() - shrinking, "shrinking": shrinking}
+
+    def _share_to_search(self, *, urgent: bool) -> float:
+        if not self._shrinks:
+            return _UNSHRUNK
+        return _SEARCH if urgent else _SEARCH_ON
+
+    def _left(self, share: float = 1.0) -> float:
+        """Seconds until this share of the time is over; all of it before it began."""
+        if self._seconds is None:
+            return math.inf
+        ours = max(self.start_up - self._own, 0.0)
+        counted = self._own + min(ours, _COUNTED, self._seconds * (1.0 - _SEARCH))
+        return share * (self._seconds - counted) - self.sat()

@@ -1,0 +1,441 @@
+"""A campaign at a terminal: progress on stderr, failures into a folder, a summary at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import shlex
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.executors import Crew, WorkersLost
+from fuzz.campaign.run import Campaign, Found, Progress, UnitDone
+from fuzz.campaign.store import Sitting, record_error
+from fuzz.campaign.summary import (
+    controller_share,
+    lanes_in_words,
+    summary_of,
+    times_in_words,
+    units_in_words,
+    whole_time,
+)
+from fuzz.campaign.variation import Variation
+from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
+from fuzz.corpus import Baseline
+from fuzz.describe import describe
+from fuzz.failure import Failure
+from fuzz.oracles import Asked, Trial
+from fuzz.search.names import DATABASE, TIME_STEPS
+from fuzz.search.registry import check_lane
+from fuzz.triage.hazards import is_unsensed
+from fuzz.triage.proofs import certified
+from sim.motion import MOTIONS
+from sim.options.run import RunOptions
+from sim.runners.stopping import stopping_when
+from sim.runners.try_out import EMPTY_ARENA, try_out
+from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.cli.output import emit_json, note, shown
+from worldgen.errors import InvalidParameter, OutputError, WorldgenError
+from worldgen.support.plain_text import counted
+from worldgen.support.progress import working
+from worldgen.support.workers import ctrl_c_kept
+from worldgen.world import World
+
+__all__ = ["CampaignSession", "configure"]
+
+_SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
+_TO_DRAW = 2.0  # s for the runs of all pictures together
+_VARY = "--vary"
+_NO_FAILURE = (Verdict.REACHED, "sealed")  # verdicts at first look
+
+
+def configure(
+    *,
+    controller: str,
+    motion: str,
+    families: tuple[str, ...],
+    fixed_map: World | None,
+    time_step: float | None,
+    examples: int,
+    seed: int,
+    vary: tuple[str, ...] = (),
+    database: str = "",
+    shrink: bool | None = None,
+    oracles: tuple[str, ...] = (),
+    epoch: int = CampaignConfig.epoch,
+    seconds: float | None = None,
+) -> CampaignConfig:
+    """Check a campaign's parts before any work begins; ``seconds`` are the most that trying the controller may take.
+
+    Raises:
+        InvalidParameter: If a name is unknown, or controller and motion model do not fit.
+        InvalidWorld: If the map leaves no room.
+    """
+    usual = RunOptions.time_step
+    scenario = Scenario.parse(controller, motion=motion, time_step=usual if time_step is None else time_step)
+    for name in families:
+        check_lane(name, scenario)
+    time_steps: tuple[float, ...] = (scenario.time_step,)
+    if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
+        time_steps = TIME_STEPS
+    varied = tuple(Variation.parse(text, scenario) for text in vary)
+    names = [one.name for one in varied]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise InvalidParameter(
+            "twice",
+            "{option} {name} is given twice",
+            "put all its values into one, after commas",
+            option=_VARY,
+            name=min(twice),
+        )
+    wanted = fixed_map is None if shrink is None else shrink
+    config = CampaignConfig(
+        scenario,
+        seed,
+        families,
+        time_steps,
+        varied,
+        fixed_map,
+        examples=examples,
+        shrink=wanted,
+        oracles=oracles,
+        database=database,
+        epoch=epoch,
+    )
+    with working("loading the simulator and the controller"):
+        _try_out(config, seconds, [Asked.parse(text) for text in oracles])
+    return config
+
+
+def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) -> None:
+    """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
+    scenario = config.scenario
+    outcome = try_out(scenario, seconds)
+    # So would every run, each for the whole start-up deadline.
+    if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
+        raise InvalidParameter(
+            "no-first-answer",
+            "{controller} does not answer its first observation within {seconds} s",
+            "does it flush its output after each line? docs/controllers.md has the protocol",
+            controller=scenario.controller,
+            seconds=outcome.fault.deadline,
+        )
+    proved = certified(EMPTY_ARENA) or EMPTY_ARENA
+    for oracle in asked:
+        oracle.objection(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
+
+
+class CampaignSession:
+    """Runs a campaign and keeps its folder.
+
+    Args:
+        sitting: The campaign, with its folder and how long it is to search; closed by :meth:`run`.
+        crew: Who does the work.
+        quiet: Print one JSON object at the end instead of text.
+        outputs: Reports to write at the end.
+        baseline: Failures whose classes are known: they are counted only; none if left out.
+        count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
+        began: When the command began, by ``time.monotonic``.
+        lasts: Whether the folder is still there after the command, so that a message can name it.
+        own: Seconds since then that the controller's own code took.
+    """
+
+    def __init__(
+        self,
+        sitting: Sitting,
+        crew: Crew,
+        *,
+        quiet: bool = False,
+        outputs: Outputs = NO_OUTPUTS,
+        baseline: Baseline | None = None,
+        count_hazards: bool = False,
+        began: float | None = None,
+        lasts: bool = True,
+        own: float = 0.0,
+    ) -> None:
+        self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
+        self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
+        self._out = sitting.folder.out
+        self._lasts = lasts
+        goal = sitting.goal
+        self._campaign = Campaign(
+            sitting.config,
+            units=goal.units,
+            seconds=goal.seconds,
+            crew=crew,
+            ledger=sitting.folder,
+            is_known=self._baseline.has,
+            began=began,
+            own=own,
+        )
+        self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
+        self._unsaved: set[str] = set()
+        self._status = "running"
+        self._goes_on = sitting.done > 0  # until all that was done before has been gone through
+        self._summarised = time.monotonic()
+
+    def run(self) -> int:
+        """Does the campaign; returns the exit code."""
+        try:
+            with contextlib.closing(self._folder):
+                stopped = self._search_and_say_how_it_ended()
+        except WorkersLost as error:
+            if not self._lasts:
+                raise OutputError(
+                    "broken-off", "{reason}", "nothing was kept: begin again", reason=str(error)
+                ) from error
+            raise OutputError(
+                "broken-off",
+                "{reason}",
+                "what was found until then is in {out}, and {way_on}",
+                at_terminal=True,
+                reason=str(error),
+                out=self._out,
+                way_on=self._way_on,
+            ) from error
+        except OutputError as error:
+            if not self._lasts:
+                raise OutputError(
+                    "broken-off", "{reason}", "nothing was kept: make room, and begin again", reason=str(error)
+                ) from error
+            raise OutputError(
+                "broken-off",
+                "{reason}",
+                "what is there is whole: make room, and {way_on}",
+                at_terminal=True,
+                reason=str(error),
+                way_on=self._way_on,
+            ) from error
+        end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
+        with stopping_when(lambda: time.monotonic() > end):
+            self._report()
+            if self._outputs:
+                self._outputs.write(self._as_report())
+        if stopped and self._lasts:
+            kept = counted(len(self._campaign.state.best), "failure")
+            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {self._way_on}")
+        elif stopped:
+            note("interrupted; nothing was kept")
+        if stopped:
+            return 130
+        if idle := self._nothing_ran():
+            raise idle
+        return 1 if self._failing() else 0
+
+    @property
+    def _way_on(self) -> str:
+        return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
+
+    def _failing(self) -> dict[str, Failure]:
+        """By class, what makes the exit code 1."""
+        best = self._campaign.state.best
+        return best if self._count_hazards else {kind: one for kind, one in best.items() if not is_unsensed(one)}
+
+    def _hazards(self) -> dict[str, Failure]:
+        """By class, what burned the robot though its controller could not have known better."""
+        failing = self._failing()
+        return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
+
+    def _nothing_ran(self) -> InvalidParameter | None:
+        """Return an error if no world could be run: a build must not take that for a controller without failures."""
+        state, lanes = self._campaign.state, self._campaign.state.memory.lanes.keys()
+        if state.worlds or (lanes and lanes <= {DATABASE}):
+            return None
+        if state.cut or not lanes:
+            return InvalidParameter(
+                "too-slow",
+                "no world was finished within {limit}: the controller, or this machine, is too slow for that",
+                "give a larger --budget, or smaller worlds",
+                at_terminal=True,
+                limit=self._limit,
+            )
+        return InvalidParameter(
+            "no-world-fits",
+            "no world was run in {units}: the robot fits none of them",
+            "give it a smaller radius, or other families",
+            units=counted(state.units, "unit"),
+        )
+
+    def _search_and_say_how_it_ended(self) -> bool:
+        """Search; the folder says how that ended before other processes may have it. Return whether Ctrl-C came."""
+        self._folder.save_status("running")
+        try:
+            stopped = self._search()
+        except WorldgenError:
+            with contextlib.suppress(OutputError):  # a full disk may be why
+                self._keep_status("failed")
+            raise
+        idle = None if stopped else self._nothing_ran()
+        if idle is not None:
+            record_error(self._out, idle)
+        self._keep_status("stopped" if stopped else "failed" if idle else "done")
+        return stopped
+
+    def _keep_status(self, status: str) -> None:
+        self._status = status
+        if self._goes_on:  # what earlier runs did is not gone through, so the numbers of their summary stay
+            self._folder.save_status(status)
+        else:
+            self._folder.save_summary(self._summary())
+
+    def _summary(self) -> dict[str, Any]:
+        return summary_of(self._config, self._campaign.state, self._status)
+
+    def _search(self) -> bool:
+        """Does the work; returns whether Ctrl-C stopped it."""
+        try:
+            self._watch()
+        except KeyboardInterrupt:
+            self._save_pending()
+            return True
+        except WorkersLost:
+            self._save_pending()
+            raise
+        return False
+
+    def _watch(self) -> None:
+        events = self._campaign.run()
+        with (
+            working(f"searching ({self._limit})") as work,
+            ctrl_c_kept() as listen,
+            contextlib.closing(events),
+        ):
+            work.say(self._so_far)
+            for event in events:
+                listen()
+                self._see(event)
+        self._goes_on = False
+        if self._campaign.units is not None:
+            self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
+        late = sum(not one.is_shrunk for one in {**self._campaign.state.best, **self._save_pending()}.values())
+        if late and self._config.shrink:
+            self._say_late(late)
+
+    def _say_late(self, late: int) -> None:
+        """Say how many classes were not shrunk, and what shrinks them: nothing does where time was not the reason."""
+        state = self._campaign.state
+        are = f"{late} of {counted(len(state.best), 'class', 'classes')} {'is' if late == 1 else 'are'} as found"
+        if self._campaign.units is not None:
+            note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
+            return
+        folder = shlex.quote(str(self._out))
+        note(
+            f"{are}, because the time ended before shrinking did: "
+            f"worldgen fuzz --resume {folder} --units {state.until} does the rest"
+        )
+
+    def _so_far(self) -> str:
+        """The campaign in half a line."""
+        if not self._campaign.is_ready:
+            return "loading the simulator in each process"
+        state = self._campaign.state
+        if not state.until:
+            return "the first units are under way"
+        failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
+        shrunk = sum(one.is_shrunk for one in state.best.values())
+        to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
+        classes = counted(len(state.best.keys() | self._campaign.pending().keys()), "class", "classes")
+        return f"{counted(state.worlds, 'world')}, {failed} failed, {classes}{to_shrink}"
+
+    def _see(self, event: Progress) -> None:
+        if isinstance(event, Found):
+            self._unsaved.add(event.kind)
+        elif isinstance(event, UnitDone):
+            self._goes_on = event.again
+        if not self._goes_on:
+            self._save(at_least_after=_SUMMARY_EVERY)
+
+    def _save(self, at_least_after: float = 0.0) -> None:
+        """Writes the failures that are new, and from time to time what reports read."""
+        for kind in sorted(self._unsaved):
+            data = self._campaign.state.best[kind].dumps()
+            path = self._path(kind)
+            if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
+                self._folder.write_failure(path.name, data)
+        self._unsaved.clear()
+        if time.monotonic() - self._summarised >= at_least_after:
+            self._folder.save_summary(self._summary())
+            self._summarised = time.monotonic()
+
+    def _save_pending(self) -> dict[str, Failure]:
+        """What was proved but not shrunk yet is kept as it is; nothing where not even the earlier is gone through."""
+        if self._goes_on:
+            return {}
+        pending = self._campaign.pending()
+        self._campaign.state.best |= pending
+        self._unsaved |= self._campaign.state.best.keys()  # also what came in when no event could say so any more
+        self._save()
+        return pending
+
+    def _path(self, kind: str) -> Path:
+        return self._out / f"{kind}.grid"
+
+    def _report(self) -> None:
+        state, hazards = self._campaign.state, self._hazards()
+        if self._quiet:
+            lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
+            emit_json(self._summary() | lists)
+            return
+        for kind, failure in sorted(self._failing().items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
+        if hazards:
+            click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
+        for kind, failure in sorted(hazards.items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
+        click.echo(lanes_in_words(state))
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
+        click.echo(
+            f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
+            f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
+        )
+        if self._campaign.units is None or controller_share(self._config, state) is not None:
+            note(times_in_words(self._config, state))
+        if state.effort.broken:
+            steps = counted(state.effort.broken, "step")
+            note(
+                f"{steps} of {self._config.scenario.controller} went on when the time was over, and had to be broken "
+                "off; if a step may hang, run the controller as a program: each step has a deadline then, and a hang "
+                "is a failure (docs/controllers.md)"
+            )
+        if state.known:
+            often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
+            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
+        if hazards:
+            often = ", ".join(f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards))
+            click.echo(f"hazards it cannot sense: met {often}; --count-hazards makes failures of them")
+        if not self._failing():
+            what = "new failure" if state.known else "failure"
+            beside = ", but for hazards that it cannot sense" if hazards else ""
+            who = f"{self._config.scenario.label()} under {self._config.scenario.motion}"
+            click.echo(f"no {what} of {who} found{beside}")
+
+    def _as_report(self) -> Report:
+        """The campaign for the programs that run tests for a team."""
+        state, scenario = self._campaign.state, self._config.scenario
+        best = sorted(state.best.items())
+        facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
+        numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
+        facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
+        failing = self._failing()
+        new = [Finding.of(one, self._path(kind), "new" if kind in failing else "hazard") for kind, one in best]
+        stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
+        met = [Finding.of(one, path, "known") for key, (path, one) in stored if state.known[key[2]]]
+        return Report("fuzz", (*new, *met), facts)
+
+    def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
+        return [
+            {
+                "file": str(self._path(kind)),
+                "verdict": failure.verdict,
+                "class": kind,
+                "solid_cells": failure.world.solid_cells,
+                "shrunk": failure.is_shrunk,
+                "replay": failure.replay_command(self._path(kind)),
+            }
+            for kind, failure in sorted(failures.items())
+        ]

@@ -1,0 +1,197 @@
+"""What decides the result of a campaign's units: the configuration, and the code that does them."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib
+import json
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.variation import Variation
+from fuzz.oracles import ORACLES, Asked
+from sim.controllers import CONTROLLERS, ProcessController
+from sim.motion import MOTIONS
+from sim.options.run import RunOptions
+from sim.scenario import Scenario
+from worldgen.family import FAMILIES
+from worldgen.files.grid import dumps, loads
+from worldgen.plugins.registry import Registry
+
+__all__ = ["Setup", "config_of", "digest_of", "digest_of_sources", "setup_of"]
+
+_OWN = ("worldgen", "sim", "fuzz")
+_SHOWS = ("fuzz/ci", "fuzz/commands", "fuzz/player", "fuzz/report", "fuzz/studio", "worldgen/cli", "worldgen/commands")
+"""What shows campaigns and decides nothing in them; that no search imports it is a contract in pyproject.toml."""
+_LEFT_OUT = tuple(f"{folder}/" for folder in _SHOWS)
+_COMPILED = (".so", ".pyd")
+_DIGITS = 16  # hex, of every digest here
+_LONGEST = 60  # characters of a value in a message
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A configuration and the code that goes with it; campaigns of equal setups find the same.
+
+    Args:
+        configuration: The campaign's, in JSON's types.
+        code: Digests and versions of whatever else decides what a unit finds.
+    """
+
+    configuration: Mapping[str, Any]
+    code: Mapping[str, str]
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """The first hex digits of the SHA-256 of all of it."""
+        return digest_of([self.configuration, self.code])
+
+    def differences(self, now: Setup) -> list[str]:
+        """How another setup differs from this one, in words: ``seed is 5, not 6``."""
+        found = [
+            f"{name} is {_shown(self.configuration.get(name))}, not {_shown(now.configuration.get(name))}"
+            for name in sorted(self.configuration.keys() | now.configuration.keys())
+            if self.configuration.get(name) != now.configuration.get(name)
+        ]
+        for name in sorted(self.code.keys() | now.code.keys()):
+            before, after = self.code.get(name, "none"), now.code.get(name, "none")
+            if before != after:
+                found.append(f"{name} was {before} and is {after}")
+        return found
+
+
+def setup_of(config: CampaignConfig) -> Setup:
+    """The setup of a configuration, with the code as it is here and now.
+
+    Raises:
+        InvalidParameter: If a controller, family or oracle cannot be found.
+    """
+    code = {"worldgen": f"{version('worldgen')} ({_own_sources()})", "hypothesis": version("hypothesis")}
+    code |= {name: digest for name, digest in _other_sources(config) if digest}
+    return Setup(_configuration(config), code)
+
+
+def digest_of(value: Any) -> str:
+    """The first hex digits of the SHA-256 of a value in JSON's types."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+
+
+def _configuration(config: CampaignConfig) -> dict[str, Any]:
+    plain = {field.name: getattr(config, field.name) for field in fields(config)}
+    scenario = config.scenario
+    options = RunOptions(scenario.motion, 1, scenario.time_step, scenario.seed, scenario.thesis, scenario.robot)
+    plain["scenario"] = {
+        "controller": scenario.controller,
+        "motion": scenario.motion,
+        "seed": scenario.seed,
+        "parameters": options.parameters(),
+    }
+    plain["fixed_map"] = None if config.fixed_map is None else dumps(config.fixed_map).decode()
+    configuration: dict[str, Any] = json.loads(
+        json.dumps(plain, default=asdict)
+    )  # with lists for tuples, as it will be read
+    return configuration
+
+
+def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
+    """The configuration that was stored.
+
+    Raises:
+        WorldgenError: If a part of it is out of range.
+        TypeError, ValueError, KeyError: If it is none.
+    """
+    values: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in configuration.items()
+    }
+    said = values.pop("scenario")
+    controller, motion, seed = str(said["controller"]), str(said["motion"]), int(said["seed"])
+    scenario = Scenario.of(controller, RunOptions.of(motion, seed, said["parameters"]))
+    text = values.pop("fixed_map")
+    fixed_map = None if text is None else loads(text.encode())
+    vary = tuple(Variation(str(one["name"]), tuple(one["values"])) for one in values.pop("vary"))
+    config = CampaignConfig(scenario, fixed_map=fixed_map, vary=vary, **values)
+    usual = CampaignConfig(scenario)
+    for field in fields(config):
+        if field.name != "fixed_map" and type(getattr(config, field.name)) is not type(getattr(usual, field.name)):
+            raise TypeError(f"{field.name} is {getattr(config, field.name)!r}")
+    return config
+
+
+@functools.cache
+def _own_folders() -> list[Path]:
+    return [Path(str(importlib.import_module(name).__file__)).parent for name in _OWN]
+
+
+@functools.cache
+def _own_sources() -> str:
+    """A digest of our own files: which of them a unit hangs on is hard to say."""
+    return digest_of_sources(_own_folders())
+
+
+def digest_of_sources(folders: Sequence[Path]) -> str:
+    """A digest of packages' files, comments and tables included, without those that only show what was found.
+
+    What is compiled of them is left out: another compiler's core computes the same.
+
+    Args:
+        folders: Of the packages.
+    """
+    digest = hashlib.sha256()
+    for folder in folders:
+        for file in sorted(folder.rglob("*")):
+            name = file.relative_to(folder.parent).as_posix()
+            if file.suffix in _COMPILED or "__pycache__" in file.parts or name.startswith(_LEFT_OUT):
+                continue
+            if file.is_file():
+                digest.update(f"{name}\0".encode() + file.read_bytes())
+    return digest.hexdigest()[:_DIGITS]
+
+
+def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
+    """What is not our own, and its digest."""
+    controller = config.scenario.controller
+    found = CONTROLLERS.get(controller)
+    if isinstance(found, ProcessController):
+        yield f"program {controller}", _digest_of_program(found.command)
+    else:
+        yield f"controller {controller}", _digest_of_source(CONTROLLERS, controller)
+    yield f"motion model {config.scenario.motion}", _digest_of_source(MOTIONS, config.scenario.motion)
+    for name in config.families:
+        if name.endswith(".toml"):
+            yield f"family {name}", digest_of(FAMILIES.get(name).constants)
+        else:
+            yield f"family {name}", _digest_of_source(FAMILIES, name)
+    for text in config.oracles:
+        yield f"oracle {text}", _digest_of_source(ORACLES, Asked.parse(text).name)
+
+
+def _digest_of_source(registry: Registry[Any], name: str) -> str:
+    """The digest of the file that defines a thing; empty of our own and of what no file defines."""
+    file = registry.source(name)
+    ours = file is not None and any(file.is_relative_to(folder) for folder in _own_folders())
+    return "" if file is None or ours else _digest_of_files(file)
+
+
+def _digest_of_program(command: Sequence[str]) -> str:
+    """The digest of what runs: those of a command's words that are files here."""
+    paths = [Path(shutil.which(word) or word) for word in command]
+    return _digest_of_files(*(path for path in paths if path.is_file()))
+
+
+def _digest_of_files(*files: Path) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:_DIGITS]
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."

@@ -1,0 +1,325 @@
+"""The folder ``OUT/.campaign``: written by one process at a time, whole at every moment.
+
+Every file is written under another name and then renamed, so it is there whole or not at all; those with
+failures before the entry that names them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+import os
+import re
+import shutil
+from collections.abc import Collection
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from fuzz.campaign.store.entry import Done, read_entry, write_entry
+from fuzz.campaign.store.fingerprint import Setup
+from fuzz.campaign.store.last_error import forget_error
+from fuzz.failure import ID_DIGITS, Failure
+from worldgen.errors import FormatError, OutputError, WorldgenError
+from worldgen.files.grid import loads
+from worldgen.files.locks import lock, sign
+from worldgen.files.whole import read_text, write_bytes
+
+__all__ = ["CampaignFolder", "Ledger"]
+
+_NAME = ".campaign"
+_VERSION = 1
+_SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid")
+_CUT = ".cut.json"
+_WRITTEN = "written.json"
+_PARTS = ("units", "failures", "shrunk")
+
+
+def _content_name(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
+
+
+class Ledger:
+    """A campaign's memory; this one remembers nothing, for a campaign that nobody goes on with."""
+
+    def unit(self, unit: int) -> Done | None:
+        """A unit that was done before; ``None`` if it is to be done."""
+        return None
+
+    def cut_unit(self, unit: int) -> Done | None:
+        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        return None
+
+    def units_cut(self) -> list[int]:
+        """Numbers of the units that were cut short and not done since."""
+        return []
+
+    def save_unit(self, unit: int, done: Done) -> None:
+        """Keeps a unit; one that was cut short apart from those that are done."""
+
+    def seconds(self) -> float:
+        """Return how long earlier sittings took, as far as that is known."""
+        return 0.0
+
+    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
+        """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
+        return None
+
+    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
+        """Keeps what a failure was shrunk to."""
+
+
+class CampaignFolder(Ledger):
+    """A campaign's memory in ``OUT/.campaign``, kept from other processes until :meth:`close`.
+
+    Args:
+        out: The folder of the campaign's failures; made if it is missing.
+
+    Raises:
+        OutputError: If it cannot be written, or another process is writing it.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self.out, self._path = out, out / _NAME
+        self._setup = ""
+        self._shrunk: dict[str, Path] = {}
+        if out.exists() and not out.is_dir():
+            raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
+        with _told(self._path):
+            self._path.mkdir(parents=True, exist_ok=True)
+            self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+        if not lock(self._lock):
+            os.close(self._lock)
+            raise OutputError(
+                "campaign-is-running",
+                "another worldgen fuzz is writing {out}",
+                "let that one end first, or name another folder",
+                out=out,
+            )
+        sign(self._lock)
+
+    @staticmethod
+    def stored_in(out: Path) -> tuple[Setup, dict[str, Any]] | None:
+        """The setup of the campaign in a folder, and how long it was to search; ``None`` if there is none.
+
+        Raises:
+            FormatError: If it cannot be read.
+        """
+        file = out / _NAME / "campaign.json"
+        if not file.is_file():
+            return None
+        try:
+            said = json.loads(read_text(file))
+            if said["version"] != _VERSION:
+                raise ValueError(f"it is of version {said['version']}, and this reads version {_VERSION}")
+            return Setup(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
+        except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
+            if isinstance(error, FormatError):
+                raise
+            raise FormatError(
+                "invalid-campaign",
+                "is no campaign's configuration: {reason}",
+                "--force begins a new campaign",
+                at_terminal=True,
+                reason=repr(error),
+                source=str(file),
+            ) from error
+
+    def units_done(self) -> int:
+        """How many units it holds, from the first on: one more than the last number."""
+        numbers = [int(file.stem) for file in (self._path / "units").glob("*.json") if file.stem.isdecimal()]
+        return max(numbers, default=-1) + 1
+
+    def close(self) -> None:
+        """Lets other processes at it."""
+        os.close(self._lock)
+
+    def begin(self, setup: Setup, goal: dict[str, Any]) -> None:
+        """Stores the setup of a new campaign, or the new goal of the one that is there.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._setup = setup.digest
+        forget_error(self.out)
+        with _told(self._path):
+            for part in _PARTS:
+                (self._path / part).mkdir(exist_ok=True)
+            for file in (self._path / "shrunk").iterdir():
+                if name := _SHRUNK.fullmatch(file.name):
+                    self._shrunk[name["key"]] = file
+        said = {"version": _VERSION, "configuration": setup.configuration, "code": setup.code, "goal": goal}
+        self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
+
+    def forget(self) -> None:
+        """Removes what is there of an earlier campaign; its failures in the folder outside stay.
+
+        Raises:
+            OutputError: If it cannot be removed.
+        """
+        with _told(self._path):
+            (self._path / "campaign.json").unlink(missing_ok=True)  # first: what is left is then no campaign
+            (self._path / "summary.json").unlink(missing_ok=True)
+            (self._path / _WRITTEN).unlink(missing_ok=True)
+            for part in _PARTS:
+                if (self._path / part).exists():
+                    shutil.rmtree(self._path / part)
+
+    def unit(self, unit: int) -> Done | None:
+        """A unit that was done before; ``None`` if it is to be done, or its entry is not whole."""
+        return self._read_unit(unit, self._unit_file(unit))
+
+    def cut_unit(self, unit: int) -> Done | None:
+        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        done = self._read_unit(unit, self._cut_file(unit))
+        return done and replace(done, result=replace(done.result, cut=True))
+
+    def units_cut(self) -> list[int]:
+        """Numbers of the units that were cut short and not done since."""
+        names = [file.name.removesuffix(_CUT) for file in (self._path / "units").glob(f"*{_CUT}")]
+        return sorted(int(name) for name in names if name.isdecimal())
+
+    def _read_unit(self, unit: int, file: Path) -> Done | None:
+        if not file.is_file():
+            return None
+        try:
+            return read_entry(read_text(file), unit, self._setup, self._failure)
+        except (ValueError, WorldgenError):
+            return None
+
+    def save_unit(self, unit: int, done: Done) -> None:
+        """Keeps a unit: its failures first, then its entry. One that was cut short is begun again by who goes on.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        names: dict[str, str] = {}
+        for kind, failure in done.result.failures.items():
+            names[kind] = failure.id
+            self._save(f"failures/{names[kind]}.grid", failure.dumps())
+        file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
+        write_bytes(file, write_entry(unit, done, self._setup, names), force=True)
+        if not done.result.cut:
+            self._cut_file(unit).unlink(missing_ok=True)
+
+    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
+        """What a failure was shrunk to before; ``None`` if it is to be shrunk, or the file is not whole."""
+        file = self._shrunk.get(f"{failure.id}-{kept}")
+        if file is None:
+            return None
+        try:
+            return _whole_failure(file, file.stem.rpartition("-")[2])
+        except (ValueError, WorldgenError):
+            return None
+
+    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
+        """Keeps what a failure was shrunk to.
+
+        Args:
+            failure: Before.
+            kept: What shrinking kept.
+            shrunk: After.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        data = shrunk.dumps()
+        self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
+
+    def written(self) -> dict[str, str]:
+        """Names of the failures that this campaign wrote into its folder, with a digest of each one's content."""
+        try:
+            said = json.loads(read_text(self._path / _WRITTEN))
+            return {str(name): str(digest) for name, digest in said.items() if Path(str(name)).name == name}
+        except (AttributeError, OSError, RecursionError, ValueError, WorldgenError):
+            return {}
+
+    def write_failure(self, name: str, data: bytes) -> None:
+        """Write a failure into the campaign's folder; it is noted first, so that no file is there that nobody knows.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._save(_WRITTEN, (json.dumps(self.written() | {name: _content_name(data)}, indent=1) + "\n").encode())
+        write_bytes(self.out / name, data, force=True)
+
+    def remove_failures_but(self, names: Collection[str]) -> None:
+        """Remove what this campaign wrote and nobody changed, except for these: what cut units met beyond its end.
+
+        Raises:
+            OutputError: If a file cannot be removed.
+        """
+        with _told(self.out):
+            for name, content in self.written().items():
+                file = self.out / name
+                if name not in names and file.is_file() and _content_name(file.read_bytes()) == content:
+                    file.unlink()
+
+    def seconds(self) -> float:
+        """Return how long earlier sittings took, shrinking after the last unit included; 0 if that cannot be read."""
+        try:
+            seconds = float(json.loads((self._path / "summary.json").read_bytes())["seconds"])
+        except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            return 0.0
+        return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
+
+    def save_summary(self, summary: dict[str, Any]) -> None:
+        """Writes what reports read.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._save("summary.json", (json.dumps(summary, indent=1) + "\n").encode())
+
+    def save_status(self, status: str) -> None:
+        """Write how the campaign stands into the summary that is there, if there is one.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        file = self._path / "summary.json"
+        try:
+            summary = json.loads(read_text(file))
+            self.save_summary({**summary, "status": status})
+        except (FormatError, RecursionError, TypeError, ValueError):  # nothing that can be read: the next one says it
+            return
+
+    def _unit_file(self, unit: int) -> Path:
+        return self._path / "units" / f"{unit:06}.json"
+
+    def _cut_file(self, unit: int) -> Path:
+        return self._path / "units" / f"{unit:06}{_CUT}"
+
+    def _failure(self, name: str) -> Failure:
+        return _whole_failure(self._path / "failures" / f"{name}.grid", name)
+
+    def _save(self, name: str, data: bytes) -> None:
+        write_bytes(self._path / name, data, force=True)
+
+
+def _whole_failure(file: Path, content: str) -> Failure:
+    """The failure in a file that is named by its content.
+
+    Raises:
+        ValueError: If the content is another; as FormatError if it cannot be read.
+    """
+    data = read_text(file).encode()
+    if _content_name(data) != content:
+        raise ValueError("the file was changed")
+    return Failure.of(loads(data, str(file)))
+
+
+@contextlib.contextmanager
+def _told(path: Path) -> Any:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(
+            "unwritable",
+            "{path}: cannot be written: {reason}",
+            "choose another place",
+            path=path,
+            reason=error.strerror or str(error),
+        ) from error

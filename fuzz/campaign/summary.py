@@ -1,0 +1,112 @@
+"""A campaign in numbers: what reports and ``--json`` say of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.run import CampaignState
+from fuzz.search.archive import archive_table
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from worldgen.support.plain_text import aligned, counted
+
+__all__ = ["controller_share", "lanes_in_words", "summary_of", "times_in_words", "units_in_words", "whole_time"]
+
+_VERSION = 1
+
+
+def summary_of(config: CampaignConfig, state: CampaignState, status: str) -> dict[str, Any]:
+    """What ``.campaign/summary.json`` holds; ``docs/campaigns.md`` says what each part means."""
+    share = controller_share(config, state)
+    return {
+        "version": _VERSION,
+        "status": status,
+        "controller": config.scenario.label(),
+        "motion": config.scenario.motion,
+        "seed": config.seed,
+        "units": state.units,
+        "units_cut": state.cut - state.too_early,
+        "units_too_early": state.too_early,
+        "worlds": state.worlds,
+        "steps": state.steps,
+        "seconds": round(state.seconds, 3),
+        "times": {name: round(seconds, 3) for name, seconds in state.times.items()},
+        **({} if share is None else {"controller_share": round(share, 3)}),
+        "verdicts": dict(state.verdicts),
+        "met": dict(state.met),
+        "known": dict(state.known),
+        "lanes": [
+            {
+                "lane": name,
+                "units": lane.units,
+                "worlds": lane.worlds,
+                "steps": lane.steps,
+                "failures": lane.failures,
+                "classes": lane.classes,
+            }
+            for name, lane in state.memory.lanes.items()
+        ],
+        "found": [
+            {
+                "unit": find.unit,
+                "lane": find.lane,
+                "class": find.kind,
+                "solid_cells": find.failure.world.solid_cells,
+                "worlds": find.worlds,
+                "steps": find.steps,
+                "seconds": round(find.seconds, 3),
+                "file": f".campaign/failures/{find.failure.id}.grid",
+            }
+            for find in state.finds
+        ],
+        "archive": archive_table(state.memory.elites),
+    }
+
+
+def lanes_in_words(state: CampaignState) -> str:
+    """A table of the lanes: what each had and what it brought."""
+    rows = [["lane", "units", "worlds", "steps", "failures", "new classes"]]
+    for name, lane in sorted(state.memory.lanes.items()):
+        rows.append([name, *map(str, (lane.units, lane.worlds, lane.steps, lane.failures, lane.classes))])
+    return aligned(rows, right=range(1, 6))
+
+
+def whole_time(state: CampaignState) -> float:
+    """How long this sitting took, start-up included, s; of one that had nothing to do, all sittings before it."""
+    return sum(state.times.values()) or state.seconds
+
+
+def units_in_words(state: CampaignState) -> str:
+    """Return the units by what became of them: ``9 units and 2 cut short and 1 that learned too little from those``."""
+    words = counted(state.units, "unit")
+    cut = state.cut - state.too_early
+    if cut:
+        words += f" and {cut} cut short"
+    if state.too_early:
+        words += f" and {state.too_early} that learned too little from those"
+    return words
+
+
+def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
+    """Return the share of this sitting's work that was the controller's own code.
+
+    ``None`` for a compiled controller, which is a part of the kernels, and for a sitting that had nothing to do.
+    """
+    if isinstance(CONTROLLERS.get(config.scenario.controller), CompiledController) or not state.effort.seconds:
+        return None
+    return state.effort.share
+
+
+def times_in_words(config: CampaignConfig, state: CampaignState) -> str:
+    """Describe where the time went.
+
+    For example ``start-up in 2.0 s, search in 21.9 s, shrinking in 6.2 s; 40 % of the work was your controller's own
+    code``.
+    """
+    parts = ", ".join(f"{name} in {seconds:.1f} s" for name, seconds in state.times.items())
+    share = controller_share(config, state)
+    if share is None:
+        return parts
+    is_program = isinstance(CONTROLLERS.get(config.scenario.controller), ProcessController)
+    what = "waiting for your program" if is_program else "your controller's own code"
+    return f"{parts}; {100 * share:.0f} % of the work was {what}"

@@ -1,0 +1,140 @@
+"""Quantities that a campaign varies beside the world: ``--vary sensor_noise=0,0.05,0.2``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from sim.options.run import RunOptions, switch_class, switch_sets
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.world import Provenance, Value, World
+
+__all__ = ["Variation", "applied", "map_provenance"]
+
+_OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}  # fields of a world
+_OPTION = "--vary"
+_EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One quantity and its values.
+
+    Args:
+        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the motion model.
+        values: The simplest first.
+    """
+
+    name: str
+    values: tuple[Value, ...]
+
+    @classmethod
+    def parse(cls, text: str, scenario: Scenario) -> Variation:
+        """Reads ``NAME=VALUE,VALUE,...``.
+
+        Args:
+            text: As the command line takes it.
+            scenario: Its motion model decides which options there are.
+
+        Raises:
+            InvalidParameter: If the name is unknown, a value is none for it, or out of range.
+        """
+        name, equals, said = text.partition("=")
+        name, words = name.strip().replace("-", "_"), [word.strip() for word in said.split(",")]
+        if not name or not equals or not all(words):
+            raise InvalidParameter(
+                "no-values", "{option} {text!r} names no values", _EXAMPLE, option=_OPTION, text=text
+            )
+        _check_name(name, scenario.motion)
+        found = cls(name, tuple(_value(name, word, scenario) for word in words))
+        for value in found.values:
+            found._check(value, scenario)
+        return found
+
+    def _check(self, value: Value, scenario: Scenario) -> None:
+        if self.name in _OF_THE_ROBOT:
+            if not isinstance(value, float) or not 0.0 < value < 1e6:
+                unit = _OF_THE_ROBOT[self.name]
+                raise InvalidParameter(
+                    "out-of-range",
+                    "{option} {name}={value}: give {unit} above 0 and below a million",
+                    option=_OPTION,
+                    name=self.name,
+                    value=value,
+                    unit=unit,
+                )
+        elif self.name == "time_step":
+            RunOptions(motion=scenario.motion, time_step=value)  # type: ignore[arg-type]
+        else:
+            _with_option(scenario, self.name, value)
+
+
+def applied(values: Mapping[str, Value], world: World, scenario: Scenario) -> tuple[World, Scenario]:
+    """The world and the scenario with these values.
+
+    Args:
+        values: By name, one of each :class:`Variation`.
+        world: Loses its certificate if its robot becomes another.
+        scenario: What runs in it.
+
+    Raises:
+        InvalidWorld: If the robot does not fit the world.
+    """
+    robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
+    if any(getattr(world, name) != value for name, value in robot.items()):
+        world = replace(world, certificate=None, provenance=map_provenance(world), **robot)  # type: ignore[arg-type]
+    for name, value in values.items():
+        if name == "time_step":
+            scenario = replace(scenario, time_step=value)  # type: ignore[arg-type]
+        elif name not in robot:
+            scenario = _with_option(scenario, name, value)
+    return world, scenario
+
+
+def map_provenance(world: World) -> Provenance | None:
+    """How the cells came here if they are a foreign map's: true of them whichever robot drives there, and from where.
+
+    It has the map's origin, so that a failure can go back to where the map is used. A family's says the whole world.
+    """
+    made = world.provenance
+    return made if made is not None and made.family == "import" else None
+
+
+def _value(name: str, word: str, scenario: Scenario) -> Value:
+    if name not in (*_OF_THE_ROBOT, "time_step"):
+        return switch_class(scenario.motion).parse(name, word).get(name, True)
+    try:
+        return float(word)
+    except ValueError:
+        raise InvalidParameter(
+            "not-a-number",
+            "{option} {name}={value}: that is no number",
+            _EXAMPLE,
+            option=_OPTION,
+            name=name,
+            value=word,
+        ) from None
+
+
+def _check_name(name: str, motion: str) -> None:
+    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names())
+    if name not in known:
+        close = get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise InvalidParameter(
+            "unknown-name",
+            "{option} {name}: under {motion} nothing of that name can be varied",
+            "{hint}known: {known!l}",
+            option=_OPTION,
+            name=name,
+            motion=motion,
+            hint=hint,
+            known=list(known),
+        )
+
+
+def _with_option(scenario: Scenario, name: str, value: Value) -> Scenario:
+    changed = scenario.thesis.changed() | scenario.robot.changed() | {name: value}
+    return replace(scenario, **switch_sets(scenario.motion, changed))

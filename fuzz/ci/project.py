@@ -1,0 +1,246 @@
+"""Set up a project's CI: configuration, a corpus of known failures, and a job that looks for new ones."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.resources
+import json
+import shlex
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from worldgen.errors import FormatError, InvalidParameter, OutputError
+from worldgen.files.whole import write_bytes
+from worldgen.plugins.installation import origin, requirement
+
+__all__ = ["FIXED", "KNOWN", "SEED", "Project"]
+
+SEED = 1
+"""Of every pull request's search, so that the same change has the same result."""
+
+CORPUS = Path("worldgen-corpus")
+KNOWN = CORPUS / "known"
+FIXED = CORPUS / "fixed"
+
+_PLACEHOLDER = "worldgen @ git+https://YOUR-HOST/worldgen@COMMIT"
+
+_CORPUS_README = """\
+# Failures of {controller}
+
+Each `.grid` file is the smallest world found in which the robot fails in one way; the target can be reached in all.
+
+- `known/`: open failures. A search with `--baseline {known}` counts them but does not report them as new.
+- `fixed/`: failures that no longer occur. `pytest` runs each one and fails if it comes back.
+
+`worldgen replay {known}` says what each failure does today. After a fix, move its file from `known/` to `fixed/`.
+"""
+
+
+@dataclass(frozen=True)
+class Project:
+    """What ``worldgen init`` writes, and where.
+
+    Args:
+        folder: The project's root; must exist.
+        controller: As ``worldgen fuzz --controller`` takes it.
+        motion: Motion model.
+        families: Families that a pull request is tested with; all if empty.
+        units: Amount of work of a pull request's search.
+        ci: ``github``, ``gitlab`` or ``none``.
+    """
+
+    folder: Path
+    controller: str
+    motion: str = "swept"
+    families: tuple[str, ...] = ()
+    units: int = 6
+    ci: str = "github"
+
+    @property
+    def settings(self) -> Path:
+        """The project's ``pyproject.toml``."""
+        return self.folder / "pyproject.toml"
+
+    @property
+    def known(self) -> Path:
+        """The folder of open failures."""
+        return self.folder / KNOWN
+
+    def check(self, *, force: bool) -> None:
+        """Refuse, before any search, what could not be written after it.
+
+        Raises:
+            OutputError: If a file exists that ``force`` does not allow to be replaced.
+            FormatError: If ``pyproject.toml`` is not valid TOML.
+            InvalidParameter: If the controller's name cannot be part of a CI file.
+        """
+        if not self.controller:
+            raise InvalidParameter(
+                "empty-name",
+                "the controller has no name",
+                "give --controller ./file.py:name, for one",
+                at_terminal=True,
+            )
+        if "${{" in self.controller or not self.controller.isprintable():
+            raise InvalidParameter(
+                "not-for-a-ci-file",
+                "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an expression",
+                "take a name without it",
+                controller=self.controller,
+            )
+        if not self.folder.is_dir():
+            raise OutputError(
+                "wrong-kind-of-file", "{path} is not a folder", "name the root of your project", path=self.folder
+            )
+        written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
+        taken = [path for path, _ in written if path.exists()]
+        if taken and not force:
+            raise OutputError(
+                "file-exists", "{path} exists already", "give --force to replace it", at_terminal=True, path=taken[0]
+            )
+        if "worldgen" in self._settings().get("tool", {}):
+            raise OutputError(
+                "already-set-up",
+                "{path} has a [tool.worldgen] table already, so this project is set up",
+                "edit that table, or remove it to begin again",
+                path=self.settings,
+            )
+
+    def write(self, *, force: bool) -> list[Path]:
+        """Write all files but the failures themselves.
+
+        Returns:
+            What was written, in order.
+        """
+        for folder in (KNOWN, FIXED):
+            (self.folder / folder).mkdir(parents=True, exist_ok=True)
+            (self.folder / folder / ".gitkeep").touch()
+        readme = _CORPUS_README.format(controller=self.controller, known=KNOWN)
+        files = [(self.folder / CORPUS / "README.md", readme), *self._ci_files()]
+        for path, text in files:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_bytes(path, text.encode(), force=force)
+        before = self.settings.read_text(encoding="utf-8") if self.settings.exists() else ""
+        text = before + ("\n" if before else "") + self._tables()
+        write_bytes(self.settings, text.encode(), force=True)
+        return [self.settings, *(path for path, _ in files)]
+
+    @property
+    def runs_fixed_failures(self) -> bool:
+        """Whether pytest will run ``fixed/``: not where the project keeps pytest's settings in another place."""
+        pytest: dict[str, Any] = self._settings().get("tool", {}).get("pytest", {})
+        return not self._has_other_settings() and (not pytest or "worldgen_corpus" in pytest.get("ini_options", pytest))
+
+    def _has_other_settings(self) -> bool:
+        """Return True if a file that a table in ``pyproject.toml`` might disable holds pytest's settings."""
+        if any((self.folder / name).exists() for name in ("pytest.toml", ".pytest.toml", "pytest.ini", ".pytest.ini")):
+            return True
+        for name, table in (("tox.ini", "[pytest]"), ("setup.cfg", "[tool:pytest]")):
+            with contextlib.suppress(OSError):
+                if table in (self.folder / name).read_text(encoding="utf-8", errors="replace"):
+                    return True
+        return False
+
+    def _settings(self) -> dict[str, Any]:
+        try:
+            return tomllib.loads(self.settings.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return {}
+        except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise FormatError(
+                "invalid-toml",
+                "is not valid TOML: {reason}",
+                "repair it first",
+                reason=str(error),
+                source=str(self.settings),
+            ) from error
+
+    def _tables(self) -> str:
+        """The tables to add to ``pyproject.toml``."""
+        lines = [
+            "[tool.worldgen.fuzz]",
+            f"controller = {json.dumps(self.controller, ensure_ascii=False)}",
+            f'motion = "{self.motion}"',
+            f'baseline = ["{KNOWN}"] # open failures, which are not new',
+            f"units = {self.units} # the search of each pull request",
+            f"seed = {SEED}",
+        ]
+        lines += [f"family = {json.dumps(self.families)}"] if self.families else []
+        if self.runs_fixed_failures and "pytest" not in self._settings().get("tool", {}):
+            lines += ["", "[tool.pytest.ini_options]", f'worldgen_corpus = ["{FIXED}"] # failures that must stay fixed']
+        return "\n".join(lines) + "\n"
+
+    def _ci_files(self) -> Iterator[tuple[Path, str]]:
+        """The CI service's files, and what is to be in them."""
+        if self.ci == "github":
+            yield self.folder / ".github" / "workflows" / "worldgen.yml", self._github()
+        elif self.ci == "gitlab":
+            yield self.folder / ".gitlab" / "worldgen.yml", self._gitlab()
+            main = self.folder / ".gitlab-ci.yml"
+            if not main.exists():
+                yield main, "include:\n  - local: .gitlab/worldgen.yml\n"
+
+    def _github(self) -> str:
+        """The workflow; where worldgen comes from is known if it was installed from GitHub, else it is a variable."""
+        source = origin()
+        repository, reference = source.github, source.commit
+        if not repository:
+            repository, reference = "${{ vars.WORLDGEN_REPOSITORY }}", "${{ vars.WORLDGEN_REF }}"
+        families = f"          families: {' '.join(self.families)}\n" if self.families else ""
+        return _filled(
+            "github.yml",
+            REPOSITORY=repository,
+            REF=reference,
+            INSTALL=" ".join(["pytest", "./.worldgen", *self._own_requirements()]),
+            CONTROLLER=_yaml(self.controller),
+            MOTION=self.motion,
+            FAMILIES=families,
+            UNITS=str(self.units),
+            SEED=str(SEED),
+        )
+
+    def _gitlab(self) -> str:
+        source = origin()
+        ours = _PLACEHOLDER if source.folder is not None or not source.url else requirement()
+        return _filled(
+            "gitlab.yml",
+            INSTALL=" ".join(["pytest", shlex.quote(ours), *self._own_requirements()]),
+            CONTROLLER=shlex.quote(self.controller),
+            MOTION=self.motion,
+            FAMILIES="".join(f" --family {name}" for name in self.families),
+            UNITS=str(self.units),
+            SEED=str(SEED),
+        )
+
+    @property
+    def must_be_told_where_worldgen_is(self) -> str:
+        """What a user still has to fill in, because this installation does not know; empty if nothing."""
+        source = origin()
+        if self.ci == "github" and not source.github:
+            return "the repository variables WORLDGEN_REPOSITORY (owner/name) and WORLDGEN_REF (a commit or tag)"
+        if self.ci == "gitlab" and (source.folder is not None or not source.url):
+            return "YOUR-HOST and COMMIT in .gitlab/worldgen.yml"
+        return ""
+
+    def _own_requirements(self) -> list[str]:
+        """What pip needs for the project's own code."""
+        own = ["-r requirements.txt"] if (self.folder / "requirements.txt").is_file() else []
+        return own + (["-e ."] if "build-system" in self._settings() else [])
+
+
+def _yaml(text: str) -> str:
+    """A text as a YAML scalar: as it is where that is safe, else in double quotes, whose rules are JSON's."""
+    plain = set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:+=")
+    safe = set(text) <= plain and text[0] in "./abcdefghijklmnopqrstuvwxyz" and not text.endswith(":")
+    return text if safe else json.dumps(text)
+
+
+def _filled(template: str, **values: str) -> str:
+    """A template with its ``@NAMES@`` filled in."""
+    text = importlib.resources.files("fuzz.ci").joinpath("templates", template).read_text(encoding="utf-8")
+    for name, value in values.items():
+        text = text.replace(f"@{name}@", value)
+    return text

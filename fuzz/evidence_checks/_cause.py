@@ -1,0 +1,147 @@
+"""The cause of an overlap with a wall, read off a recorded path: the thesis's motion has three.
+
+In each step of the thesis's motion the disc goes ahead pixel by pixel along its heading, a tenth of a cell each.
+The first pixel's step that a wall stops becomes a *slide* (ahead on one axis, a pixel's part back on the other),
+or a *back-off* (a pixel back on both). Where only the corner of a cell is touched the disc goes on: a *corner*.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.evidence_checks._plain import is_solid_at
+from sim.evidence import WallEvidence
+from sim.trace import Trace
+from worldgen.world import World
+
+__all__ = ["LEAST_OVERLAP", "object_to_cause"]
+
+LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less is rounding
+_SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
+_PIXELS = 10  # to a cell
+_SAME = 1e-6  # px by which a displacement may differ from the one that its cause makes
+
+Floats = npt.NDArray[np.float64]
+
+
+def object_to_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
+    """Objects unless the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
+
+    The states before are clear of walls, and the displacement of step ``since`` is what the cause makes. A move
+    that a wall bent or stopped where the disc had already gone past a corner, and into it, is a ``corner``.
+
+    Args:
+        world: Where the run was.
+        trace: A recording up to ``step`` at least.
+        evidence: ``step``, ``cause``, ``since``; without ``cause`` there is nothing to object to.
+    """
+    cause = evidence.cause
+    since = evidence.since
+    step = evidence.step
+    if cause is None:
+        return ""
+    if since is None or not 1 <= since <= step <= trace.steps:
+        return f"the overlap is said to begin in step {since}, and to end in a wall in step {step}"
+    states = np.arange(since - 1, step + 1)
+    depths = _depths(world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64))
+    if depths[0] > LEAST_OVERLAP + _SLACK:
+        return f"the disc overlaps a wall before step {since} already"
+    clear = np.flatnonzero(depths[1:] < LEAST_OVERLAP - _SLACK)
+    if len(clear):
+        return f"after step {since + int(clear[0])} the disc is clear of walls, so that overlap has ended"
+    moves = set(_moves(world, trace, since))
+    return "" if cause in moves else f"the move of step {since} is no {cause}" + _instead(moves)
+
+
+def _instead(moves: set[str]) -> str:
+    return f" but a {' or a '.join(sorted(moves))}" if moves else ""
+
+
+def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
+    """How far the disc cuts into the deepest wall at each place and time, cells; the outside is solid."""
+    side = world.cell_size
+    radius, x, y = world.robot_radius / side, x / side, y / side
+    reach = math.ceil(radius) + 1
+    steady = world.walls.copy()
+    steady[world.timeline.iy, world.timeline.ix] = False
+    steady = np.pad(steady, reach, constant_values=True)
+    columns, rows = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    deepest = np.zeros(len(x))
+    for dy in range(-reach, reach + 1):
+        for dx in range(-reach, reach + 1):
+            ix, iy = columns + dx, rows + dy
+            inner_x = np.clip(ix + reach, 0, steady.shape[1] - 1)
+            inner_y = np.clip(iy + reach, 0, steady.shape[0] - 1)
+            depth = radius - _gap(x, y, ix, iy)
+            deepest = np.where(steady[inner_y, inner_x], np.maximum(deepest, depth), deepest)
+    for cell in {(event.ix, event.iy) for event in world.timeline}:
+        depth = radius - _gap(x, y, np.full(len(x), cell[0]), np.full(len(x), cell[1]))
+        for k in np.flatnonzero(depth > deepest):
+            time = float(times[k]) + 1e-9
+            if is_solid_at(world, *cell, time, time):
+                deepest[k] = depth[k]
+    return deepest
+
+
+def _gap(x: Floats, y: Floats, ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64]) -> Floats:
+    """Distance from points to cells, cells; 0 inside."""
+    dx = np.maximum(np.maximum(ix - x, x - ix - 1), 0.0)
+    dy = np.maximum(np.maximum(iy - y, y - iy - 1), 0.0)
+    distance: Floats = np.sqrt(dx * dx + dy * dy)
+    return distance
+
+
+def _moves(world: World, trace: Trace, step: int) -> Iterator[str]:
+    """Every cause whose move the displacement of a step could be."""
+    here = np.array([trace.x[step - 1], trace.y[step - 1]])
+    end = np.array([trace.x[step], trace.y[step]])
+    heading = float(trace.heading[step - 1])
+    unit = np.array([math.cos(heading), math.sin(heading)])
+    pixel = world.cell_size / _PIXELS
+    moved = (end - here) / pixel
+    loose = _at_the_edge(world, end)
+    time = np.array([step * trace.time_step])
+    for gone in range(math.ceil(float(np.hypot(*moved))) + 3):
+        before = here + gone * pixel * unit
+        inside = float(_depths(world, before[:1], before[1:], time)[0])
+        free, caught = inside <= LEAST_OVERLAP + _SLACK, inside >= LEAST_OVERLAP - _SLACK
+        stays, backs, slides = (
+            _same(moved, gone * unit, loose),
+            _same(moved, (gone - 1) * unit, loose),
+            any(_slides(moved, unit, gone, axis, loose) for axis in (0, 1)),
+        )
+        if not trace.bump[step]:
+            if stays and gone > 0:
+                yield "corner"
+            continue
+        if caught and (stays or backs or slides):
+            yield "corner"
+        if free and backs:
+            yield "back-off"
+        if free and slides:
+            yield "slide"
+
+
+def _same(moved: Floats, wanted: Floats, loose: npt.NDArray[np.bool_]) -> bool:
+    return bool(((np.abs(moved - wanted) < _SAME) | loose).all())
+
+
+def _slides(moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]) -> bool:
+    """Whether the move went ahead on the axis by the last pixel's part, with friction less, and back on the other."""
+    other = 1 - axis
+    back = loose[other] or abs(moved[other] - (gone - 1) * unit[other]) < _SAME
+    low, high = sorted((gone * unit[axis], (gone + 1) * unit[axis]))
+    return bool(back and (loose[axis] or low - _SAME < moved[axis] < high + _SAME))
+
+
+def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
+    """By axis, whether the place is where the motion keeps the disc off the grid's edge: there it may be cut short."""
+    radius, side = world.robot_radius, world.cell_size
+    ends = np.array([world.width, world.height]) * side
+    gap = np.minimum(place, ends - place) - radius
+    loose: npt.NDArray[np.bool_] = (np.abs(gap) < _SAME * side) | (np.abs(gap - side) < _SAME * side)
+    return loose

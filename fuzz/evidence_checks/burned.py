@@ -1,0 +1,29 @@
+"""``burned``: flames or falling debris met the robot."""
+
+from __future__ import annotations
+
+from fuzz.evidence_checks._plain import cell_box, step_path
+from sim.evidence import BurnedEvidence
+from sim.motion import Motion
+from sim.trace import Trace
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["object_to_burned"]
+
+
+def object_to_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
+    """Objects unless the named cell is in the named state by the end of the step, within the robot's radius."""
+    step = evidence.step
+    cell = evidence.cell
+    state = evidence.state
+    if not 1 <= step <= trace.steps:
+        return f"the run has no step {step}"
+    changes = [event for event in world.timeline if (event.ix, event.iy) == cell]
+    known = [event for event in changes if event.time <= step * trace.time_step + 1e-9]
+    if not known or known[-1].state.word != state or known[-1].state == CellState.FREE:
+        return f"cell {cell} is not {state} in step {step}"
+    since = known[-1].time / trace.time_step - (step - 1) if motion.exact_events else 0.0
+    gap = float(step_path(trace, step, max(since, 0.0)).distance(cell_box(world, *cell)))
+    far = gap > world.robot_radius * (1 + 1e-9)
+    return f"the robot stays {gap:g} m away from cell {cell} in step {step}" if far else ""

@@ -1,0 +1,62 @@
+"""``loop``: the complete state came back, so the run repeats for ever."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from fuzz.evidence_checks._plain import places_gap, target_gap
+from sim.evidence import LoopEvidence
+from sim.motion import Motion
+from sim.trace import Trace
+from worldgen.world import World
+
+__all__ = ["object_to_loop"]
+
+
+def object_to_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
+    """Objects unless two whole periods repeat, state by state, after the last event, away from the target.
+
+    Args:
+        world: Where the run was.
+        trace: A recording up to ``entry + 2 * period`` steps.
+        evidence: ``entry``, ``period``, ``state_digest``.
+        motion: The motion model.
+    """
+    entry = evidence.entry
+    period = evidence.period
+    if entry < 0 or period < 1:
+        return f"a loop does not begin after step {entry} with a period of {period} steps"
+    if not trace.complete:
+        return "the controller keeps memory that it does not declare, so equal states prove nothing"
+    if trace.steps < entry + 2 * period:
+        return f"the trace ends at step {trace.steps}, before the second period does"
+    if world.is_dynamic and entry * _decimal(trace.time_step) < _decimal(float(world.timeline.times[-1])):
+        return "the world still changes after the loop's entry"
+    one = trace.states[entry : entry + period + 1]
+    two = trace.states[entry + period : entry + 2 * period + 1]
+    if not np.array_equal(one, two):
+        return "the second period differs from the first"
+    if evidence.state_digest != _digest(trace.states[entry].tolist()):
+        return "the state at the entry is not the one of the evidence"
+    x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
+    gap = places_gap(world, x, y)
+    if motion.name == "swept":  # it looks along the path; the other models look where a step ends
+        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+        x = np.concatenate([x[:1], trace.path_x[first:last]])  # who stands still has no path
+        y = np.concatenate([y[:1], trace.path_y[first:last]])
+        gap = target_gap(world, x, y)
+    return "the loop passes through the target" if gap < -world.cell_size / 1024 else ""
+
+
+def _decimal(value: float) -> Fraction:
+    """The number as its shortest decimal says it."""
+    return Fraction(repr(value))
+
+
+def _digest(words: list[int]) -> str:
+    value = 1469598103934665603
+    for word in words:
+        value = (value ^ word) * 1099511628211 % 2**64
+    return f"{value:016x}"

@@ -1,0 +1,31 @@
+"""``reached``: the centre entered the target."""
+
+from __future__ import annotations
+
+import shapely
+
+from fuzz.evidence_checks._plain import lattice_cell, step_path
+from sim.evidence import ReachedEvidence
+from sim.motion import Motion
+from sim.motion.base import THESIS
+from sim.trace import Trace
+from worldgen.world import World
+
+__all__ = ["object_to_reached"]
+
+
+def object_to_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
+    """Objects unless the last step meets the target's disc, or for the thesis's robot its cell.
+
+    The pose lattice rounds start and target by half of 1/1024 of a cell, which is allowed for.
+    """
+    side = world.cell_size
+    if motion.kernel == THESIS:
+        here, there = (
+            (int(lattice_cell(x / side)), int(lattice_cell(y / side)))
+            for x, y in ((trace.x[-1], trace.y[-1]), (world.target.x, world.target.y))
+        )
+        return "" if here == there else f"the run ends in cell {here}, the target is in {there}"
+    last = step_path(trace, trace.steps)
+    gap = float(last.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
+    return "" if gap <= side / 1024 else f"the last step stays {gap:g} m away from the target"

@@ -1,0 +1,263 @@
+"""What somebody wants of a world: for each of some controllers an outcome, and how far a run is from it."""
+
+from __future__ import annotations
+
+import math
+import re
+import statistics
+from dataclasses import dataclass
+
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import prepare, simulate
+from sim.evidence import LoopEvidence
+from sim.options.run import RunOptions
+from sim.scenario import Scenario
+from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["SEEDS", "Result", "Wish", "parse_wishes"]
+
+SEEDS = 20  # runs of a controller with chance
+_SHARE = 0.05  # of the seeds that may do otherwise: one of twenty
+_OTHERWISE = 2.0  # distance of a run that ends in another way altogether
+_BROKEN = 3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
+_UNTIMED_STEPS = 20_000
+_TIMED_STEPS = 1_000  # at least, where a latest arrival is wanted
+_LATE = 3  # times the steps that are wanted: so long a run may take
+
+_GROUPS = {
+    "never": NEVER,
+    "fails": FAILURES,
+}
+_EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
+_OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
+_NUMBER = r"\d+(?:\.\d+)?s?"
+_RANGE = re.compile(
+    rf"(?P<exact>{_NUMBER})|(?P<low>{_NUMBER})\.\.(?P<high>{_NUMBER})|<(?P<below>{_NUMBER})|>(?P<above>{_NUMBER})"
+)
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a controller did: in one run, or over the seeds of one with chance.
+
+    Args:
+        verdict: The run's; of several runs the most frequent.
+        steps: Until the run's end, of a ``loop`` its period; over seeds the median until the target, ``inf`` where
+            most do not arrive.
+        share: Of the runs that arrived.
+        distance: From what was wanted, 0 if it is that.
+        seeds: How many runs it tells of.
+    """
+
+    verdict: str
+    steps: float
+    share: float
+    distance: float
+    seeds: int = 1
+
+
+@dataclass(frozen=True)
+class _Run:
+    verdict: str
+    steps: int  # of a loop its period
+    distance: float
+    chance: bool  # whether another seed may do otherwise
+
+
+@dataclass(frozen=True)
+class Wish:
+    """One controller's outcome.
+
+    Args:
+        scenario: The controller and how it runs.
+        text: The outcome as it was written.
+        verdicts: Verdicts that are meant.
+        low: Fewest steps (or shortest period), or ``None``.
+        high: Most steps (or longest period), or ``None``.
+    """
+
+    scenario: Scenario
+    text: str
+    verdicts: tuple[str, ...]
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def says_chance(self) -> bool:
+        """Whether the controller, or the simulator under it, is known to draw random numbers."""
+        controller = CONTROLLERS.get(self.scenario.controller)
+        chance = isinstance(controller, CompiledController) and controller.randomised
+        return chance or self.scenario.random
+
+    @property
+    def cost(self) -> int:
+        """The larger the longer a look takes: one compiled run, many, or those of a controller in Python."""
+        if not isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController):
+            return 2
+        return int(self.says_chance)
+
+    @property
+    def steps(self) -> int:
+        """Budget of a run, in steps."""
+        latest = int(_LATE * (self.high or self.low or 0))
+        return max(latest, _TIMED_STEPS if self._timed and self.high is not None else _UNTIMED_STEPS)
+
+    @property
+    def _timed(self) -> bool:
+        return self.verdicts == (Verdict.REACHED,) and (self.low is not None or self.high is not None)
+
+    def look(self, world: World, *, prove: bool = False) -> Result:
+        """Runs the controller in a world; one that draws random numbers there, with :data:`SEEDS` seeds.
+
+        Args:
+            world: Where.
+            prove: Whether to prove a loop that the kernel claims. Only a controller that hides memory can come out
+                otherwise, but the proof records the run.
+
+        Raises:
+            InvalidWorld: If the robot cannot stand at the start.
+        """
+        first = self._run(world, 0, prove)
+        if first.chance:
+            return self._over_seeds([first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))])
+        if self.says_chance:  # but drew nothing, so that every seed does the same
+            return self._over_seeds([first] * SEEDS)
+        return Result(first.verdict, first.steps, float(first.verdict == Verdict.REACHED), first.distance)
+
+    def _run(self, world: World, seed: int, prove: bool) -> _Run:
+        scenario = self.scenario.with_seed(seed)
+        options = scenario.options(world, self.steps)
+        outcome = prepare(world, scenario.controller, options).run(
+            options.steps, find_loop=True, record=False, digest=False
+        )
+        chance = outcome.random_draws > 0 or scenario.random
+        verdict, steps = outcome.verdict, outcome.steps
+        if verdict == Verdict.LOOP:
+            verdict, steps = self._proved(world, options) if prove else (Verdict.LOOP, outcome.period)
+        return _Run(verdict, steps, self._distance(verdict, steps, chance or self.says_chance), chance)
+
+    def _proved(self, world: World, options: RunOptions) -> tuple[Verdict, int]:
+        episode = simulate(world, self.scenario.controller, options)
+        evidence = episode.evidence
+        return episode.verdict, evidence.period if isinstance(evidence, LoopEvidence) else episode.steps
+
+    def _over_seeds(self, runs: list[_Run]) -> Result:
+        """The outcome of many runs: nearly all as wanted and none through walls, or the median time as wanted."""
+        verdicts = [run.verdict for run in runs]
+        verdict = max(Verdict, key=verdicts.count)
+        share = verdicts.count(Verdict.REACHED) / len(runs)
+        steps = statistics.median(run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs)
+        if self._timed:
+            distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
+        else:
+            fitting = sum(run.distance == 0.0 for run in runs) / len(runs)
+            broken = sum(run.distance == _BROKEN for run in runs) / len(runs)
+            distance = (max(1.0 - _SHARE - fitting, 0.0) + broken) * _OTHERWISE
+        return Result(verdict, steps, share, distance, len(runs))
+
+    def _distance(self, verdict: str, number: int, chance: bool) -> float:
+        """Of one run; where there is chance, no state need come back, and never means only: not in the budget."""
+        if verdict in self.verdicts or (chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]):
+            return self._off(number)
+        if verdict not in (Verdict.REACHED, *UNENDED):
+            return _BROKEN
+        if verdict == Verdict.REACHED:  # the later the nearer to never
+            return _OTHERWISE - min(number / self.steps, 1.0)
+        return _OTHERWISE
+
+    def _off(self, number: float) -> float:
+        """How far a number of steps is from the range, as a share of its nearer end."""
+        if self.low is not None and number < self.low:
+            return (self.low - number) / self.low
+        if self.high is not None and number > self.high:
+            return min((number - self.high) / self.high, _OTHERWISE / 2)
+        return 0.0
+
+
+def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenario.time_step) -> tuple[Wish, ...]:
+    """Reads ``CONTROLLER=OUTCOME, ...``.
+
+    Args:
+        text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or ``fails`` (anything
+            but reached); behind ``reached`` or ``loop`` an ``@`` and steps (of a loop: its period): ``330``,
+            ``300..400``, ``<400``, ``>400``; an ``s`` behind a number makes it seconds.
+        motion: Motion model of controllers that do not name one.
+        time_step: s, likewise.
+
+    Raises:
+        InvalidParameter: If the text is no such list.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    return tuple(_parse_wish(part, motion, time_step) for part in parts)
+
+
+def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
+    name, equals, outcome = part.rpartition("=")
+    if not equals or not name:
+        raise InvalidParameter(
+            "not-an-outcome", "outcome {outcome!r} is not CONTROLLER=OUTCOME", _EXAMPLE, outcome=part[:80]
+        )
+    scenario = Scenario.parse(name, motion=motion, time_step=time_step)
+    CONTROLLERS.get(scenario.controller)
+    match = _OUTCOME.fullmatch(outcome.strip())
+    if match is None or match["word"] not in (*Verdict, *_GROUPS):
+        known = [str(word) for word in (*_GROUPS, *Verdict)]
+        raise InvalidParameter(
+            "unknown-name",
+            "outcome {outcome!r} of {controller} is none of {known!l}",
+            _EXAMPLE,
+            outcome=outcome[:80],
+            controller=name,
+            known=known,
+        )
+    verdicts = _GROUPS.get(match["word"], (match["word"],))
+    if match["range"] is None:
+        return Wish(scenario, outcome.strip(), verdicts)
+    if match["word"] not in (Verdict.REACHED, Verdict.LOOP):
+        raise InvalidParameter(
+            "takes-no-steps",
+            "outcome {outcome!r}: only reached and loop take steps behind @",
+            _EXAMPLE,
+            outcome=outcome[:80],
+        )
+    low, high = _parse_range(match["range"].strip(), scenario.time_step)
+    return Wish(scenario, outcome.strip(), verdicts, low, high)
+
+
+def _parse_range(text: str, time_step: float) -> tuple[float | None, float | None]:
+    match = _RANGE.fullmatch(text)
+    if match is None:
+        raise InvalidParameter(
+            "not-steps", "steps {steps!r} are not like 330, 300..400, <400, >400 or 4.95s", steps=text[:40]
+        )
+    bounds = {name: _steps(word, time_step) for name, word in match.groupdict().items() if word is not None}
+    low = bounds.get("exact", bounds.get("low", bounds["above"] + 1 if "above" in bounds else None))
+    high = bounds.get("exact", bounds.get("high", bounds["below"] - 1 if "below" in bounds else None))
+    if (low is not None and low < 1) or (high is not None and high < 1) or (low and high and low > high):
+        raise InvalidParameter(
+            "no-steps-left",
+            "steps {steps!r} leave none that could be",
+            "give at least 1, the smaller one first",
+            steps=text[:40],
+        )
+    return low, high
+
+
+def _steps(word: str, time_step: float) -> float:
+    try:
+        number = float(word.removesuffix("s"))
+    except ValueError:
+        raise InvalidParameter(
+            "not-a-number", "steps {steps!r} are no number", "write 330, or 4.95s", steps=word
+        ) from None
+    steps = number / time_step if word.endswith("s") else number
+    if not steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
+        raise InvalidParameter(
+            "not-a-whole-number",
+            "{steps} is not a whole number of steps up to 10 million, at {time_step:g} s a step",
+            steps=word,
+            time_step=time_step,
+        )
+    return float(round(steps))

@@ -1,0 +1,63 @@
+"""``repeat``: two runs of one scenario differ."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fuzz.oracles.trial import Trial
+from sim.trace import Trace
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = ["repeat"]
+
+_MOST = 1000
+
+
+def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
+    """Objects if the same scenario, run again, goes another way: hidden memory, or chance without a seed.
+
+    Args:
+        trial: The run.
+        times: How often to run it again at most, 1 to 1,000.
+
+    Returns:
+        ``step``: the first that ends in another pose; ``poses``: x m, y m and heading rad after it in both runs,
+        empty for a run that is over; ``verdicts``; and that none of it is ``repeatable``.
+    """
+    if not 1 <= times <= _MOST or times % 1:
+        raise InvalidParameter(
+            "out-of-range", "repeat={times:g} is no whole number from 1 to {most}", "give one", times=times, most=_MOST
+        )
+    first = trial.trace
+    for _ in range(int(times)):
+        other = trial.again(record=True)
+        step = _first_difference(first, other.trace)
+        if step < 0 and other.verdict == trial.episode.verdict:
+            continue
+        return {
+            "step": max(step, 0),
+            "poses": [_pose(first, step), _pose(other.trace, step)],
+            "verdicts": [trial.episode.verdict, other.verdict],
+            "repeatable": False,
+        }
+    return None
+
+
+def _first_difference(one: Trace | None, other: Trace | None) -> int:
+    """First step that ends in another pose, or after which only one run goes on; -1 if there is none."""
+    if one is None or other is None:
+        return -1 if one is other else 0
+    both = min(one.steps, other.steps) + 1
+    differs = np.zeros(both, bool)
+    for name in ("x", "y", "heading"):
+        differs |= getattr(one, name)[:both] != getattr(other, name)[:both]
+    if differs.any():
+        return int(np.argmax(differs))
+    return -1 if one.steps == other.steps else both
+
+
+def _pose(trace: Trace | None, step: int) -> list[Value]:
+    if trace is None or not 0 <= step <= trace.steps:
+        return []
+    return [float(trace.x[step]), float(trace.y[step]), float(trace.heading[step])]

@@ -1,0 +1,1 @@
+"""Stored failures run again: does each still fail, how, or does the robot arrive now."""

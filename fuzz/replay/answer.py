@@ -1,0 +1,132 @@
+"""What a replay answers: does a stored failure still fail, how, or does the robot arrive now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from fuzz.failure import Failure
+from fuzz.oracles import objection_in_words
+from fuzz.replay.fixed import is_fixed
+from fuzz.triage.judging import Replay, replay
+from fuzz.triage.proofs import certificate_fault
+from sim.episode import Episode
+from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.verdict import Verdict
+from worldgen.errors import WorldgenError
+
+__all__ = ["Answer", "State", "answer", "summary_in_words"]
+
+
+class State(StrEnum):
+    """How a stored failure stands today."""
+
+    SAME = "same"
+    """It is as it was stored: verdict, evidence, trace digest and certificate."""
+
+    FAILS = "fails"
+    """It fails, but not as it was stored."""
+
+    ARRIVES = "arrives"
+    """It fails no more."""
+
+    UNPROVED = "unproved"
+    """It cannot be run here, or the file's certificate does not hold."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to "what about this failure now?".
+
+    Args:
+        state: See :class:`State`.
+        words: The answer, without the file's name.
+        replay: What was compared, bit by bit.
+        episode: The run that shows it, recorded; ``None`` if there is none.
+    """
+
+    state: State
+    words: str
+    replay: Replay
+    episode: Episode | None
+
+
+def answer(failure: Failure, controller: str | None = None) -> Answer:
+    """Run a stored failure again and say how it stands.
+
+    A run that is not as it was stored gets the budget of the failure or that of the witness, whichever is longer: a
+    robot that is merely late with the stored steps arrives.
+
+    Args:
+        failure: From its file.
+        controller: Instead of the one that the file names.
+
+    Raises:
+        InvalidParameter: If its record names options that are unknown here.
+    """
+    outcome = replay(failure, controller)
+    record = failure.record
+    if outcome.episode is None:
+        return Answer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
+    was = _in_short(record.verdict, failure.evidence) + objection_in_words(failure.oracle, failure.objection)
+    if outcome.confirmed:
+        same = "the same, bit for bit" if outcome.episode.trace_digest == record.trace_digest else "still fails alike"
+        return Answer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
+    fault = certificate_fault(failure.world)
+    if fault:
+        return Answer(State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode)
+    try:
+        now = is_fixed(failure, controller)
+    except WorldgenError as error:
+        return Answer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
+    episode = now.seen.episode or outcome.episode
+    if not now.reason:
+        return Answer(State.ARRIVES, f"{_mended(failure, episode)} (was: {was})", outcome, episode)
+    return Answer(State.FAILS, f"still fails: {_how(failure, episode, was, now.reason, outcome)}", outcome, episode)
+
+
+def summary_in_words(states: list[State]) -> str:
+    """Return ``3 of 5 confirmed; 1 still fails, 1 arrives now``."""
+    counts = {state: states.count(state) for state in State}
+    others = [
+        f"{counts[state]} {one if counts[state] == 1 else many}"
+        for state, one, many in (
+            (State.FAILS, "still fails", "still fail"),
+            (State.ARRIVES, "arrives now", "arrive now"),
+            (State.UNPROVED, "cannot be judged", "cannot be judged"),
+        )
+        if counts[state]
+    ]
+    return f"{counts[State.SAME]} of {len(states)} confirmed" + (f"; {', '.join(others)}" if others else "")
+
+
+def _mended(failure: Failure, episode: Episode) -> str:
+    if failure.is_breach:
+        return f"stays out now, {episode.verdict} after {episode.time:.6g} s"
+    return f"arrives now in {episode.time:.6g} s"
+
+
+def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
+    """Return how a failure fails now, and how it did."""
+    if episode.verdict == Verdict.REACHED:  # an oracle still objects
+        return wrong
+    now = _in_short(episode.verdict, episode.evidence)
+    if now == was:
+        return f"{now}, on another path; {outcome.reason}"
+    if episode.verdict == Verdict.LOOP and isinstance(failure.evidence, LoopEvidence):
+        return f"{now} (was {failure.evidence.period})"
+    return f"{now} (was: {was})"
+
+
+def _in_short(verdict: str, evidence: Evidence | None) -> str:
+    """Return a verdict with the fact that tells two of its kind apart at a glance."""
+    match evidence:
+        case LoopEvidence(period=period):
+            return f"loop, period {period}"
+        case WallEvidence(step=step) | BurnedEvidence(step=step):
+            return f"{verdict} in step {step}"
+        case FaultEvidence(step=step) if verdict == Verdict.HANG:
+            return f"{verdict} in step {step}"
+        case FaultEvidence(error=error):
+            return f"{verdict}, {error}"
+    return verdict

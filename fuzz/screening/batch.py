@@ -1,0 +1,236 @@
+"""Runs as the core takes them, made of arrays, and the seats in which robots run."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz._core import ffi, lib
+from fuzz.search import layout_bytes
+from fuzz.search.features import TARGET_RADII, decode_world
+from sim._core import ffi as sim_ffi
+from sim.controllers.shared.guarded import PRIVATE, Memory
+from sim.runners.core_calls import Driver, headings, ray_table
+from sim.runners.packing import disc_numbers
+from worldgen.lattice import UNIT, in_cells
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = ["CRASH", "HANG", "LOOK", "NOT_RUN", "REPORT_FIELDS", "Batch", "Patience", "Seat", "ffi", "lib"]
+
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Columns = npt.NDArray[np.void]
+
+NOT_RUN: int = lib.WG_NOT_RUN
+"""An ending: the flood found no path, so nothing was simulated."""
+
+CRASH: int = lib.WG_CRASH
+"""An ending: the controller raised, or its program ended."""
+
+HANG = CRASH + 1
+"""An ending that the core does not know: a program gave no answer in time."""
+
+_KINDS = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
+
+
+def _numbers_of(name: str) -> list[tuple[str, str, int]]:
+    """Return name, type and offset of the numbers of a struct, those of structs in it included."""
+    found = []
+    for field_name, field in ffi.typeof(name).fields:
+        if field.type.kind == "struct":
+            inner = _numbers_of(field.type.cname)
+            found += [(part, kind, field.offset + offset) for part, kind, offset in inner]
+        elif field.type.cname in _KINDS:
+            found.append((field_name, _KINDS[field.type.cname], field.offset))
+    return found
+
+
+def _type_of(name: str) -> np.dtype[Any]:
+    names, formats, offsets = zip(*_numbers_of(name), strict=True)
+    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof(name)})
+
+
+LOOK = _type_of("WgLook")
+"""What came of a run: the columns of ``WgReport`` and ``WgLook``."""
+
+REPORT_FIELDS = tuple(name for name, _, _ in _numbers_of("WgReport"))
+
+
+class Patience(NamedTuple):
+    """How long a run gets that has no budget of its own.
+
+    Args:
+        multiple: Of the time that the path takes at top speed.
+        fewest: Steps at least.
+        most: Steps at most.
+        watched: Steps for which a run is watched after it has spent its budget.
+    """
+
+    multiple: int
+    fewest: int
+    most: int
+    watched: int
+
+
+class Batch:
+    """Runs, and what came of them.
+
+    Args:
+        layouts: (n, LAYOUT_BYTES or SCENE_BYTES).
+        seeds: (n,) uint64.
+        kinds: (n,) which of the settings.
+        budgets: (n,) steps; 0 for some that the path to the target suggests.
+        settings: WgSettings of each time step, for any start.
+        radii: m, of a scene's robots.
+        patience: For runs without a budget.
+        memory: Where the core is to find all this, and to write what comes of it.
+
+    Attributes:
+        deaths: Runs that ended the process in which they were made.
+    """
+
+    def __init__(
+        self,
+        layouts: Bytes,
+        seeds: npt.NDArray[np.uint64],
+        kinds: Ints,
+        budgets: Ints,
+        settings: Sequence[Any],
+        radii: tuple[float, ...],
+        patience: Patience,
+        memory: Memory = PRIVATE,
+    ) -> None:
+        self.memory = memory
+        self.deaths = 0
+        self.looks: Columns = memory.zeros(len(layouts), LOOK)
+        self._settings = memory.new("WgSettings[]", len(settings), ffi)
+        for k, one in enumerate(settings):
+            ffi.memmove(ffi.addressof(self._settings, k), one, ffi.sizeof("WgSettings"))
+        discs, targets = _discs(radii)
+        # The core holds addresses, so what they point to is kept here.
+        made = (layouts, seeds, kinds, budgets, np.array(radii), targets)
+        self._arrays = (*(memory.own(array) for array in made), headings())
+        self._discs = memory.new("WgDisc[]", discs, ffi)
+        self._rays = ray_table()
+        layouts_at, seeds_at, kinds_at, budgets_at, radii_at, targets_at, headings_at = (
+            pointer(ffi, array, array.dtype.type) for array in self._arrays
+        )
+        self.c: Any = memory.new(
+            "WgLooks *",
+            {
+                "layouts": layouts_at,
+                "layout_bytes": layouts.shape[1],
+                "count": len(layouts),
+                "seeds": seeds_at,
+                "kinds": kinds_at,
+                "budgets": budgets_at,
+                "settings": self._settings,
+                "setting_count": len(settings),
+                "discs": self._discs,
+                "radii": radii_at,
+                "radius_count": len(radii),
+                "targets": targets_at,
+                "target_count": len(targets),
+                "headings": headings_at,
+                "rays": ffi.cast("WgRay *", int(sim_ffi.cast("uintptr_t", self._rays))),
+                "patience": tuple(patience),
+                "looks": ffi.cast("WgLook *", writable(ffi, self.looks.view(np.uint8), np.uint8)),
+            },
+            ffi,
+        )
+
+    def __len__(self) -> int:
+        return len(self.looks)
+
+    @property
+    def at(self) -> int:
+        """The run that comes next, or that is under way."""
+        return int(self.c.at)
+
+    @at.setter
+    def at(self, run: int) -> None:
+        self.c.at = run
+
+    @property
+    def beams(self) -> int:
+        """Range beams of the robots."""
+        return int(self._settings[0].beams)
+
+    def results(self) -> Columns:
+        """Return what came of the runs, in memory of this process."""
+        if not self.memory.is_shared:
+            return self.looks
+        return self.looks.view(np.uint8).copy().view(LOOK)  # also what lies between the columns, so that bytes compare
+
+    def leave_out(self, runs: Any) -> None:
+        """Mark runs as not run."""
+        self.looks["distance"][runs] = -1
+        self.looks["ending"][runs] = NOT_RUN
+
+
+class Seat:
+    """A robot that runs in one world of a batch after another.
+
+    Args:
+        batch: The runs.
+        memory: The controller's at reset; write into :attr:`memory` before a run begins to change it.
+        driver: A controller that is a function of a core; without one the core stops wherever it is to act.
+        number: For the owner of many seats.
+    """
+
+    def __init__(self, batch: Batch, memory: Sequence[float], driver: Driver | None = None, number: int = 0) -> None:
+        room = batch.memory
+        self.memory = room.own(np.array(memory, np.float64))
+        controller = room.new("WgController *", ffi=ffi)
+        controller.memory_size = len(self.memory)
+        if len(self.memory):
+            controller.memory = pointer(ffi, self.memory, np.float64)
+        if driver is not None:
+            controller.act = ffi.cast("WgAct", int(ffi.cast("uintptr_t", driver.c.act)))
+            controller.flat = ffi.cast("WgFlatAct", int(ffi.cast("uintptr_t", driver.c.flat)))
+        self._blocks: tuple[Any, ...] = ()
+        self.c: Any = None
+        if room.is_shared:
+            self._place(batch, controller)
+        else:
+            made = ffi.new("WgSeat **")
+            check(lib.wg_seat_new(batch.c, controller, made))
+            self.c = ffi.gc(made[0], lib.wg_seat_free)
+        self.c.number = number
+        self._held = (batch, driver)
+
+    def _place(self, batch: Batch, controller: Any) -> None:
+        """Make the seat where the process that runs its robot finds it."""
+        sizes = ffi.new("int64_t[3]")
+        check(lib.wg_seat_sizes(batch.c, controller, sizes))
+        seat, episode, log = sizes
+        memory = batch.memory
+        self._blocks = (memory.new("char[]", seat), memory.new("char[]", episode), memory.new("char[]", log))
+        blocks = ffi.new("void *[3]", [ffi.cast("void *", block) for block in self._blocks])
+        self.c = lib.wg_seat_place(blocks, batch.c, controller)
+
+    @property
+    def episode(self) -> Any:
+        """Its episode, as :class:`sim.runners.core_calls.Workspace` takes it."""
+        return SimpleNamespace(c=self.c.episode, seat=self)
+
+    def begin(self) -> None:
+        """Put the robot at its start."""
+        check(lib.wg_seat_begin(self.c))
+
+
+@functools.cache
+def _discs(radii: tuple[float, ...]) -> tuple[list[tuple[int, int]], Ints]:
+    """Squared clear distances and reaches of a scene's robots, and squared radii of its targets, lattice units."""
+    plain = bytes(layout_bytes.LAYOUT_BYTES)
+    discs = [disc_numbers(decode_world(plain, robot_radius=radius)) for radius in radii]
+    side = decode_world(plain).cell_size
+    within = [in_cells(radius, side) * UNIT for radius in TARGET_RADII]
+    return discs, np.array([math.floor(w * w) for w in within], np.int64)

@@ -1,0 +1,380 @@
+"""First looks at many layouts: packs them for the core, runs it, reads the results back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat, lib
+from fuzz.screening.guarded import look_guarded
+from fuzz.screening.in_lockstep import look_in_batch, look_in_lockstep
+from fuzz.screening.one_by_one import OneByOne
+from fuzz.search import layout_bytes
+from fuzz.search.features import RADII, decode_scene, decode_world
+from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
+from sim.motion import MOTIONS
+from sim.motion.base import LATTICE
+from sim.options.run import MAX_STEPS
+from sim.outcome import ENDINGS
+from sim.runners.core_calls import Driver, memory_for
+from sim.runners.lattice import LatticeRun
+from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import TURN, UNIT
+from worldgen.world import DEFAULT_CELL_SIZE, World
+
+__all__ = ["Looks", "can_look", "evaluate"]
+
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+_KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
+_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
+_MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
+_PORTION = 1 << 20  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
+
+# Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for the longest ways.
+_PATIENT = Patience(50, 4_000, 8_000, 600)
+# Where each step takes microseconds, runs that fail take most of the time: they are shorter, and proved all the same.
+_BRISK = Patience(15, 800, 2_400, 150)
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """First looks at many worlds; every array is of shape (n,).
+
+    Where the flood found no way to the target nothing was simulated: ``ran`` is false there, and the rest but for
+    ``layout`` means nothing.
+
+    Args:
+        layouts: (n, LAYOUT_BYTES or SCENE_BYTES) uint8.
+        scenario: What ran; of each run :meth:`scenario_of` knows its seed and time step.
+        seeds: uint64.
+        time_steps: s.
+        raw: (n,) :data:`fuzz.screening.batch.LOOK`.
+        robot: Size and speed of all robots, where the scenes have no say.
+        deaths: Runs that ended the process which ran a controller of a shared library.
+    """
+
+    layouts: Bytes
+    scenario: Scenario
+    seeds: npt.NDArray[np.uint64]
+    time_steps: Floats
+    raw: npt.NDArray[np.void]
+    robot: Mapping[str, float] = field(default_factory=dict)
+    deaths: int = 0
+
+    def __len__(self) -> int:
+        return len(self.raw)
+
+    @property
+    def ran(self) -> Flags:
+        """Whether the robot can surely reach the target, so that the controller was run."""
+        found: Flags = self.raw["distance"] >= 0
+        return found
+
+    @property
+    def ending(self) -> Ints:
+        """``WG_LIMIT`` and the like of ``sim/core/wg_sim.h``."""
+        return self.raw["ending"]
+
+    @property
+    def verdict(self) -> npt.NDArray[np.str_]:
+        """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
+        ending, overlaps = self.ending, self.raw["overlap_step"] >= 0
+        covered = overlaps & np.isin(ending, (lib.WG_LIMIT, lib.WG_REACHED, lib.WG_LOOP))
+        return np.where(covered, Verdict.OVERLAP.value, _FIRST_LOOKS[ending + 1])
+
+    @property
+    def failed(self) -> Flags:
+        """Whether the controller was run and did not arrive as it should."""
+        found: Flags = self.ran & (self.verdict != Verdict.REACHED.value)
+        return found
+
+    @property
+    def steps(self) -> Ints:
+        """Steps until the run ended, for a loop until it was found."""
+        return self.raw["steps"]
+
+    @property
+    def budget(self) -> Ints:
+        """Steps that the run was given."""
+        return self.raw["budget"]
+
+    @property
+    def simulated(self) -> int:
+        """Steps simulated in all, with those that were only watched."""
+        return int(self.steps.sum() + self.raw["watched"].sum())
+
+    @property
+    def period(self) -> Ints:
+        """Steps of a loop's period."""
+        return self.raw["period"]
+
+    @property
+    def collisions(self) -> Ints:
+        """Times that the robot began to touch a wall."""
+        return self.raw["collisions"]
+
+    @property
+    def solid(self) -> Ints:
+        """Solid cells."""
+        return self.raw["solid"]
+
+    @property
+    def density(self) -> Floats:
+        """Share of the cells inside the border that are solid."""
+        width = self.raw["width"]
+        height = self.raw["height"]
+        share: Floats = (self.solid - 2 * (width + height - 2)) / ((width - 2) * (height - 2))
+        return share
+
+    @property
+    def way(self) -> Ints:
+        """Cells of a way to the target along edges, an upper bound of the shortest."""
+        return self.raw["distance"]
+
+    @property
+    def straight(self) -> Floats:
+        """Distance of start and target, cells."""
+        cells: Floats = np.sqrt(self.raw["straight_sq"])
+        return cells
+
+    @property
+    def path(self) -> Floats:
+        """Driven length, lattice units."""
+        return self.raw["path_length"]
+
+    @property
+    def driven(self) -> Floats:
+        """Driven length, cells."""
+        cells: Floats = self.path / UNIT
+        return cells
+
+    @property
+    def visited(self) -> Ints:
+        """Cells that the robot's centre was in."""
+        return self.raw["visited"]
+
+    @property
+    def revisits(self) -> Floats:
+        """Driven cells for each cell that the centre was in: about 1 for a robot that is nowhere twice."""
+        return self.driven / np.maximum(self.visited, 1)
+
+    @property
+    def least_clearance(self) -> Ints:
+        """Distance of the cell nearest to a wall among those that the centre was in: 1, 2, or 3 for more."""
+        return self.raw["least_clearance"]
+
+    @property
+    def mean_clearance(self) -> Floats:
+        """The mean of these distances, 1 to 3."""
+        return self.raw["clearances"] / np.maximum(self.visited, 1)
+
+    @property
+    def key(self) -> Ints:
+        """A coarse signature of what went wrong, the same in a mirrored, turned or shifted world.
+
+        It is made of the ending; of touches, kind of contact, turning, extent and progress in one period of a loop, or
+        in a few more steps of a run that spent its budget; of the kind of wall that a robot went through or into. It
+        comes near to the failure's class (docs/failures.md), without a recording. 0 where it arrived or nothing ran.
+        """
+        raw, made = self.raw, self.ending + 1
+        facts = (
+            (raw["overlap_step"] >= 0, 2),
+            (np.minimum(raw["bumps"], 3), 4),
+            (raw["contact"], 6),
+            (np.abs(raw["turned"]) >= TURN, 2),
+            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * UNIT, self._extent), 4),
+            (raw["closer"], 2),
+            (np.minimum(raw["around"], 3) + 1, 5),
+        )
+        for fact, kinds in facts:
+            made = made * kinds + fact
+        # OneByOne tells crashes apart by a number here; compiled controllers leave 0.
+        crashed = np.where(self.ending == CRASH, np.maximum(raw["hit_ix"], 0), 0)
+        made += crashed * _MOST_KEYS
+        return np.where(self.failed, made, 0)
+
+    @property
+    def _extent(self) -> Ints:
+        """Larger side of the box in which the robot was while it was watched, lattice units."""
+        raw = self.raw
+        wide = raw["right"] - raw["left"]
+        larger: Ints = np.maximum(wide, raw["high"] - raw["low"])
+        return larger
+
+    def world(self, n: int) -> World:
+        """The world of a run, without certificate."""
+        return _world_of(self.layouts, n, self.robot)
+
+    def scenario_of(self, n: int) -> Scenario:
+        """What ran there, with its seed and time step."""
+        return replace(self.scenario, seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
+
+
+def can_look(scenario: Scenario) -> bool:
+    """Return True if native search can run a scenario: any controller, under a motion model on the pose lattice."""
+    return MOTIONS.get(scenario.motion).kernel == LATTICE
+
+
+def evaluate(
+    layouts: Bytes,
+    scenario: Scenario,
+    seeds: npt.NDArray[np.uint64],
+    time_steps: float | npt.ArrayLike,
+    budget: int | npt.ArrayLike | None = None,
+    **robot: float,
+) -> Looks:
+    """Run a controller once in the world of each layout, and look at what happens; prove nothing.
+
+    Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the scenario's options, the
+    run's seed and time step, and the same budget. Where no way is sure to be wide enough for the robot nothing is run.
+    The result depends on the arguments alone. Threads may call it with a compiled controller at the same time. Of a
+    program or a shared library that hangs no run after the second hang is done.
+
+    Args:
+        layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
+        scenario: What runs; its seed and time step count for nothing.
+        seeds: (n,) uint64.
+        time_steps: s; (n,), or one for all.
+        budget: Steps, (n,) or one for all; without it what the way to the target suggests: 4,000 to 8,000 of a compiled
+            controller, 800 to 2,400 of another.
+        **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds, whatever their bytes say.
+
+    Raises:
+        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit each other.
+    """
+    _check(layouts, scenario, budget, robot)
+    count = len(layouts)
+    steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
+    numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
+    limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
+    values, kinds = np.unique(steps, return_inverse=True)
+    packed = _Packed.of(scenario, tuple(values.tolist()), robot)
+    batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
+    packed.run(batch, lambda n: _world_of(layouts, n, robot))
+    return Looks(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
+
+
+def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
+    """Refuses what the core cannot take."""
+    widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
+    if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
+        raise InvalidParameter(
+            "wrong-shape",
+            "layouts of shape {shape} and type {dtype}",
+            "give uint8, {narrow} or {wide} a row",
+            shape=layouts.shape,
+            dtype=layouts.dtype,
+            narrow=widths[0],
+            wide=widths[1],
+        )
+    if not can_look(scenario):
+        raise InvalidParameter(
+            "not-native",
+            "{controller} under {motion} does not run natively",
+            "take --motion swept or endpoint",
+            at_terminal=True,
+            controller=scenario.label(),
+            motion=scenario.motion,
+        )
+    if budget is not None and np.size(budget) and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS):
+        raise InvalidParameter(
+            "out-of-range",
+            "budget={budget!r} is outside 1 to {most} steps",
+            "give one between",
+            budget=budget,
+            most=MAX_STEPS,
+        )
+    if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
+        raise InvalidParameter(
+            "robot-larger-than-cell",
+            "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and "
+            "native search finds no ways for such robots",
+            "give a smaller one, or take another lane",
+            robot_radius=robot["robot_radius"],
+            cell_size=DEFAULT_CELL_SIZE,
+        )
+
+
+def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
+    return replace(decode_scene(layouts[n].tobytes()), **robot)  # type: ignore[arg-type]
+
+
+def _spread(values: Any, count: int, name: str) -> Any:
+    """One value for each run."""
+    if values.shape not in ((), (count,)):
+        raise InvalidParameter(
+            "wrong-shape",
+            "{name} of shape {shape} for {count} layouts",
+            "give one for each, or one for all",
+            name=name,
+            shape=values.shape,
+            count=count,
+        )
+    return np.array(np.broadcast_to(values, (count,)))
+
+
+@dataclass(frozen=True)
+class _Packed:
+    """A scenario as the core takes it."""
+
+    controller: Controller
+    runs: tuple[LatticeRun, ...]
+    radii: tuple[float, ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]) -> _Packed:
+        """Packs the simplest layout for each time step; the core puts in what other layouts have instead."""
+        controller = CONTROLLERS.get(scenario.controller)
+        world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
+        each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
+        runs = tuple(LatticeRun(world, controller, options) for options in each)
+        return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
+
+    def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
+        """The runs of one call."""
+        finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
+        for run in self.runs:
+            run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
+            run.settings.digest = 0
+        patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
+        settings = [run.settings for run in self.runs]
+        memory = memory_for(self.controller)
+        return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
+
+    def run(self, batch: Batch, world: Callable[[int], World]) -> None:
+        """Fills in the results."""
+        if len(batch) == 0:
+            return
+        if isinstance(self.controller, CompiledController):
+            memory = self.controller.memory
+            driver = Driver(self.controller, memory)
+            seat = Seat(batch, memory, driver)
+            if driver.guarded:
+                look_guarded(batch, seat, driver.guarded)
+                return
+            while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
+                pass
+            return
+        alone = OneByOne(self.controller, batch, world)
+        if isinstance(self.controller, ProcessController):
+            if self.controller.offer is None:
+                alone.run(1)  # its first answer may make an offer
+            begun = batch.at
+            if look_in_batch(self.controller, batch):
+                return
+            batch.at = begun
+        elif isinstance(self.controller, VectorController):
+            if look_in_lockstep(self.controller, batch):
+                return
+            batch.at = 0
+        alone.run(len(batch))

@@ -1,0 +1,64 @@
+"""First looks at runs of a controller in a shared library: whole batches in another process, which may die."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import replace
+
+from fuzz.screening.batch import CRASH, HANG, Batch, Seat, ffi, lib
+from fuzz.triage.crash_bucket import crash_bucket
+from sim.controllers.core_act import misbehaviour_of
+from sim.controllers.shared.guarded import ControllerDied, call
+from worldgen.errors import WorldgenError
+
+__all__ = ["CRASH_NUMBERS", "MOST_HANGS", "look_guarded"]
+
+CRASH_NUMBERS = (1 << 24) - 1
+"""Numbers that a crash can have."""
+
+MOST_HANGS = 2
+"""Hangs of a batch: each takes a whole deadline, and no unit proves more of them."""
+
+_PORTION = 1 << 24  # steps of a call, about a second
+
+
+def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
+    """Run a controller in the worlds of a batch. After a death the next run is the one after that in which it came.
+
+    Args:
+        batch: The runs; their results are filled in.
+        seat: Where they run.
+        act: Address of the controller's function.
+    """
+    work = ffi.addressof(lib, "wg_call_looks")
+    report = ffi.addressof(seat.c.episode.robot.report)
+    hangs = 0
+    while hangs < MOST_HANGS:
+        try:
+            if call(work, act, (seat.c,), _PORTION, report=report, progress=(batch.c,)).result == lib.WG_OVER:
+                return
+        except ControllerDied as death:
+            n = batch.at
+            if not lib.wg_looks_fail(seat.c):
+                raise WorldgenError(
+                    "ended-between-runs",
+                    "the process that runs the controller ended between two runs: {how}",
+                    "run the controller alone, under a debugger",
+                    how=death.error,
+                ) from None
+            batch.deaths += 1
+            hangs += death.is_hang
+            _note(batch, n, death)
+    batch.leave_out(slice(batch.at, None))
+
+
+def _note(batch: Batch, n: int, death: ControllerDied) -> None:
+    """Note how a run ended, crashes of one kind with one number: a frequent one is not to hide the others."""
+    ended = batch.looks[n : n + 1]
+    if death.is_hang:
+        ended["ending"] = HANG
+        return
+    fault = misbehaviour_of(death.error)
+    bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
+    ended["ending"] = CRASH
+    ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS

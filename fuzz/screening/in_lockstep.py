@@ -1,0 +1,152 @@
+"""First looks in lockstep: as many robots as there are places act at once, each in a world of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.screening.batch import Batch, Seat, ffi, lib
+from sim.controllers import ProcessController, VectorController
+from sim.controllers.contract import flat_memory
+from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.vector import Asker
+from sim.runners.core_calls import SENSES
+from sim.runners.lockstep import ControllerRaised, its_own_fault
+from sim.runners.python_loop import hidden_state
+from sim.runners.stopping import OutOfTime, check_time
+from worldgen.support.ccall import writable
+
+__all__ = ["look_in_batch", "look_in_lockstep"]
+
+Floats = npt.NDArray[np.float64]
+
+PLACES = 1_024
+"""Robots of a vector class that act at once, at most.
+
+A call of NumPy for 512 took 10 % more for each, and the worlds of 2,048 do not fit into a cache.
+"""
+
+
+class _Places:
+    """Robots that act at once; those whose controller is to act come first in every array.
+
+    Args:
+        batch: The runs.
+        memory: The controller's at reset.
+        count: How many places.
+    """
+
+    def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
+        self.observation = np.full((count, SENSES + batch.beams), np.nan)
+        self.memory = np.zeros((count, memory.size))
+        self.after = np.zeros((count, memory.size))
+        self.command = np.zeros((count, 3))  # speed, turn rate, whether the random number was used
+        self.numbers = np.zeros(count, np.int64)
+        self.fresh = np.zeros(count, np.uint8)
+        self._kept = [Seat(batch, memory.tolist(), number=k) for k in range(count)]
+        self._seats = ffi.new("WgSeat *[]", [seat.c for seat in self._kept])
+        self.taken = int(lib.wg_seats_board(self._seats, count))
+
+    def sense(self) -> None:
+        """Fill in what the robots sense, and their memories."""
+        lib.wg_seats_sense(
+            self._seats,
+            self.taken,
+            writable(ffi, self.observation, np.float64),
+            writable(ffi, self.memory, np.float64),
+            writable(ffi, self.numbers, np.int64),
+            writable(ffi, self.fresh, np.uint8),
+        )
+        self.command[:] = 0.0
+
+    def act(self) -> None:
+        """Let the robots continue, each up to where its controller is to act again."""
+        commands = writable(ffi, self.command, np.float64)
+        self.taken = int(lib.wg_seats_act(self._seats, self.taken, commands, writable(ffi, self.after, np.float64)))
+
+    def runs(self) -> list[int]:
+        """Return the runs that are under way."""
+        return [int(self._seats[k].run) for k in range(self.taken)]
+
+
+Ask = Callable[[], None]
+"""Fills in commands and memories of the places that are taken."""
+
+
+def look_in_lockstep(controller: VectorController, batch: Batch) -> bool:
+    """Run a vector class in the worlds of a batch.
+
+    Args:
+        controller: The controller.
+        batch: The runs; their results are filled in.
+
+    Returns:
+        False if the controller raised, or changed what is outside its memory: then no run can be trusted to be its own,
+        and each must be run alone.
+    """
+    before = hidden_state(controller)
+    if before is None:
+        return False
+
+    def asker(places: _Places) -> Ask:
+        ask = its_own_fault()(Asker(controller, places.observation, places.memory, places.command).ask)
+        return lambda: ask(places.taken, places.after[: places.taken])
+
+    with contextlib.redirect_stdout(sys.stderr):
+        try:
+            with its_own_fault():
+                memory = np.array(flat_memory(controller.reset()), np.float64)
+            _run(asker, memory, batch, PLACES)
+        except ControllerRaised:
+            return False
+    return hidden_state(controller) == before
+
+
+def look_in_batch(controller: ProcessController, batch: Batch) -> bool:
+    """Run a program that offers it in the worlds of a batch, many at a time.
+
+    Args:
+        controller: The program.
+        batch: The runs from ``at`` on; their results are filled in.
+
+    Returns:
+        False if the program offers nothing, or does anything wrong: then it must be seen alone in each world.
+    """
+    offer = controller.offer
+    if offer is None:
+        return False
+
+    def asker(places: _Places) -> Ask:
+        def ask() -> None:
+            robots = places.numbers[: places.taken]
+            fresh = robots[places.fresh[: places.taken] != 0]
+            observation = places.observation[: places.taken]
+            controller.act_in_batch(offer, robots, fresh, observation, places.command[: places.taken])
+
+        return ask
+
+    controller.begin_batch(offer.robots)
+    try:
+        _run(asker, np.zeros(0), batch, offer.robots)
+    except Misbehaviour:
+        return False
+    return True
+
+
+def _run(asker: Callable[[_Places], Ask], memory: Floats, batch: Batch, most: int) -> None:
+    """Run all while there is time; a place whose robot is done takes the next world."""
+    places = _Places(batch, memory, min(most, len(batch)))
+    ask = asker(places)
+    while places.taken:
+        places.sense()
+        try:
+            check_time()
+            ask()
+        except OutOfTime:
+            batch.leave_out(places.runs() + list(range(batch.at, len(batch))))
+            return
+        places.act()

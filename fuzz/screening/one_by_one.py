@@ -1,0 +1,123 @@
+"""First looks at runs of a Python class or a program: one world after the other, the core stopping in each step."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import zlib
+from collections.abc import Callable
+from dataclasses import replace
+
+from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, lib
+from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
+from fuzz.triage.crash_bucket import crash_bucket
+from sim.controllers import ProcessController, PythonController, VectorController
+from sim.controllers.programs.program import Misbehaviour, WantsMemory
+from sim.runners.python_act import Stops
+from sim.runners.python_loop import crash_of, driver_of, memory_at_start, plans
+from sim.runners.stopping import OutOfTime, is_out_of_time
+from sim.verdict import Verdict
+from worldgen.world import World
+
+__all__ = ["OneByOne"]
+
+_ENDINGS = {Verdict.CRASH: CRASH, Verdict.HANG: HANG, Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND)}
+
+
+class OneByOne:
+    """Runs a controller in one world of a batch after the other.
+
+    Args:
+        controller: A Python class or a program; a vector class acts for a single robot.
+        batch: The runs; their results are filled in.
+        world: Returns the world of a run, for a controller that plans first.
+    """
+
+    def __init__(
+        self, controller: PythonController | VectorController, batch: Batch, world: Callable[[int], World]
+    ) -> None:
+        self._controller, self._batch = controller, batch
+        self._world = world if plans(controller) else None
+        self._drive = driver_of(controller)
+        self._by_memory: dict[int, Seat] = {}
+        self._seat = self._seat_for(0)
+        self._hangs = 0
+
+    def run(self, worlds: int) -> None:
+        """Run in the next worlds; what the controller prints goes to stderr, and what it raises ends a run as a crash.
+
+        Once the time is over (:mod:`sim.runners.stopping`), the rest is not run.
+
+        Args:
+            worlds: How many, at most; what is left of the batch is marked as not run.
+        """
+        with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
+            for _ in range(worlds):
+                n = -1 if self._is_enough() else int(lib.wg_seat_next(self._seat.c))
+                if n < 0:
+                    break
+                self._look(n)
+                self._batch.at = n + 1
+        self._batch.leave_out(slice(self._batch.at, None))
+
+    def _is_enough(self) -> bool:
+        return self._hangs >= MOST_HANGS or is_out_of_time()
+
+    def _look(self, n: int) -> None:
+        """Run the controller in a world, and watch it for a while where that says more."""
+        if isinstance(self._controller, ProcessController):
+            self._controller.start()  # outside the guard: a program that is not there is nobody's crash
+        seat = None
+        try:
+            memory = memory_at_start(self._controller, self._world(n) if self._world else None)
+            seat = self._seated(n, len(memory))
+            seat.memory[:] = memory
+            seat.begin()
+            self._drive(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
+        except OutOfTime:
+            if seat is None or seat.c.watch < 0:  # else how it ended is known already
+                raise
+        except (KeyboardInterrupt, WantsMemory):
+            raise
+        except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+            self._hangs += _ending_of(error) == HANG
+            if seat is None or seat.c.watch < 0:  # what it does after its budget is no finding
+                self._fail(n, seat, error)
+
+    def _seat_for(self, memory: int) -> Seat:
+        """Return the seat for so many numbers of memory, made once."""
+        if memory not in self._by_memory:
+            self._by_memory[memory] = Seat(self._batch, (0.0,) * memory)
+        return self._by_memory[memory]
+
+    def _seated(self, n: int, memory: int) -> Seat:
+        """Return a seat for so many numbers of memory, in the world of a run."""
+        seat = self._seat_for(memory)
+        if seat is not self._seat:
+            lib.wg_seat_open(seat.c, n)
+            self._seat = seat
+        return seat
+
+    def _fail(self, n: int, seat: Seat | None, error: BaseException) -> None:
+        """Note a run in which the controller failed; without a seat, in ``reset``."""
+        ended = self._batch.looks[n : n + 1]
+        if seat is None:
+            for name in REPORT_FIELDS:
+                ended[name] = 0
+        else:
+            self._batch.c.looks[n].report = seat.c.episode.robot.report
+        ending = _ending_of(error)
+        ended["ending"] = ending
+        ended["overlap_step"] = -1
+        if ending == CRASH:
+            ended["hit_ix"] = self._number_of(error, int(ended["steps"][0]))
+
+    def _number_of(self, error: BaseException, step: int) -> int:
+        """Return a number for what crashed, so that a frequent one does not keep others from being proved."""
+        fault = error if isinstance(error, Misbehaviour) else crash_of(error, self._controller)
+        bucket = crash_bucket(replace(fault.evidence, step=step))
+        return zlib.crc32(bucket.encode()) & CRASH_NUMBERS
+
+
+def _ending_of(error: BaseException) -> int:
+    return _ENDINGS[error.verdict if isinstance(error, Misbehaviour) else Verdict.CRASH]

@@ -1,0 +1,175 @@
+"""Worlds from a few bytes: structured features, rasterised.
+
+A fuzzer that draws raw cells finds noise and shrinks badly. Here a short byte string of fixed length
+describes an arena, a start, a target, and up to eight features: boxes, U and L shapes, walls with a gap,
+diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypothesis shrinks towards it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.search.layout_bytes import (
+    CLEAR,
+    FEATURE_BYTES,
+    FINER,
+    HEAD_BYTES,
+    HEADINGS,
+    LAYOUT_BYTES,
+    MAX_FEATURES,
+    SCENE_BYTES,
+    SCENE_HEADING,
+    SCENE_RADIUS,
+    SCENE_TARGET,
+    SMALLEST_SIDE,
+    SPREAD_OF_SIDES,
+)
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import lattice_to_metres
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Pose, Target, World
+
+__all__ = [
+    "FEATURE_BYTES",
+    "LAYOUT_BYTES",
+    "MAX_FEATURES",
+    "RADII",
+    "SCENE_BYTES",
+    "TARGET_RADII",
+    "decode_scene",
+    "decode_world",
+]
+
+RADII = (DEFAULT_ROBOT_RADIUS, 0.06, 0.08, 0.09)
+"""Radii of a scene's robot, m; all fit where a layout leaves room for the default one, and none is as wide as a gap of
+one cell or two, where even controllers that are complete fail."""
+
+TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
+"""Radii of a scene's target, m."""
+
+Walls = npt.NDArray[np.bool_]
+
+
+def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> World:
+    """The world that a layout string describes; any string of ``LAYOUT_BYTES`` bytes describes one.
+
+    Args:
+        data: ``LAYOUT_BYTES`` bytes.
+        robot_radius: m.
+
+    Returns:
+        An arena of 8 to 28 cells a side inside a border of solid cells, without certificate.
+    """
+    width, height = SMALLEST_SIDE + data[0] % SPREAD_OF_SIDES, SMALLEST_SIDE + data[1] % SPREAD_OF_SIDES
+    walls = np.zeros((height, width), bool)
+    for k in range(data[7] % (MAX_FEATURES + 1)):
+        feature = data[HEAD_BYTES + k * FEATURE_BYTES : HEAD_BYTES + (k + 1) * FEATURE_BYTES]
+        _draw(walls, feature)
+    start = (2 + data[2] % (width - 4), 2 + data[3] % (height - 4))
+    target = (width - 3 - data[5] % (width - 4), height - 3 - data[6] % (height - 4))
+    for ix, iy in (start, target):
+        walls[iy - CLEAR : iy + CLEAR + 1, ix - CLEAR : ix + CLEAR + 1] = False
+    walls[[0, -1], :] = True
+    walls[:, [0, -1]] = True
+    return World(
+        walls,
+        start=Pose(_centre(start[0]), _centre(start[1]), data[4] % HEADINGS * (2 * math.pi / HEADINGS)),
+        target=Target(_centre(target[0]), _centre(target[1]), DEFAULT_CELL_SIZE / 2),
+        cell_size=DEFAULT_CELL_SIZE,
+        robot_radius=robot_radius,
+        robot_speed=DEFAULT_ROBOT_SPEED,
+    )
+
+
+def decode_scene(data: bytes) -> World:
+    """The world that a scene describes: a layout, and three bytes for the robot's radius, the target's and the heading.
+
+    Three zeros change nothing, and neither do three bytes that are not there.
+
+    Args:
+        data: ``SCENE_BYTES`` or ``LAYOUT_BYTES`` bytes.
+
+    Raises:
+        InvalidParameter: If there are more or fewer.
+    """
+    if len(data) == LAYOUT_BYTES:
+        return decode_world(data)
+    if len(data) != SCENE_BYTES:
+        raise InvalidParameter(
+            "wrong-size",
+            "{count} bytes are no scene",
+            "give {scene_bytes}, or {layout_bytes} of a layout",
+            count=len(data),
+            scene_bytes=SCENE_BYTES,
+            layout_bytes=LAYOUT_BYTES,
+        )
+    world = decode_world(data, robot_radius=RADII[data[SCENE_RADIUS] % len(RADII)])
+    heading = data[4] % HEADINGS * FINER + data[SCENE_HEADING] % FINER
+    return replace(
+        world,
+        start=replace(world.start, heading=heading * (2 * math.pi / (HEADINGS * FINER))),
+        target=replace(world.target, radius=TARGET_RADII[data[SCENE_TARGET] % len(TARGET_RADII)]),
+    )
+
+
+def _centre(index: int) -> float:
+    return lattice_to_metres(1024 * index + 512, DEFAULT_CELL_SIZE)
+
+
+def _draw(walls: Walls, feature: bytes) -> None:
+    """Draws one feature; what falls outside the arena is cut off."""
+    kind, x, y, length, depth, form = feature
+    height, width = walls.shape
+    x, y = 1 + x % (width - 2), 1 + y % (height - 2)
+    length, depth = 1 + length % 12, 1 + depth % 8
+    turn, thickness = form % 4, 1 + form // 4 % 2
+    stamp = _SHAPES[kind % len(_SHAPES)](length, depth, thickness)
+    stamp = np.rot90(stamp, turn)
+    stamp = stamp[: height - y, : width - x]
+    walls[y : y + stamp.shape[0], x : x + stamp.shape[1]] |= stamp
+
+
+def _box(length: int, depth: int, thickness: int) -> Walls:
+    return np.ones((depth, length), bool)
+
+
+def _wall(length: int, depth: int, thickness: int) -> Walls:
+    return np.ones((thickness, length + depth), bool)
+
+
+def _cup(length: int, depth: int, thickness: int) -> Walls:
+    stamp = np.ones((depth + thickness, length + 2 * thickness), bool)
+    stamp[:depth, thickness : thickness + length] = False
+    return stamp
+
+
+def _corner(length: int, depth: int, thickness: int) -> Walls:
+    stamp = np.zeros((depth + thickness, length + thickness), bool)
+    stamp[:thickness, :] = True
+    stamp[:, :thickness] = True
+    return stamp
+
+
+def _gate(length: int, depth: int, thickness: int) -> Walls:
+    """A long wall with an opening of 2 cells."""
+    stamp = np.ones((thickness, length + depth + 2), bool)
+    stamp[:, length : length + 2] = False
+    return stamp
+
+
+def _diagonal(length: int, depth: int, thickness: int) -> Walls:
+    side = length + depth
+    return np.eye(side, dtype=bool) | (np.eye(side, k=1, dtype=bool) if thickness > 1 else False)
+
+
+def _comb(length: int, depth: int, thickness: int) -> Walls:
+    stamp = np.zeros((depth + thickness, 3 * (1 + length // 3) + 1), bool)
+    stamp[:thickness, :] = True
+    stamp[:, ::3] = True
+    return stamp
+
+
+_SHAPES = (_box, _wall, _cup, _corner, _gate, _diagonal, _comb)

@@ -1,0 +1,48 @@
+"""The work of one unit, as its lane gets it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from fuzz.campaign.config import CampaignConfig
+from fuzz.campaign.result import Memory
+from fuzz.triage.triage import Door
+from sim.controllers import CONTROLLERS, Controller
+from sim.scenario import Scenario
+from worldgen.random_streams import RandomStream
+
+__all__ = ["Task"]
+
+
+@dataclass(frozen=True)
+class Task:
+    """The work of one unit.
+
+    Args:
+        lane: The lane that does it.
+        config: The campaign's.
+        unit: Its number.
+        memory: What it knows of earlier units.
+        door: Counts runs and takes failures.
+    """
+
+    lane: str
+    config: CampaignConfig
+    unit: int
+    memory: Memory
+    door: Door
+
+    @cached_property
+    def controller(self) -> Controller:
+        """The campaign's controller, looked up once."""
+        return CONTROLLERS.get(self.config.scenario.controller)
+
+    @property
+    def stream(self) -> RandomStream:
+        """The unit's random numbers, from the beginning."""
+        return RandomStream(self.config.seed).child("unit", self.unit)
+
+    def scenario(self, seed: int, time_step: float) -> Scenario:
+        """What runs, with a draw's seed and time step."""
+        return replace(self.config.scenario, time_step=time_step, seed=seed)

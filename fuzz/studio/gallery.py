@@ -1,0 +1,212 @@
+"""Failures as the campaign page shows them: a wall of small pictures, with the lines and tests that show them again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from fuzz.boundary import boundaries_in_words
+from fuzz.corpus import read_corpus
+from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.names import name_of
+from fuzz.describe import seeds_in_words
+from fuzz.failure import Failure, regardless_of_walls
+from fuzz.oracles import objection_in_words
+from fuzz.player import drawn_run, drawn_world, sensors_of
+from fuzz.shrink.snippet import snippet
+from fuzz.studio.folder import KNOWN, MOST_FAILURES
+from fuzz.studio.messages import field as part_of
+from fuzz.studio.opened import Opened
+from fuzz.studio.pasted import from_anywhere
+from fuzz.studio.running import check_record, check_registered
+from sim.controllers import CONTROLLERS
+from sim.describe import evidence_in_words
+from sim.episode import simulate
+from sim.motion import MOTIONS
+from worldgen import errors
+from worldgen.errors import FormatError, InvalidParameter, OutputError, WorldgenError
+from worldgen.files.archives import is_archive, members
+from worldgen.files.grid import read_world
+from worldgen.files.grid.disk import unpack_world
+from worldgen.files.whole import write_bytes
+from worldgen.files.worlds import is_world_file
+
+__all__ = ["WallAnswers"]
+
+_MOST_STEPS = 200_000  # of a run for a picture; a longer one is played on the page Play
+
+_TOLD = 500  # files between two words on how far reading is
+
+Message = Mapping[str, Any]
+Part = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class WallAnswers(Opened):
+    """What the campaign page asks for, as far as failures are concerned."""
+
+    _read: dict[tuple[str, int, int], Entry | None] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def failures(self, message: Message, part: Part) -> dict[str, Any]:
+        """The failures in a folder and below; what cannot be read is told, not raised."""
+        below = part_of(message, "folder", str)
+        known = (
+            {entry.facts.key for entry in self._entries(KNOWN, [], part)}
+            if self.folder.place(KNOWN).is_dir()
+            else set()
+        )
+        faults: list[dict[str, Any]] = []
+        place = self.folder.place(below) if below else self.folder.root
+        packed = is_archive(place) and place.is_file()
+        entries = self._packed(place, faults, part) if packed else self._entries(below, faults, part)
+        return {
+            "failures": [
+                {
+                    "name": entry.path.relative_to(self.folder.root).as_posix(),
+                    "class": entry.facts.kind,
+                    "verdict": entry.facts.verdict,
+                    "controller": entry.facts.controller,
+                    "motion": entry.facts.motion,
+                    "width": entry.facts.width,
+                    "height": entry.facts.height,
+                    "solid": entry.facts.solid,
+                    "events": entry.facts.events,
+                    "seen": entry.seen or 0,
+                    "digest": entry.facts.digest,
+                    "known": entry.facts.key in known,
+                }
+                for entry in entries
+            ],
+            "faults": faults,
+        }
+
+    def look(self, message: Message, part: object) -> dict[str, Any]:
+        """A failure's world and its run, to be drawn, and what happened in words."""
+        path = self.folder.place(part_of(message, "name", str))
+        world = read_world(path)
+        failure = Failure.of(world)
+        told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None, "error": None}
+        told |= {
+            "replay": from_anywhere(failure.replay_command(path), failure.record.controller, CONTROLLERS.names()),
+            "notes": [*filter(None, (seeds_in_words(failure), boundaries_in_words(failure)))],
+        }
+        try:
+            return told | self._seen(failure)
+        except WorldgenError as error:
+            return told | {"words": "", "error": self.folder.refusal(error)}
+
+    def snippet(self, message: Message, part: object) -> dict[str, Any]:
+        """A failure as the text of a test."""
+        failure = Failure.read(self.folder.place(part_of(message, "name", str)))
+        check_registered("motion", failure.record.motion, MOTIONS.names())
+        return {"text": snippet(failure)}
+
+    def know(self, message: Message, part: Part) -> dict[str, Any]:
+        """Marks a failure's class as known, by a copy in the folder of known ones, or takes that back."""
+        path = self.folder.place(part_of(message, "name", str))
+        failure = Failure.found_in(read_world(path))
+        if failure is None:
+            raise InvalidParameter("no-failure", "{name} holds no failure", "mark one that does", name=path.name)
+        facts = Facts.of(failure, path.name)
+        if part_of(message, "known", bool):
+            copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
+            try:
+                copy.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise OutputError(
+                    "unwritable",
+                    "{known}/ cannot be made: {reason}",
+                    "make room for it",
+                    known=KNOWN,
+                    reason=error.strerror or str(error),
+                ) from error
+            write_bytes(copy, failure.dumps(), force=True)
+        else:
+            for entry in self._entries(KNOWN, [], part):
+                if entry.facts.key == facts.key:
+                    entry.path.unlink()
+        return {}
+
+    def _seen(self, failure: Failure) -> dict[str, Any]:
+        """The run of a failure, as long as a picture has use for."""
+        check_record(failure.record, self.named)
+        world, who = failure.world, failure.record.controller
+        options = replace(failure.options, steps=min(failure.options.steps, _MOST_STEPS))
+        judged = shown = simulate(world, who, options, record=True)
+        controller = CONTROLLERS.get(who)
+        words = f"{judged.verdict}{evidence_in_words(judged)}"
+        if failure.is_breach:
+            shown = simulate(world, who, regardless_of_walls(options), record=True)
+            words += f": reached a walled-off target in step {shown.steps}"
+        return {
+            "run": drawn_run(shown, world.cell_size, judged, controller=controller),
+            "sensors": sensors_of(controller, options, world.cell_size),
+            "words": words + objection_in_words(failure.oracle, failure.objection),
+        }
+
+    def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
+        """The failures of a folder's files, read once; links are passed over."""
+        files = [file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]]
+        if len(files) == MOST_FAILURES:
+            faults.append(self.folder.refusal(_too_many("choose a folder below")))
+        found = []
+        for number, file in enumerate(files):
+            if number % _TOLD == _TOLD - 1:
+                part({"read": number + 1, "of": len(files)})
+            try:
+                entry = self._entry(self.folder.root / file["name"])
+            except FileNotFoundError:  # it has just been removed
+                continue
+            except WorldgenError as error:
+                faults.append(self.folder.refusal(error))
+                continue
+            if entry is not None:
+                found.append(entry)
+        return found
+
+    def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
+        """The failures in an archive, under its name and then their own; those that have no name there are told."""
+        found: list[Entry] = []
+        there = archive.relative_to(self.folder.root).as_posix()
+        packed = (one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name))
+        try:
+            for number, member in enumerate(islice(packed, MOST_FAILURES + 1)):
+                if number == MOST_FAILURES:
+                    faults.append(self.folder.refusal(_too_many("unpack it", archive.name)))
+                    break
+                if number % _TOLD == _TOLD - 1:
+                    part({"read": number + 1, "of": None})
+                try:
+                    name = PurePosixPath(member.name).as_posix()  # any text, one that begins with / too
+                    place = self.folder.place(f"{there}/{name}")
+                    facts = Facts.in_world(unpack_world(member, str(place)), str(place))
+                except WorldgenError as error:
+                    faults.append(self.folder.refusal(error))
+                    continue
+                if facts is not None:
+                    found.append(Entry(place, facts))
+        except FormatError as error:  # of the archive; what was read until there is sound
+            faults.append(self.folder.refusal(error))
+        return found
+
+    def _entry(self, path: Path) -> Entry | None:
+        facts = path.stat()
+        key = (str(path), facts.st_mtime_ns, facts.st_size)
+        if key not in self._read:
+            entries = read_corpus([path]).entries
+            self._read[key] = entries[0] if entries else None
+        return self._read[key]
+
+
+def _too_many(remedy: str, archive: str = "") -> errors.Message:
+    of = " of {archive}" if archive else ""
+    problem = f"only the first {{most}} files{of} are shown"
+    return errors.Message("too-many", problem, remedy, most=MOST_FAILURES, archive=archive)
+
+
+def _is_hidden(name: str) -> bool:
+    """Whether it is none of a person's files: a campaign's memory, or what macOS packs beside each file."""
+    return any(part.startswith(".") and part != ".." for part in PurePosixPath(name).parts)

@@ -1,0 +1,133 @@
+"""Classes of failures: what two failures have in common, stable under mirror, rotation and shift."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, times_round
+from fuzz.triage.crash_bucket import crash_bucket
+from sim.episode import Episode
+from sim.evidence import BudgetEvidence, BurnedEvidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.trace import Trace
+from sim.verdict import Verdict
+from worldgen.world import World
+
+__all__ = ["failure_class"]
+
+_ROUNDING = 1e-6  # cells by which a limit may be passed, so that a mirrored run is on the same side of it
+
+
+def failure_class(world: World, episode: Episode) -> str:
+    """A short name for the kind of failure, fit for a file name; docs/failures.md says what its words mean.
+
+    Args:
+        world: Where it happened.
+        episode: The run, recorded.
+    """
+    verdict, trace, evidence = episode.verdict, episode.trace, episode.evidence
+    if isinstance(evidence, FaultEvidence):
+        if verdict == Verdict.CRASH:
+            return _joined(verdict, crash_bucket(evidence))
+        if verdict == Verdict.INVALID_COMMAND:
+            error = (evidence.error or "").partition("'")[0]
+            return _joined(verdict, re.sub("[^a-z]+", "-", error).strip("-"))
+        return verdict
+    if trace is None:
+        return verdict
+    match evidence:
+        case WallEvidence() as wall:
+            what = verdict if wall.reached is None else "breach"
+            return _joined(what, wall.cause, part_of(world, *wall.cell))
+        case LoopEvidence(entry=entry, period=period):
+            return _joined(verdict, *_of_loop(world, trace, entry, period))
+        case BudgetEvidence(kind=kind):
+            return _joined(verdict, kind, *_of_second_half(world, trace))
+        case BurnedEvidence() as burned:
+            return _joined(verdict, *_of_fire(world, trace, burned))
+    return verdict
+
+
+def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, ...]:
+    """Touches, their kind, what shape the path has, how far it gets, and whether that is nearer to the target."""
+    last = entry + period
+    touched = contacts(world, trace, entry + 1, last)
+    cells = {cell for contact in touched for cell in contact.cells}
+    side, path = world.cell_size, slice(entry, last + 1)
+    rounds = times_round(trace.x[path] / side, trace.y[path] / side, cells)
+    shape = ("turn" if _turns(trace, entry, last) else "swing", "round", "rounds")[min(rounds, 2)]
+    where = _where(world, trace, touched, entry, last)
+    return (
+        _touches(len(touched)),
+        where,
+        shape,
+        _extent(world, trace, entry, last),
+        _progress(world, trace, entry, last),
+    )
+
+
+def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
+    """What is touched in the second half of a run, or shuts it in, and how far it gets there."""
+    half, last = trace.steps // 2, trace.steps
+    touched = contacts(world, trace, half + 1, last)
+    free = "" if touched else "free"
+    return free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
+
+
+def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str, ...]:
+    """In which state the cell is, and whether the robot drove into it or was caught by the change."""
+    begun = (evidence.step - 1) * trace.time_step + 1e-9
+    changes = [event for event in world.timeline if (event.ix, event.iy) == evidence.cell and event.time <= begun]
+    entered = changes and changes[-1].state.word == evidence.state
+    return evidence.state, "entered" if entered else "caught"
+
+
+def _joined(*words: object) -> str:
+    return "-".join(str(word) for word in words if word)
+
+
+def _touches(count: int) -> str:
+    return ("free", "1bump", "2bump", "bumps")[min(count, 3)]
+
+
+def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:
+    """Of the kinds of wall touched the one that says most; else what shuts in the place nearest to the target."""
+    if touched:
+        return min((contact.kind for contact in touched), key=KINDS.index)
+    apart = _apart(world, trace)[first : last + 1]
+    nearest = first + np.flatnonzero(apart <= apart.min() + _ROUNDING)
+    x, y = trace.x[nearest] / world.cell_size, trace.y[nearest] / world.cell_size
+    return enclosure(world, zip(x.tolist(), y.tolist(), strict=True))
+
+
+def _turns(trace: Trace, first: int, last: int) -> int:
+    """Whole turns of the heading, without sign, from one state to the same state again; half a turn has no side."""
+    change = np.diff(trace.heading[first : last + 1])
+    wrapped = (change + math.pi) % (2 * math.pi) - math.pi
+    wrapped[np.abs(wrapped) > math.pi - _ROUNDING] = 0.0
+    return int(abs(float(np.sum(wrapped))) / (2 * math.pi) + _ROUNDING)
+
+
+def _extent(world: World, trace: Trace, first: int, last: int) -> str:
+    x, y = trace.x[first : last + 1], trace.y[first : last + 1]
+    cells = max(float(np.ptp(x)), float(np.ptp(y))) / world.cell_size
+    for name, limit in (("spot", 0.5), ("near", 4.0), ("wide", 16.0)):
+        if cells <= limit + _ROUNDING:
+            return name
+    return "far"
+
+
+def _progress(world: World, trace: Trace, first: int, last: int) -> str:
+    """Whether these steps come nearer to the target than the start is."""
+    apart = _apart(world, trace)
+    return "closer" if float(apart[first : last + 1].min()) < float(apart[0]) - _ROUNDING else "away"
+
+
+def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
+    """Distance of each state from the target, cells."""
+    dx, dy = (trace.x - world.target.x) / world.cell_size, (trace.y - world.target.y) / world.cell_size
+    apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
+    return apart

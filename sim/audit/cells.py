@@ -1,0 +1,224 @@
+"""Which cells are near a piece of a path, and when they are solid or burning: tables of numpy and scipy alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from sim.audit.geometry import Parts
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["Pairs", "Surroundings"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Pieces of the path and the cells near them, (n,) each.
+
+    Args:
+        piece: Row of the piece.
+        ix: Column of the cell; -1 and the grid's width stand for the outside.
+        iy: Row of the cell.
+        span: Row of the time span in :class:`Surroundings`; -1 if the cell is solid always.
+    """
+
+    piece: npt.NDArray[np.intp]
+    ix: Ints
+    iy: Ints
+    span: npt.NDArray[np.intp]
+
+    def take(self, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> Pairs:
+        """Some of the pairs."""
+        return Pairs(self.piece[rows], self.ix[rows], self.iy[rows], self.span[rows])
+
+    def followed_by(self, other: Pairs) -> Pairs:
+        """Both."""
+        columns = ((self.piece, other.piece), (self.ix, other.ix), (self.iy, other.iy), (self.span, other.span))
+        return Pairs(*(np.concatenate(both) for both in columns))
+
+
+class Surroundings:
+    """A world's cells over time, ready to be asked for those near a path.
+
+    The grid is ringed with solid cells that stand for the outside. Cells that never change are found through
+    tables of the nearest solid one to the left and to the right, so that a large disc does not look at its whole
+    area: of each row only these can be nearest. Cells that change have spans of time, in order, cell by cell.
+
+    Args:
+        world: Whose cells.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.height, self.width = world.walls.shape
+        line = world.timeline
+        changing = np.zeros(world.walls.shape, np.bool_)
+        changing[line.iy, line.ix] = True
+        self._still = np.pad(world.walls & ~changing, 1, constant_values=True)
+        columns = np.arange(self.width + 2, dtype=np.int32)
+        ahead = np.where(self._still, columns, np.int32(self.width + 1))
+        self._left = np.maximum.accumulate(np.where(self._still, columns, np.int32(0)), axis=1)
+        self._right = np.minimum.accumulate(ahead[:, ::-1], axis=1)[:, ::-1]
+        self._spans_of(world, changing)
+        blocked = self._still.copy()
+        blocked[1:-1, 1:-1] |= changing
+        self._far = ndimage.distance_transform_cdt(~blocked, metric="chessboard")
+
+    def _spans_of(self, world: World, changing: Cells) -> None:
+        """Fills the time spans: ``since``, ``until`` (s) and ``state``, by cell and time."""
+        line = world.timeline
+        cell = np.concatenate([np.flatnonzero(changing), line.iy * self.width + line.ix])
+        first = np.count_nonzero(changing)
+        since = np.concatenate([np.full(first, -math.inf), line.times])
+        was = np.where(world.walls[changing], int(CellState.SOLID), int(CellState.FREE))
+        state = np.concatenate([was, line.states.astype(np.int64)])
+        order = np.lexsort((np.arange(len(cell)), since, cell))  # of equal times the later line wins
+        cell, since, state = cell[order], since[order], state[order]
+        until = np.full(len(cell), math.inf)
+        same = cell[1:] == cell[:-1]
+        until[:-1][same] = since[1:][same]
+        kept = (state != int(CellState.FREE)) & (since < until)
+        self.since, self.until, self.state, cell = since[kept], until[kept], state[kept], cell[kept]
+        used, self._first = np.unique(cell, return_index=True)
+        self._end = np.append(self._first[1:], len(cell))
+        self._changing = np.full(world.walls.shape, -1, np.int32)
+        self._changing[used // self.width, used % self.width] = np.arange(len(used), dtype=np.int32)
+        self._far_changing = None
+        if len(used):
+            self._far_changing = ndimage.distance_transform_cdt(self._changing < 0, metric="chessboard")
+
+    def span(self, row: int) -> tuple[float, float]:
+        """Begin and end of a time span, s; of what is solid always, -inf and inf."""
+        return (float(self.since[row]), float(self.until[row])) if row >= 0 else (-math.inf, math.inf)
+
+    def solid_spans(self, ix: int, iy: int) -> list[tuple[float, float]]:
+        """When a cell is solid, s; the outside always is."""
+        if self._still[iy + 1, ix + 1]:
+            return [(-math.inf, math.inf)]
+        cell = int(self._changing[iy, ix])
+        rows = range(self._first[cell], self._end[cell]) if cell >= 0 else ()
+        return [self.span(row) for row in rows if self.state[row] == int(CellState.SOLID)]
+
+    def ever_blocked(self, ix: Ints, iy: Ints) -> Cells:
+        """Whether cells of the grid or next to it are solid or burning at any time."""
+        blocked: Cells = self._far[iy + 1, ix + 1] == 0
+        return blocked
+
+    def at_least(self, pieces: Parts) -> Floats:
+        """A distance, in cells, that each piece keeps from every cell that is ever blocked; it may be negative."""
+        return self._lower_bound(pieces, self._far, 1)
+
+    def _lower_bound(self, pieces: Parts, far: npt.NDArray[np.int32], ring: int) -> Floats:
+        ix = _cell(pieces.x + 0.5 * pieces.dx, self.width) + ring
+        iy = _cell(pieces.y + 0.5 * pieces.dy, self.height) + ring
+        return far[iy, ix] - 1.0 - 0.5 * pieces.length
+
+    def near(self, pieces: Parts, times: tuple[Floats, Floats], reach: float) -> Pairs:
+        """The cells within ``reach`` cells of pieces while these are driven; of those always solid, the nearest ones.
+
+        Args:
+            pieces: Short pieces of the path, inside the grid.
+            times: When each begins and ends, s.
+            reach: Cells.
+
+        Returns:
+            Pairs that may be within reach: all that are, some that are not.
+        """
+        found = self._near_still(pieces, reach)
+        if self._far_changing is not None:
+            close = np.flatnonzero(self._lower_bound(pieces, self._far_changing, 0) < reach)
+            if len(close):
+                own = self._near_changing(pieces.take(close), reach)
+                own = Pairs(close[own.piece], own.ix, own.iy, own.span)
+                found = found.followed_by(self._in_time(own, times))
+        return found
+
+    def _near_still(self, pieces: Parts, reach: float) -> Pairs:
+        piece, iy = self._rows(pieces, reach)
+        low, high = _ends(pieces.x, pieces.dx)
+        first, last = _cell(low, self.width)[piece], _cell(high, self.width)[piece]
+        row = iy + 1
+        columns = [self._left[row, first] - 1, self._right[row, last + 2] - 1]  # tables begin at the ring
+        valid = [np.ones(len(piece), np.bool_)] * 2
+        for step in range(int((last - first).max(initial=-1)) + 1):
+            column = np.minimum(first + step, last)
+            columns.append(column)
+            valid.append(self._still[row, column + 1] & (first + step <= last))
+        kept = np.concatenate(valid)
+        size = len(columns)
+        piece, iy = np.tile(piece, size)[kept], np.tile(iy, size)[kept]
+        ix = np.concatenate(columns)[kept].astype(np.int64)
+        return _within_reach(pieces, Pairs(piece, ix, iy, np.full(len(piece), -1)), reach)
+
+    def _near_changing(self, pieces: Parts, reach: float) -> Pairs:
+        piece, iy = self._rows(pieces, reach)
+        inside = (iy >= 0) & (iy < self.height)
+        piece, iy = piece[inside], iy[inside]
+        low, high = _ends(pieces.x, pieces.dx)
+        first, last = _cell(low - reach, self.width)[piece], _cell(high + reach, self.width)[piece]
+        row, ix = _ranges(first, last)
+        piece, iy = piece[row], iy[row]
+        cell = self._changing[iy, ix]
+        known = np.flatnonzero(cell >= 0)
+        pairs = Pairs(piece[known], ix[known], iy[known], cell[known].astype(np.intp))
+        return _within_reach(pieces, pairs, reach)
+
+    def _rows(self, pieces: Parts, reach: float) -> tuple[npt.NDArray[np.intp], Ints]:
+        """Every piece with every row that may be within reach of it, the ring's included."""
+        low, high = _ends(pieces.y, pieces.dy)
+        first = np.clip(np.floor(low - reach), -1, self.height).astype(np.int64)
+        last = np.clip(np.floor(high + reach), -1, self.height).astype(np.int64)
+        return _ranges(first, last)
+
+    def _in_time(self, pairs: Pairs, times: tuple[Floats, Floats]) -> Pairs:
+        """The pairs of pieces and changing cells, with each span of the cell that falls into the piece's time."""
+        begin, end = times[0][pairs.piece], times[1][pairs.piece]
+        first = self._search(pairs.span, lambda middle: self.until[middle] <= begin)
+        after = self._search(pairs.span, lambda middle: self.since[middle] <= end)
+        row, span = _ranges(first, after - 1)
+        return Pairs(pairs.piece[row], pairs.ix[row], pairs.iy[row], span.astype(np.intp))
+
+    def _search(self, cell: npt.NDArray[np.intp], goes_on: Callable[[Ints], Cells]) -> Ints:
+        """Each cell's first span for which ``goes_on`` is false; its last plus one if there is none."""
+        low, high = self._first[cell].astype(np.int64), self._end[cell].astype(np.int64)
+        while (low < high).any():
+            middle = np.minimum((low + high) // 2, len(self.since) - 1)
+            on = goes_on(middle) & (low < high)
+            low, high = np.where(on, middle + 1, low), np.where(on | (low >= high), high, middle)
+        return low
+
+
+def _cell(place: Floats, cells: int) -> Ints:
+    """The column or row of a coordinate in cells, the nearest one if it is none of the grid's."""
+    return np.clip(np.floor(place), 0, cells - 1).astype(np.int64)
+
+
+def _ends(place: Floats, step: Floats) -> tuple[Floats, Floats]:
+    return np.minimum(place, place + step), np.maximum(place, place + step)
+
+
+def _ranges(first: Ints, last: Ints) -> tuple[npt.NDArray[np.intp], Ints]:
+    """Rows of the ranges first..last (inclusive), and all their numbers, one range after the other."""
+    count = np.maximum(last - first + 1, 0)
+    row = np.repeat(np.arange(len(count)), count)
+    offset = np.cumsum(count) - count
+    return row, np.arange(len(row)) - offset[row] + first[row]
+
+
+def _within_reach(pieces: Parts, pairs: Pairs, reach: float) -> Pairs:
+    """Leaves out cells that are further than ``reach`` from a piece's bounding box."""
+    low_x, high_x = _ends(pieces.x, pieces.dx)
+    low_y, high_y = _ends(pieces.y, pieces.dy)
+    piece = pairs.piece
+    gap_x = np.maximum(np.maximum(pairs.ix - high_x[piece], low_x[piece] - pairs.ix - 1), 0.0)
+    gap_y = np.maximum(np.maximum(pairs.iy - high_y[piece], low_y[piece] - pairs.iy - 1), 0.0)
+    return pairs.take(gap_x * gap_x + gap_y * gap_y <= reach * reach)

@@ -1,0 +1,90 @@
+"""A trajectory in cells, in float64 for the many and in rational numbers for close calls."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.audit.exact import Move, decimal, is_beyond
+from sim.audit.geometry import Parts, slab
+from worldgen.world import World
+
+__all__ = ["Way"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_PIECE = 2.0  # cells; longer moves are looked at in pieces of at most this length
+
+
+class Way:
+    """A trajectory in cells, and what of each move is in or near the grid.
+
+    Args:
+        world: Where.
+        times: (n,) s, never falling.
+        x: (n,) m.
+        y: (n,) m.
+    """
+
+    def __init__(self, world: World, times: Floats, x: Floats, y: Floats) -> None:
+        self.world, self.times, self.metres = world, times, (x, y)
+        self.height, self.width = world.walls.shape
+        self.x, beyond_x = _coordinate(x, self.width, world.cell_size)
+        self.y, beyond_y = _coordinate(y, self.height, world.cell_size)
+        self.beyond = beyond_x | beyond_y
+        self.moves = Parts(self.x[:-1], self.y[:-1], np.diff(self.x), np.diff(self.y))
+        self.leaving = np.flatnonzero(self.beyond[:-1] | self.beyond[1:])
+        # What burns may touch a disc whose centre is outside.
+        margin = min(world.robot_radius / world.cell_size, self.height + self.width) if world.is_dynamic else 0.0
+        self.low, self.high = np.zeros(len(self.moves.x)), np.ones(len(self.moves.x))
+        self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)
+        near = np.maximum(self.high - self.low, 0.0) * self.moves.length
+        pieces = np.maximum(np.ceil(near / _PIECE), 1.0)
+        self.pieces = np.where(self.low <= self.high, pieces, 0.0).astype(np.int64)
+
+    def in_grid(self, margin: float) -> tuple[Floats, Floats]:
+        """Of the moves in ``leaving``, the shares between which they are in the grid grown by ``margin`` cells.
+
+        Returns:
+            Begin and end; 1 and 0 for moves that miss it.
+        """
+        own = self.moves.take(self.leaving)
+        half_x, half_y = 0.5 * self.width, 0.5 * self.height
+        low, high = slab(Parts(own.x - half_x, own.y - half_y, own.dx, own.dy), half_x + margin, half_y + margin)
+        missed = (low > 1.0) | (high < 0.0)
+        return np.where(missed, 1.0, np.maximum(low, 0.0)), np.where(missed, 0.0, np.minimum(high, 1.0))
+
+    def place(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+        """Time, x and y (s, m, m) at places of the way: 3.25 is a quarter of the way from sample 3 to sample 4."""
+        row = np.minimum(at.astype(np.int64), len(self.times) - 2)
+        share = at - row
+        found = []
+        for values in (self.times, *self.metres):
+            a, b = values[row], values[row + 1]
+            found.append(np.where(share >= 1.0, b, a + share * (b - a)))
+        return found[0], found[1], found[2]
+
+    def is_face(self, metres: float) -> bool:
+        """Whether a coordinate in m is exactly on the line between two columns or rows."""
+        return (decimal(metres) / decimal(self.world.cell_size)).denominator == 1
+
+    def move(self, row: int) -> Move:
+        """One move in rational numbers."""
+        size, (x, y) = decimal(self.world.cell_size), self.metres
+        begin, end = decimal(self.times[row]), decimal(self.times[row + 1])
+        places = [decimal(values[k]) / size for k in (row, row + 1) for values in (x, y)]
+        return Move(begin, end, *places)
+
+
+def _coordinate(metres: Floats, count: int, cell_size: float) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """A coordinate in cells, and whether it lies outside a grid of so many; the latter exactly."""
+    size = decimal(cell_size)
+    if max(size.numerator, size.denominator) < 2**53:
+        cells = metres * float(size.denominator) / float(size.numerator)  # so 0.3 m in cells of 0.1 m is 3, as written
+    else:
+        cells = metres / cell_size
+    outside = (cells < 0.0) | (cells > count)
+    for row in np.flatnonzero(np.minimum(np.abs(cells), np.abs(cells - count)) < 1e-9 * count):
+        outside[row] = is_beyond(float(metres[row]), count, cell_size)
+    return np.where(outside, cells, np.clip(cells, 0.0, count)), outside

@@ -1,0 +1,414 @@
+"""Goes along a trajectory piece by piece and notes where the disc, or its centre, is where it must not be.
+
+Everything in cells and in the way's own measure: 3.25 is a quarter of the way from sample 3 to sample 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.audit.cells import Pairs, Surroundings
+from sim.audit.exact import meet_inside, run_along, run_between
+from sim.audit.geometry import deepest, nearest, slab, within
+from sim.audit.path import Way
+from worldgen.timeline import CellState
+
+__all__ = ["Hits", "Scan", "merged", "scan"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_PIECES_AT_ONCE = 60_000
+_ROWS_AT_ONCE = 400_000
+_MARGIN = 0.25  # cells beyond the radius that are looked at, so that a clearance just above it is found at once
+_FIRST = 16  # moves that tell about how far away everything is
+_CLOSE_CALL = 1e-9  # cells; nearer to a face than this, rational numbers decide
+_NEARLY = 1e-6  # cells; far more than rounding
+_ROUNDING = 4e-16
+_TOUCHING = 1e-8  # of a move; stretches nearer than this are one
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Stretches of the way on which something is wrong, (n,) each.
+
+    Args:
+        begin: Where it begins on the way.
+        end: Where it ends.
+        depth: Cells, at worst.
+        worst: Where on the way that is.
+        ix: Column of the cell, there.
+        iy: Its row.
+    """
+
+    begin: Floats = field(default_factory=lambda: np.zeros(0))
+    end: Floats = field(default_factory=lambda: np.zeros(0))
+    depth: Floats = field(default_factory=lambda: np.zeros(0))
+    worst: Floats = field(default_factory=lambda: np.zeros(0))
+    ix: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    iy: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    @classmethod
+    def at(
+        cls,
+        row: npt.NDArray[np.intp],
+        begin: npt.ArrayLike,
+        end: npt.ArrayLike,
+        depth: Floats,
+        worst: npt.ArrayLike,
+        ix: Ints,
+        iy: Ints,
+    ) -> Hits:
+        """Stretches of moves: ``begin``, ``end`` and ``worst`` are shares of the move."""
+        start = row.astype(np.float64)
+        return cls(start + np.asarray(begin), start + np.asarray(end), depth, start + np.asarray(worst), ix, iy)
+
+    @classmethod
+    def of(cls, many: Sequence[Hits]) -> Hits:
+        """All of them."""
+        names = ("begin", "end", "depth", "worst", "ix", "iy")
+        return cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names)) if many else cls()
+
+
+def merged(hits: Hits, grain: float = 1e-9) -> Hits:
+    """One stretch for all that overlap or touch, with its greatest depth, at the first place that has it.
+
+    Args:
+        hits: In any order.
+        grain: Depths are alike to this.
+    """
+    if not len(hits.begin):
+        return hits
+    order = np.argsort(hits.begin, kind="stable")
+    reached = np.maximum.accumulate(hits.end[order])
+    fresh = np.concatenate([[True], hits.begin[order][1:] > reached[:-1] + _TOUCHING])
+    group = np.cumsum(fresh) - 1
+    first = np.flatnonzero(fresh)
+    depth = np.round(hits.depth[order] / grain)
+    ranked = order[np.lexsort((hits.worst[order], -depth, group))][first]  # groups keep their place and size
+    ends = np.append(first[1:], len(group)) - 1
+    return Hits(
+        hits.begin[order][first], reached[ends], hits.depth[ranked], hits.worst[ranked], hits.ix[ranked],
+        hits.iy[ranked],
+    )  # fmt: skip
+
+
+@dataclass
+class Scan:
+    """What was found on the way.
+
+    Args:
+        hits: By kind of finding, merged.
+        clearance: Least distance, cells, of the centre to anything solid or burning, or to the outside.
+        nearest: Where on the way that is.
+        shaved: Moves between clear samples whose straight line cuts a corner, which is not held against them.
+        shaved_depth: The deepest such cut, cells.
+    """
+
+    hits: dict[str, Hits] = field(default_factory=dict)
+    clearance: float = np.inf
+    nearest: float = 0.0
+    shaved: int = 0
+    shaved_depth: float = 0.0
+
+    def note_clearance(self, distance: Floats, at: Floats) -> None:
+        """Keeps the least distance, and of equal ones the first."""
+        if len(distance):
+            least = distance.min()
+            place = at[distance == least].min()
+            if (least, place) < (self.clearance, self.nearest):
+                self.clearance, self.nearest = float(least), float(place)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Pairs of a piece and a cell with how near they come; (n,) each."""
+
+    pairs: Pairs
+    row: npt.NDArray[np.intp]
+    burning: npt.NDArray[np.bool_]
+    low: Floats  # shares of the move: the piece's begin and end, while the cell is blocked
+    high: Floats
+    window: tuple[Floats, Floats]  # the same of the whole move
+    distance: Floats
+    nearest: Floats  # share of the move
+    inside: Floats  # depth of the centre in the cell, negative outside; -inf where it is far
+
+
+def scan(way: Way, radius: float, tolerance: float, *, straight: bool) -> Scan:
+    """Looks at every piece of the way.
+
+    Args:
+        way: The trajectory.
+        radius: Of the disc, cells.
+        tolerance: Cut of the disc, cells, that is not reported.
+        straight: Whether every straight line is taken at its word; see :func:`_shaved`.
+    """
+    around = Surroundings(way.world)
+    result = Scan()
+    found: dict[str, list[Hits]] = {kind: [] for kind in ("tunnel", "overlap", "burned", "outside")}
+    outside = _outside(way)
+    found["outside"].append(outside)
+    found["overlap"].append(replace(outside, depth=np.full(len(outside.depth), radius)))
+    result.note_clearance(np.zeros(len(outside.begin)), outside.begin)
+    least = np.full(len(way.low), np.inf)
+    reach = radius + _MARGIN
+    for rows in _portions(way.pieces, np.arange(len(way.pieces)), 2.0 * reach + 4.0):
+        measured = _measure(way, around, rows, reach, least)
+        result.note_clearance(measured.distance, measured.row + measured.nearest)
+        kinds = _overlaps(measured, way, radius, tolerance, straight, result) | {
+            "tunnel": _tunnels(measured, way, around)
+        }
+        for kind, hits in kinds.items():
+            found[kind].append(merged(hits))
+    if result.clearance > reach:
+        _widest(way, around, least, result)
+    result.hits = {kind: merged(Hits.of(many)) for kind, many in found.items()}
+    return result
+
+
+def _portions(pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float) -> Iterator[npt.NDArray[np.intp]]:
+    """The moves in portions that fit into memory."""
+    most = max(1, min(_PIECES_AT_ONCE, int(_ROWS_AT_ONCE / rows_each)))
+    total = np.cumsum(pieces[rows])
+    begin = 0
+    while begin < len(rows):
+        done = total[begin - 1] if begin else 0
+        end = max(begin + 1, int(np.searchsorted(total, done + most, side="right")))
+        yield rows[begin:end]
+        begin = end
+
+
+def _measure(way: Way, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats) -> _Measured:
+    """How near some moves come to the cells around; notes in ``least`` what they keep away at least."""
+    row = np.repeat(rows, way.pieces[rows])
+    count = way.pieces[row]
+    number = np.arange(len(row)) - np.repeat(np.cumsum(way.pieces[rows]) - way.pieces[rows], way.pieces[rows])
+    span = way.high[row] - way.low[row]
+    begin, end = way.low[row] + span * (number / count), way.low[row] + span * ((number + 1) / count)
+    pieces = way.moves.take(row).between(begin, end)
+    away = around.at_least(pieces)
+    np.minimum.at(least, row, away)
+    close = np.flatnonzero(away < reach)
+    row, begin, end = row[close], begin[close], end[close]
+    pairs = around.near(pieces.take(close), (way.times[row], way.times[row + 1]), reach)
+    since, until, burning = _windows(way, around, pairs, row[pairs.piece])
+    low, high = np.maximum(begin[pairs.piece], since), np.minimum(end[pairs.piece], until)
+    kept = np.flatnonzero(low <= high)
+    pairs, since, until, burning = pairs.take(kept), since[kept], until[kept], burning[kept]
+    return _measured(way, pairs, row[pairs.piece], (low[kept], high[kept]), (since, until), burning)
+
+
+def _windows(
+    way: Way, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
+) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    """The shares of the move between which each pair's cell is blocked, and whether it burns."""
+    since, until = np.zeros(len(row)), np.ones(len(row))
+    burning = np.zeros(len(row), np.bool_)
+    timed = np.flatnonzero(pairs.span >= 0)
+    if len(timed):
+        span, begin, end = pairs.span[timed], way.times[row[timed]], way.times[row[timed] + 1]
+        lasts = np.where(end > begin, end - begin, 1.0)
+        since[timed] = np.where(end > begin, np.clip((around.since[span] - begin) / lasts, 0.0, 1.0), 0.0)
+        until[timed] = np.where(end > begin, np.clip((around.until[span] - begin) / lasts, 0.0, 1.0), 1.0)
+        burning[timed] = around.state[span] == int(CellState.BURNING)
+    return since, until, burning
+
+
+def _measured(
+    way: Way,
+    pairs: Pairs,
+    row: npt.NDArray[np.intp],
+    shares: tuple[Floats, Floats],
+    window: tuple[Floats, Floats],
+    burning: npt.NDArray[np.bool_],
+) -> _Measured:
+    low, high = shares
+    parts = way.moves.take(row).between(low, high).seen_from(pairs.ix, pairs.iy)
+    distance, at = nearest(parts)
+    inside = np.full(len(row), -np.inf)
+    # Only parts whose bounding box meets the cell's can get into it.
+    gap_x = np.minimum(np.abs(parts.x), np.abs(parts.x + parts.dx)) - 0.5
+    gap_y = np.minimum(np.abs(parts.y), np.abs(parts.y + parts.dy)) - 0.5
+    passes_x, passes_y = parts.x * (parts.x + parts.dx) < 0.0, parts.y * (parts.y + parts.dy) < 0.0
+    meets = np.flatnonzero(((gap_x < _NEARLY) | passes_x) & ((gap_y < _NEARLY) | passes_y))
+    inside[meets], share = deepest(parts.take(meets))
+    entered = inside[meets] >= 0.0
+    distance[meets[entered]], at[meets[entered]] = 0.0, share[entered]
+    return _Measured(pairs, row, burning, low, high, window, distance, low + (high - low) * at, inside)
+
+
+def _outside(way: Way) -> Hits:
+    """The stretches beyond the grid's edge."""
+    height, width = way.world.walls.shape
+    off_x, off_y = np.maximum(-way.x, way.x - width), np.maximum(-way.y, way.y - height)
+    depth = np.where(way.beyond, np.hypot(np.maximum(off_x, 0.0), np.maximum(off_y, 0.0)), 0.0)
+    rows, (enter, leave) = way.leaving, way.in_grid(0.0)
+    missed = enter > leave
+    found = []
+    for share, begin, end in (
+        (0, np.zeros(len(rows)), np.where(missed, 1.0, enter)),
+        (1, np.where(missed, 0.0, leave), np.ones(len(rows))),
+    ):
+        own = way.beyond[rows + share]
+        sample = rows[own] + share
+        ix = np.clip(np.floor(way.x[sample]), -1, width).astype(np.int64)
+        iy = np.clip(np.floor(way.y[sample]), -1, height).astype(np.int64)
+        found.append(Hits.at(rows[own], begin[own], end[own], depth[sample], float(share), ix, iy))
+    return merged(Hits.of(found))
+
+
+def _overlaps(
+    measured: _Measured, way: Way, radius: float, tolerance: float, straight: bool, result: Scan
+) -> dict[str, Hits]:
+    """Stretches on which the disc cuts what is solid, and what burns."""
+    hit = np.flatnonzero(radius - measured.distance > tolerance)
+    if not straight and len(hit):
+        hit = hit[~_shaved(measured, way, hit, radius, tolerance, result)]
+    row, pairs = measured.row[hit], measured.pairs.take(hit)
+    parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
+    enter, leave = within(parts, radius - tolerance)
+    at = measured.nearest[hit]
+    begin = np.minimum(np.maximum(enter, measured.low[hit]), at)
+    end = np.maximum(np.minimum(leave, measured.high[hit]), at)
+    hits = Hits.at(row, begin, end, radius - measured.distance[hit], at, pairs.ix, pairs.iy)
+    burning = measured.burning[hit]
+    return {"overlap": _some(hits, ~burning), "burned": _some(hits, burning)}
+
+
+def _some(hits: Hits, rows: npt.NDArray[np.bool_]) -> Hits:
+    return Hits(*(getattr(hits, n)[rows] for n in ("begin", "end", "depth", "worst", "ix", "iy")))
+
+
+def _shaved(
+    measured: _Measured, way: Way, hit: npt.NDArray[np.intp], radius: float, tolerance: float, result: Scan
+) -> npt.NDArray[np.bool_]:
+    """Cuts by a line no longer than the radius whose both ends are clear of the cell.
+
+    A robot that slides round a corner between two samples leaves such a line. It cuts what the disc keeps clear of by
+    at most the height of an arc of radius ``radius`` over it, 0.134 of the radius.
+    """
+    row, pairs = measured.row[hit], measured.pairs.take(hit)
+    length = way.moves.length[row]
+    parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
+    clear = length <= radius
+    for share in (window[hit] for window in measured.window):
+        gap = np.hypot(
+            np.maximum(np.abs(parts.x + share * parts.dx) - 0.5, 0.0),
+            np.maximum(np.abs(parts.y + share * parts.dy) - 0.5, 0.0),
+        )
+        clear &= radius - gap <= tolerance
+    if clear.any():
+        result.shaved += len(np.unique(row[clear]))
+        result.shaved_depth = max(result.shaved_depth, float((radius - measured.distance[hit][clear]).max()))
+    return clear
+
+
+def _tunnels(measured: _Measured, way: Way, around: Surroundings) -> Hits:
+    """Stretches on which the centre is inside a wall."""
+    pairs = measured.pairs
+    height, width = way.world.walls.shape
+    in_grid = (pairs.ix >= 0) & (pairs.iy >= 0) & (pairs.ix < width) & (pairs.iy < height)
+    doubt = _doubt(measured, way, around)
+    near = np.flatnonzero((measured.inside > -doubt) & in_grid & ~measured.burning)
+    sure = measured.inside[near] > doubt[near]
+    shift = np.zeros((len(near), 2))  # of a centre between two solid cells: from one to the face between them
+    doubtful = np.flatnonzero(~sure)
+    for index in doubtful[~_along_a_free_cell(measured, near[doubtful], way, around)]:
+        found = _way_in(pairs, int(near[index]), int(measured.row[near[index]]), way, around)
+        if found is not None:
+            sure[index], shift[index] = True, found
+    hit, shift = near[sure], shift[sure]
+    row, own, low, high = measured.row[hit], pairs.take(hit), measured.low[hit], measured.high[hit]
+    moves = way.moves.take(row).seen_from(own.ix + shift[:, 0], own.iy + shift[:, 1])
+    enter, leave = slab(moves, 0.5, 0.5)
+    depth, share = deepest(moves.between(low, high))
+    at = low + (high - low) * share
+    begin, end = np.minimum(np.maximum(enter, low), at), np.maximum(np.minimum(leave, high), at)
+    return Hits.at(row, begin, end, np.maximum(depth, 0.0), at, own.ix, own.iy)
+
+
+def _doubt(measured: _Measured, way: Way, around: Surroundings) -> Floats:
+    """How wrong ``inside`` may be for rounding, cells: of places, and of shares that come from times."""
+    row, span = measured.row, measured.pairs.span
+    length = way.moves.length[row]
+    scale = np.abs(way.x[row]) + np.abs(way.y[row]) + length
+    timed = np.flatnonzero(span >= 0)
+    begin, end = way.times[row[timed]], way.times[row[timed] + 1]
+    lasts = np.where(end > begin, end - begin, np.inf)
+    scale[timed] += length[timed] * (np.abs(begin) + np.abs(end)) / lasts
+    doubt: Floats = _CLOSE_CALL + _ROUNDING * scale
+    return doubt
+
+
+def _along_a_free_cell(
+    measured: _Measured, index: npt.NDArray[np.intp], way: Way, around: Surroundings
+) -> npt.NDArray[np.bool_]:
+    """Whether the centre keeps to a face with a cell behind it that never is blocked: no close call any more.
+
+    A robot that drives along a wall does this with every sample, so it is decided once for each coordinate.
+    """
+    row, ix, iy = measured.row[index], measured.pairs.ix[index], measured.pairs.iy[index]
+    free = np.zeros(len(index), np.bool_)
+    for metres, cells, own, (step_x, step_y) in (
+        (way.metres[0], way.x, ix, (1, 0)),
+        (way.metres[1], way.y, iy, (0, 1)),
+    ):
+        face = np.rint(cells[row]).astype(np.int64)
+        on_face = (metres[row] == metres[row + 1]) & ((face == own) | (face == own + 1))
+        on_face &= np.abs(cells[row] - face) < _NEARLY
+        values, number = np.unique(metres[row[on_face]], return_inverse=True)
+        on_face[on_face] = np.array([way.is_face(value) for value in values.tolist()], np.bool_)[number]
+        side = np.where(face == own, -1, 1)
+        free |= on_face & ~around.ever_blocked(ix + side * step_x, iy + side * step_y)
+    return free
+
+
+def _way_in(pairs: Pairs, index: int, row: int, way: Way, around: Surroundings) -> tuple[float, float] | None:
+    """Whether the centre gets inside the pair's cell, or on the face between it and another solid one; exactly.
+
+    Returns:
+        (0, 0) or half the step to the other cell; ``None`` if it does not.
+    """
+    ix, iy, span = int(pairs.ix[index]), int(pairs.iy[index]), int(pairs.span[index])
+    since, until = around.span(span)
+    move = way.move(row)
+    if meet_inside(move, ix, iy, since, until):
+        return 0.0, 0.0
+    for other in run_between(move, ix, iy):
+        for begin, end in around.solid_spans(*other):
+            low, high = max(since, begin), min(until, end)
+            if low < high and run_along(move, ix, iy, other, low, high):
+                return 0.5 * (other[0] - ix), 0.5 * (other[1] - iy)
+    return None
+
+
+def _widest(way: Way, around: Surroundings, least: Floats, result: Scan) -> None:
+    """Finds the clearance of a way that stays far from everything: the most promising moves first."""
+    rows = _distinct(way, np.flatnonzero((way.pieces > 0) & (least < result.clearance)))
+    rows = rows[np.argsort(least[rows], kind="stable")]
+    first, reach = rows[:_FIRST], 2.0 * (max(float(least[rows].min(initial=0.0)), 0.0) + 2.0)
+    while len(first):
+        measured = _measure(way, around, first, reach, least)
+        result.note_clearance(measured.distance, measured.row + measured.nearest)
+        if result.clearance <= reach:
+            break
+        reach *= 2.0  # ends at the grid's edge, which is always there
+    for some in _portions(way.pieces, rows[_FIRST:], 2.0 * result.clearance + 4.0):
+        if least[some[0]] >= result.clearance:
+            break
+        measured = _measure(way, around, some, result.clearance, least)
+        result.note_clearance(measured.distance, measured.row + measured.nearest)
+
+
+def _distinct(way: Way, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """The moves, and where the world does not change only one of several that are the same."""
+    if way.world.is_dynamic or not len(rows):
+        return rows
+    moves = way.moves.take(rows)
+    _, first = np.unique(np.stack([moves.x, moves.y, moves.dx, moves.dy], axis=1), axis=0, return_index=True)
+    return rows[first]

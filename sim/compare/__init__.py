@@ -1,0 +1,1 @@
+"""Controllers over worlds and seeds in one table."""

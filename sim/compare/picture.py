@@ -1,0 +1,48 @@
+"""A comparison as one picture: every world with every controller's way."""
+
+from __future__ import annotations
+
+from sim.compare.comparison import Cell, Comparison
+from sim.compare.report import outcome_in_words
+from sim.controllers import CONTROLLERS
+from sim.drawing.picture import trail_of
+from sim.episode import simulate
+from sim.verdict import Verdict
+from worldgen.render import Panel, Trail, draw_sheet
+from worldgen.world import World
+
+__all__ = ["MAX_CONTROLLERS", "draw_comparison"]
+
+MAX_CONTROLLERS = 8
+_LONGEST_LABEL = 18
+_MOST_STEPS = 20_000  # of one that does not arrive: more of its way only blackens the picture
+
+
+def draw_comparison(comparison: Comparison) -> bytes:
+    """The worlds side by side, as the bytes of a PNG file.
+
+    Of a controller with chance the run with the median time is drawn, or the first if none arrives.
+
+    Raises:
+        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which a picture cannot tell apart.
+    """
+    panels = []
+    for world, cells in zip(comparison.worlds, comparison.cells, strict=True):
+        trails = tuple(_way(world.world, cell) for cell in cells)
+        notes = tuple(f"{_short(cell.label)}: {outcome_in_words(cell)}" for cell in cells)
+        panels.append(Panel(world.world, world.name, trails, notes))
+    return draw_sheet(panels, comparison.labels)
+
+
+def _short(label: str) -> str:
+    """A label that leaves room for the outcome behind it."""
+    return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
+
+
+def _way(world: World, cell: Cell) -> Trail | None:
+    shown = cell.shown
+    steps = shown.steps if shown.verdict == Verdict.REACHED else min(shown.steps, _MOST_STEPS)
+    if steps < 1:
+        return None
+    options = cell.scenario.with_seed(shown.seed).options(world, steps)
+    return trail_of(simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world)

@@ -1,0 +1,275 @@
+"""A comparison as text, CSV and JSON; ``docs/compare.md`` describes columns and keys."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
+from sim.compare.published import Agreement, Figure
+from sim.evidence import evidence_table
+from sim.verdict import NEVER, Verdict
+from worldgen.support.plain_text import aligned
+
+__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "outcome_in_words"]
+
+CSV_COLUMNS = (
+    "world", "controller", "motion", "time_step", "budget", "seeds", "first_seed", "reached", "low", "high",
+    "verdict", "detail", "verdicts", "steps", "time", *(f"p{percent}" for percent in PERCENTILES), "source",
+)  # fmt: skip
+_WIDTH = 116  # of sentences below a table
+
+
+def outcome_in_words(cell: Cell) -> str:
+    """What a controller did in a world: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``."""
+    if cell.random:
+        share = f"({cell.reached}/{len(cell.runs)})"
+        if cell.time is not None:
+            return f"{cell.time:.3f} {share}"
+        failures = ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
+        return f"never ({failures})" if set(cell.verdicts) <= set(NEVER) else f"none arrives ({failures})"
+    if cell.time is not None:
+        return f"{cell.time:.3f}"
+    if cell.verdict == Verdict.LOOP:
+        return f"never (loop, {cell.detail})" if cell.detail else "never (loop)"
+    if cell.verdict == Verdict.STALLED:
+        return f"never ({cell.detail or 'stalled'})"
+    return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
+
+
+def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:
+    """The table, the totals, and how far an earlier table agrees; plain text in aligned columns."""
+    parts = [_main_table(comparison, beside), _totals_table(comparison)]
+    if beside is not None:
+        parts.append(_agreement_text(beside))
+    return "\n\n".join(parts) + "\n"
+
+
+def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
+    several = len(comparison.labels) > 1
+    rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
+    for index, cells in enumerate(comparison.cells):
+        ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
+        rows.append([comparison.worlds[index].name, *map(outcome_in_words, cells), *ranks])
+        known = {} if beside is None else {c: own for (row, c), own in beside.figures.items() if row == index}
+        if known:
+            rows.append(["  published", *_published_row(cells, known), *(_published_ranks(comparison, known))])
+    text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
+    keys = ["Times in s."]
+    if any(cell.random for row in comparison.cells for cell in row):
+        keys.append("(k/n): k of n seeds arrive, the time is their median.")
+    if beside is not None and beside.figures:
+        keys.append("In brackets behind a published time: ours less that; for chance the share of seeds no later.")
+    return text + "\n" + _wrapped(" ".join(keys))
+
+
+def _ranks(times: Sequence[float], labels: Sequence[str]) -> list[str]:
+    best, worst = standing(times)
+    return [", ".join(labels[index] for index in places) or "-" for places in (best, worst)]
+
+
+def _published_row(cells: Sequence[Cell], known: Mapping[int, tuple[Figure, ...]]) -> list[str]:
+    return ["; ".join(_figure_in_words(cell, figure) for figure in known.get(c, ())) for c, cell in enumerate(cells)]
+
+
+def _published_ranks(comparison: Comparison, known: Mapping[int, tuple[Figure, ...]]) -> list[str]:
+    """Best and worst by the first figure of each cell."""
+    if len(known) < 2:
+        return []
+    return _ranks([own[0].rank_time for own in known.values()], [comparison.labels[column] for column in known])
+
+
+def _figure_in_words(cell: Cell, figure: Figure) -> str:
+    if figure.time is None:
+        return figure.verdict
+    time = f"{figure.time:.3f}"
+    if cell.random:
+        return f"{time} ({cell.share_until(figure.time):.0%})"
+    return time if cell.time is None else f"{time} ({cell.time - figure.time:+.3f})"
+
+
+def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list[list[str]]:
+    """All rows, filled up; below the first, decimal points in the columns of ``numbers`` stand below each other."""
+    columns = max(map(len, rows))
+    filled = [[*row, *[""] * (columns - len(row))] for row in rows]
+    for column in numbers:
+        lead = max((text.find(".") for row in filled[1:] if (text := row[column])[:1].isdigit()), default=0)
+        for row in filled[1:]:
+            if row[column][:1].isdigit():
+                row[column] = " " * (lead - row[column].find(".")) + row[column]
+    return filled
+
+
+def _totals_table(comparison: Comparison) -> str:
+    totals = comparison.totals()
+    rows = [["total", *comparison.labels], ["arrived", *map(_arrived, totals)]]
+    rows.append(["failed", *(", ".join(f"{kind} {n}" for kind, n in t.failures.items()) or "-" for t in totals)])
+    if len(totals) > 1:
+        rows.append(["best", *(f"{t.wins}" + (f" + {t.shared_wins} shared" if t.shared_wins else "") for t in totals)])
+        if comparison.common:
+            rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
+            rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
+    text = aligned(rows)
+    if len(totals) > 1:
+        count, of = len(comparison.common), len(comparison.worlds)
+        which = f"the {count} of {of} worlds" if count else f"no world of {of}, so none are given,"
+        text += f"\nMean and median times are over {which} in which every controller arrives."
+    if any(total.random for total in totals):
+        text += "\nIntervals: 95 %, Clopper and Pearson, over the seeds in these worlds."
+    return text
+
+
+def _arrived(total: Total) -> str:
+    text = f"{total.reached} of {total.runs}"
+    if total.interval is None:
+        return text
+    low, high = total.interval
+    return f"{text} ({100 * low:.1f} to {100 * high:.1f} %)"
+
+
+def _agreement_text(beside: Agreement) -> str:
+    if not beside.figures:
+        return "No published figure is of one of these worlds and controllers."
+    parts = []
+    if beside.rankings[1]:
+        parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
+    if beside.never[1]:
+        parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
+    if beside.within[1]:
+        parts.append(f"{beside.within[0]} of {beside.within[1]} figures lie within the middle 95 % of our seeds")
+    if beside.largest is not None:
+        far = beside.largest
+        parts.append(
+            f"largest deviation without chance {far.relative:+.1%} "
+            f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
+        )
+    if not parts:
+        return "None of the published figures of these worlds and controllers can be compared."
+    return _wrapped("Against the published figures: " + "; ".join(parts) + ".")
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, _WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+def as_csv(comparison: Comparison) -> str:
+    """One line a world and controller, under :data:`CSV_COLUMNS`."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    for row in comparison.cells:
+        for cell in row:
+            writer.writerow(_csv_row(cell))
+    return stream.getvalue()
+
+
+def _csv_row(cell: Cell) -> list[object]:
+    scenario, interval = cell.scenario, cell.interval
+    verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
+    verdict = "never" if cell.never and cell.verdict not in NEVER else cell.verdict
+    return [
+        cell.world, scenario.label(scenario.motion, scenario.time_step), scenario.motion, repr(scenario.time_step),
+        cell.budget, len(cell.runs), scenario.seed if cell.random else "", cell.reached,
+        *((round(end, 6) for end in interval) if interval else ("", "")),
+        verdict, cell.detail, verdicts, f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
+        "never" if cell.never else "" if cell.time is None else repr(cell.time),
+        *("" if not cell.random or (time := cell.percentile(p)) is None else repr(time) for p in PERCENTILES),
+        "worldgen compare",
+    ]  # fmt: skip
+
+
+def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str, Any]:
+    """The comparison as plain data."""
+    figures = {} if beside is None else beside.figures
+    worlds = []
+    for index, cells in enumerate(comparison.cells):
+        best, worst = standing([cell.rank_time for cell in cells])
+        worlds.append(
+            {
+                "world": comparison.worlds[index].name,
+                "cells": [_json_cell(cell, figures.get((index, c), ())) for c, cell in enumerate(cells)],
+                "best": [comparison.labels[place] for place in best],
+                "worst": [comparison.labels[place] for place in worst],
+            }
+        )
+    return {
+        "controllers": list(comparison.labels),
+        "worlds": worlds,
+        "totals": [_json_total(total) for total in comparison.totals()],
+        "common_worlds": [comparison.worlds[index].name for index in comparison.common],
+        "agreement": None if beside is None else _json_agreement(beside),
+    }
+
+
+def _json_cell(cell: Cell, figures: Sequence[Figure]) -> dict[str, Any]:
+    scenario = cell.scenario
+    return {
+        "controller": cell.label,
+        "motion": scenario.motion,
+        "time_step": scenario.time_step,
+        "budget": cell.budget,
+        "random": cell.random,
+        "first_seed": scenario.seed,
+        "seeds": len(cell.runs),
+        "reached": cell.reached,
+        "interval": list(cell.interval) if cell.interval else None,
+        "verdict": cell.verdict,
+        "verdicts": cell.verdicts,
+        "evidence": {} if cell.evidence is None else evidence_table(cell.evidence),
+        "time": cell.time,
+        "steps": cell.steps,
+        "percentiles": {f"p{p}": cell.percentile(p) for p in PERCENTILES} if cell.random else None,
+        "published": [_json_figure(cell, figure) for figure in figures],
+    }
+
+
+def _json_figure(cell: Cell, figure: Figure) -> dict[str, Any]:
+    difference = None
+    if figure.time is not None and cell.time is not None and not cell.random:
+        difference = round(cell.time - figure.time, 9)
+    return {
+        "time": figure.time,
+        "verdict": figure.verdict,
+        "motion": figure.motion or None,
+        "source": figure.source,
+        "note": figure.note,
+        "difference": difference,
+        "share_no_later": cell.share_until(figure.time) if cell.random and figure.time is not None else None,
+    }
+
+
+def _json_total(total: Total) -> dict[str, Any]:
+    return {
+        "controller": total.label,
+        "random": total.random,
+        "runs": total.runs,
+        "reached": total.reached,
+        "interval": list(total.interval) if total.interval else None,
+        "failures": dict(total.failures),
+        "wins": total.wins,
+        "shared_wins": total.shared_wins,
+        "mean_time": total.mean_time,
+        "median_time": total.median_time,
+    }
+
+
+def _json_agreement(beside: Agreement) -> dict[str, Any]:
+    far = beside.largest
+    return {
+        "same_ranking": list(beside.rankings),
+        "never": list(beside.never),
+        "within_middle_95": list(beside.within),
+        "largest_deviation": None
+        if far is None
+        else {
+            "world": far.world,
+            "controller": far.label,
+            "ours": far.ours,
+            "published": far.theirs,
+            "relative": far.relative if math.isfinite(far.relative) else None,
+        },
+    }

@@ -1,0 +1,415 @@
+"""A controller that is a program of its own, in any language: one JSON line to it, one back, per step.
+
+``docs/controllers.md`` is the normative text of the protocol.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import re
+import shlex
+import weakref
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import Command, Memory, Observation
+from sim.controllers.programs.batch import Offer, batch_line, fill_commands, read_offer, reset_batch_line
+from sim.controllers.programs.program import Limits, Misbehaviour, Program, find_program, shown
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
+
+__all__ = [
+    "PROGRAM_OPTIONS",
+    "PROTOCOL_VERSION",
+    "ProcessController",
+    "is_process_name",
+    "observation_line",
+    "read_answer",
+    "read_command",
+]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+PROTOCOL_VERSION = 1
+PROGRAM_OPTIONS = ("deadline", "start", "memory")
+"""Options that only a program has."""
+
+
+_NAME = re.compile(r"cmd(?P<options>(?:\+[^:+]*)*):(?P<command>.*)", re.DOTALL)
+_SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
+_UNITS = {"": 1, "k": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
+_LEAST_MEMORY, _MOST_MEMORY = 1 << 20, 1 << 62
+_LONGEST_DEADLINE = 3600.0  # s
+_EXAMPLE = "cmd:./mine --flag or cmd+deadline=0.2+memory=512M:./mine"
+_KEYS = {"speed", "turn_rate", "used_random"}
+
+
+class ProcessController:
+    """A controller that is a program: it reads observations and writes commands, each a line of JSON.
+
+    One process serves many episodes, one after the other; it is started when it is first needed, and afresh
+    after each failure. It and all that it started end with :meth:`close`, with this object, and with this
+    process, however that ends. Two threads need two of these.
+
+    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never ``loop``; and so it
+    may as well see the clock.
+
+    Args:
+        command: Program and arguments; no shell is involved.
+        deadline: s for an answer, else the verdict is ``hang``.
+        start_deadline: s for the first answer of an episode, in which a program may start up.
+        memory_limit: Bytes of address space, or ``None`` for no limit; on Linux only.
+
+    Raises:
+        InvalidParameter: If a limit is out of range, or there is no such program.
+    """
+
+    senses = Observation._fields
+
+    def __init__(
+        self,
+        command: Sequence[str],
+        deadline: float = Limits.deadline,
+        start_deadline: float = Limits.start_deadline,
+        memory_limit: int | None = Limits.memory,
+    ) -> None:
+        if isinstance(command, str) or not command:
+            raise InvalidParameter(
+                "wrong-type",
+                "command={command!r} must be a list of words, such as {example}",
+                example='["./mine", "--flag"]',
+                command=command,
+            )
+        for name, seconds in (("deadline", deadline), ("start_deadline", start_deadline)):
+            if not 0.001 <= seconds <= _LONGEST_DEADLINE:
+                raise InvalidParameter(
+                    "out-of-range",
+                    "{name}={value} s is outside 0.001 to {most:g} s",
+                    name=name,
+                    value=seconds,
+                    most=_LONGEST_DEADLINE,
+                )
+        if memory_limit is not None and not _LEAST_MEMORY <= memory_limit <= _MOST_MEMORY:
+            raise InvalidParameter(
+                "out-of-range",
+                "memory_limit={memory_limit} is outside {least} to 2**62 bytes, or None",
+                memory_limit=memory_limit,
+                least=_LEAST_MEMORY,
+            )
+        self.command, self.limits = tuple(command), Limits(deadline, start_deadline, memory_limit)
+        find_program(self.command)
+        self._program: Program | None = None
+        self._owner = 0
+        self._stop: Callable[[], object] = _nothing
+        self._first = True  # the next observation is the first of its episode
+        self._served = False  # whether the program has answered before
+        self._batch_reset = b""  # the line with which a batch begins
+        self.offer: Offer | None = None  # to drive many robots at once, made by the program in its last first answer
+        self._transcript: BinaryIO | None = None
+
+    @classmethod
+    def of(cls, name: str) -> ProcessController:
+        """Reads ``cmd:PROGRAM ARGUMENTS``, with ``+deadline=``, ``+start=`` (s) or ``+memory=`` before the colon.
+
+        Raises:
+            InvalidParameter: If it is not so written, or there is no such program.
+        """
+        parts = _NAME.fullmatch(name)
+        if parts is None:
+            raise InvalidParameter(
+                "not-a-command", "controller {name!r} is no command", "write {example}", name=name, example=_EXAMPLE
+            )
+        settings: dict[str, Any] = {}
+        for option in parts["options"].split("+")[1:]:
+            key, _, value = option.partition("=")
+            if key in ("deadline", "start"):
+                settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(key, value)
+            elif key == "memory":
+                settings["memory_limit"] = _bytes(value)
+            else:
+                known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
+                raise InvalidParameter(
+                    "unknown-name",
+                    "controller {name!r}: no option {key!r}, but {known}",
+                    "write {example}",
+                    name=name,
+                    key=key,
+                    known=known,
+                    example=_EXAMPLE,
+                )
+        return cls(_words(name, parts["command"]), **settings)
+
+    def __repr__(self) -> str:
+        return f"ProcessController({list(self.command)!r})"
+
+    def __enter__(self) -> ProcessController:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the program; the next episode starts it afresh."""
+        self._stop()
+        self._program, self._stop = None, _nothing
+
+    def start(self) -> None:
+        """Sees to it that the program runs, and has nothing to say yet.
+
+        Raises:
+            InvalidParameter: If it cannot be started.
+        """
+        if self._program is None or self._owner != os.getpid() or not self._program.is_ready:
+            self._start()
+
+    @contextlib.contextmanager
+    def transcript(self, out: BinaryIO) -> Iterator[None]:
+        """Write each line that the program is sent to a file, until the end; only the last episode's lines stay.
+
+        Fed to the program's stdin, they repeat the episode: ``gdb ./mine``, then ``run < transcript.jsonl``.
+
+        Args:
+            out: A file that can be truncated.
+        """
+        self._transcript = out
+        try:
+            yield
+        finally:
+            self._transcript = None
+            out.flush()
+
+    def reset(self) -> Memory:
+        """Begins an episode; the program hears of it with the first observation."""
+        self._first = True
+        return ()
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        """Asks the program.
+
+        Raises:
+            Misbehaviour: If it crashes, hangs, or answers with no command.
+        """
+        try:
+            return self._command_after(observation), memory
+        except Misbehaviour as found:
+            if found.verdict == Verdict.CRASH and observation.bump:
+                found.evidence = replace(found.evidence, bump=True)
+            raise
+
+    def _command_after(self, observation: Observation) -> Command:
+        """Send an observation, at the start of an episode with the reset line, and return the answer."""
+        line = observation_line(observation)
+        if not self._first:
+            self._write_down(line)
+            return self._ask(line, self.limits.deadline)
+        self.start()
+        lines, self._first = _reset_line(observation) + line, False
+        if self._transcript is not None:
+            self._transcript.seek(0)
+            self._transcript.truncate()
+        self._write_down(lines)
+        served, self._served = self._served, True
+        try:
+            return self._ask(lines, self.limits.start_deadline, is_first=True)
+        except Misbehaviour as found:
+            if not served or found.verdict != Verdict.CRASH:
+                raise
+        self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
+        self._served = True
+        return self._ask(lines, self.limits.start_deadline, is_first=True)
+
+    def _write_down(self, lines: bytes) -> None:
+        if self._transcript is not None:
+            self._transcript.write(lines)
+
+    def _start(self) -> Program:
+        if self._owner == os.getpid():  # a forked process leaves its parent's program alone
+            self.close()
+        program = Program(self.command, self.limits.memory)
+        self._program, self._owner, self._served = program, os.getpid(), False
+        self._stop = weakref.finalize(self, _stop_own, program, self._owner)
+        return program
+
+    def _ask(self, lines: bytes, seconds: float, *, is_first: bool = False) -> Command:
+        program = self._program or self._start()
+        answer = program.ask(lines, seconds)
+        try:
+            if not is_first:
+                return read_command(answer)
+            command, self.offer = read_answer(answer)
+            return command
+        except Misbehaviour as found:
+            raise program.ended_by(found) from None
+
+    def begin_batch(self, robots: int) -> None:
+        """Begin to drive many robots at once; the program hears of it with the first observations.
+
+        Args:
+            robots: How many at most; they are numbered from 0.
+        """
+        self.start()
+        self._first, self._batch_reset = True, reset_batch_line(PROTOCOL_VERSION, robots)
+
+    def act_in_batch(self, offer: Offer, robots: Ints, fresh: Ints, seen: Floats, command: Floats) -> None:
+        """Ask the program for the commands of some robots of the batch.
+
+        Args:
+            offer: What the program offered.
+            robots: (n,) their numbers.
+            fresh: Those of them that begin an episode.
+            seen: (n, OBS_SIZE + beams) what the robots observe.
+            command: (n, CMD_SIZE), filled.
+
+        Raises:
+            Misbehaviour: If it crashes, hangs, or answers with no commands.
+        """
+        program = self._program or self._start()
+        lines, seconds = batch_line(offer, robots, fresh, seen), self.limits.deadline
+        if self._first:
+            lines, seconds = self._batch_reset + lines, self.limits.start_deadline
+            self._first, self._served = False, True
+        answer = program.ask(lines, seconds)
+        try:
+            fill_commands(answer, command)
+        except Misbehaviour as found:
+            raise program.ended_by(found) from None
+
+
+def is_process_name(name: str) -> bool:
+    """Whether a controller's name is a command."""
+    return name.startswith(("cmd:", "cmd+"))
+
+
+def observation_line(observation: Observation) -> bytes:
+    """The observation as a line of JSON; numbers read back to the same bits, one that is not finite is null."""
+    values = observation._asdict()
+    try:
+        return _encode(values).encode() + b"\n"
+    except ValueError:  # nan or infinity, which JSON has not
+        return _encode({name: _finite(value) for name, value in values.items()}).encode() + b"\n"
+
+
+_encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
+
+
+_decode = json.JSONDecoder().decode
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _reset_line(observation: Observation) -> bytes:
+    reset = {name: getattr(observation, name) for name in ("time_step", "top_speed", "radius")}
+    return _encode({"worldgen": PROTOCOL_VERSION, "reset": reset}).encode() + b"\n"
+
+
+def read_command(answer: bytes) -> Command:
+    """Read an answer.
+
+    Raises:
+        Misbehaviour: If it is no command.
+    """
+    return _command(_object(answer), answer)
+
+
+def read_answer(answer: bytes) -> tuple[Command, Offer | None]:
+    """Read the first answer of an episode, which may offer to drive many robots at once.
+
+    Raises:
+        Misbehaviour: If it is no command, or the offer is none.
+    """
+    found = _object(answer)
+    offer = read_offer(found.pop("batch"), answer) if "batch" in found else None
+    return _command(found, answer), offer
+
+
+def _object(answer: bytes) -> dict[str, Any]:
+    try:
+        found = _decode(answer.decode())
+    except (ValueError, RecursionError):
+        raise _no_command("not JSON", answer) from None
+    if not isinstance(found, dict):
+        raise _no_command("no object", answer)
+    return found
+
+
+def _command(found: dict[str, Any], answer: bytes) -> Command:
+    for key in ("speed", "turn_rate"):
+        if key not in found:
+            raise _no_command(f"no {key}", answer)
+    if len(found) > 2 and not found.keys() <= _KEYS:
+        unknown = sorted(found.keys() - _KEYS)[0]
+        raise _no_command(f"unknown key {shown(unknown.encode('utf-8', 'replace'))!r}", answer)
+    used_random = found.get("used_random", False)
+    if not isinstance(used_random, bool):
+        raise _no_command("used_random is neither true nor false", answer)
+    return Command(_number(found, "speed", answer), _number(found, "turn_rate", answer), used_random)
+
+
+def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
+    value = found[key]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _no_command(f"{key} is no number", answer)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise _no_command(f"{key} is not finite", answer)
+    return number
+
+
+def _no_command(error: str, answer: bytes) -> Misbehaviour:
+    return Misbehaviour(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
+
+
+def _words(name: str, command: str) -> list[str]:
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise InvalidParameter(
+            "invalid-quoting", "controller {name!r}: {reason}", "quote it as for a shell", name=name, reason=str(error)
+        ) from error
+    if not words:
+        raise InvalidParameter(
+            "no-program-named", "controller {name!r} names no program", "write {example}", name=name, example=_EXAMPLE
+        )
+    return words
+
+
+def _seconds(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InvalidParameter(
+            "not-a-number", "{key}={text!r} is no number", "write seconds, like 0.2", key=key, text=text
+        ) from None
+
+
+def _bytes(text: str) -> int | None:
+    parts = _SIZE.fullmatch(text)
+    if parts is None and text != "none":
+        raise InvalidParameter(
+            "not-a-size", "memory={text!r} is no size", "write it like 512M or 4G, or none for no limit", text=text
+        )
+    return int(parts["number"]) * _UNITS[parts["unit"]] if parts else None
+
+
+def _stop_own(program: Program, owner: int) -> None:
+    if owner == os.getpid():
+        program.stop()
+
+
+def _nothing() -> None:
+    """There is no program to end."""

@@ -1,0 +1,453 @@
+"""A running program that answers line by line: start, ask with a deadline, end it and all that it started."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import select
+import shlex
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim.controllers.programs.crash_report import report_of
+from sim.evidence import evidence_table, fault_evidence
+from sim.runners.controller_time import timed
+from sim.runners.stopping import unbreakable
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
+from worldgen.plugins.registry import ONLY_CODE
+from worldgen.world import Value
+
+__all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "WantsMemory", "find_program", "shown"]
+
+LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
+_CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
+_KEPT = 64 << 10  # bytes of stderr that are kept, the last ones: a sanitizer's report takes up to 10 KB
+_LAST_LINES, _LINE_WIDTH = 5, 200  # lines and characters of stderr that stand in the evidence
+_LOOK_AGAIN = 0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
+_TO_EXIT = 1.0  # s that a program may take to exit after it has closed its output
+_TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
+
+# Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's group goes too.
+_SHELL = "/bin/sh"
+_KEEPER = 'read -r line || kill -s KILL -- "-$1"'  # dash takes no group behind -KILL
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a program may take.
+
+    Args:
+        deadline: s for an answer.
+        start_deadline: s for the first answer after a reset, starting up included.
+        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; where the system can set none, there is none.
+    """
+
+    deadline: float = 1.0
+    start_deadline: float = 10.0
+    memory: int | None = 2 << 30
+
+
+class Misbehaviour(Exception):
+    """What a program did wrong.
+
+    Args:
+        verdict: One of :data:`sim.verdict.BY_THE_CONTROLLER`.
+        error: What it did, the same in every replay.
+        facts: What else is known, by names of :class:`FaultEvidence`.
+
+    Attributes:
+        evidence: All of it, without the step.
+    """
+
+    def __init__(self, verdict: Verdict, error: str, facts: Mapping[str, Value] | None = None) -> None:
+        super().__init__(f"{verdict}: {error}")
+        self.verdict = verdict
+        self.error = error
+        self.evidence = fault_evidence({**(facts or {}), "error": error})
+
+
+class WantsMemory(InvalidParameter):
+    """A program cannot even start within its limit of address space, so that no run says anything about it."""
+
+
+_SANITIZER_RESERVES = re.compile(
+    r"ReserveShadowMemoryRange failed|[Ss]hadow memory range interleaves|Sanitizer failed to (?:allocate|reserve|mmap)"
+    r"|Sanitizer: unexpected memory mapping|ERROR: Failed to mmap"
+)
+"""What sanitizers say, which reserve terabytes; how far they come depends on when the limit was set."""
+
+_RUNTIME_RESERVES = re.compile(
+    r"Failed to reserve (?:virtual )?memory|Could not reserve enough space|failed to reserve page summary memory"
+    r"|Error occurred during initialization of VM|Fatal process OOM in|cannot allocate memory in static TLS"
+)
+"""What Node, Java and Go say that reserve more than they use, when they start."""
+
+
+def find_program(command: tuple[str, ...]) -> str:
+    """The program's file.
+
+    Raises:
+        InvalidParameter: If there is none, it may not be executed, or the system is not POSIX.
+    """
+    if os.name != "posix":
+        raise InvalidParameter(
+            "needs-posix", "a program can be a controller on POSIX systems only", "bring it as a Python class"
+        )
+    found = shutil.which(command[0])
+    if found is not None:
+        return found
+    if "/" not in command[0] and os.access(command[0], os.X_OK):
+        raise InvalidParameter(
+            "program-not-on-path",
+            "controller program {program!r} is not on PATH, but here: write ./{program}",
+            program=command[0],
+        )
+    if os.path.isfile(command[0]):  # noqa: PTH113 - a text from outside, which Path may refuse
+        raise InvalidParameter(
+            "not-executable",
+            "controller program {program!r} is not executable",
+            "chmod +x {program}",
+            at_terminal=True,
+            program=command[0],
+        )
+    raise InvalidParameter(
+        "program-missing",
+        "there is no controller program {program!r}",
+        "give its path, such as ./mine, or a name that is on PATH",
+        program=command[0],
+    )
+
+
+class Program:
+    """A child process in a session of its own, with pipes for lines.
+
+    Args:
+        command: Program and arguments.
+        memory: As in :class:`Limits`.
+
+    Raises:
+        InvalidParameter: If it cannot be started.
+    """
+
+    def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
+        file = find_program(command)
+        self._command, self._memory, self._answers = command, memory, 0
+        self._sources = (Path.cwd(), Path(file).resolve().parent)
+        self._process = _started(command, file)
+        self.stopped, self._group_ended, self._ended = False, False, False  # the last: stdout is at its end
+        self._keeper: subprocess.Popen[bytes] | None = None
+        self._stdin, self._stdout, self._stderr = (
+            pipe.fileno() for pipe in (self._process.stdin, self._process.stdout, self._process.stderr) if pipe
+        )
+        for pipe in (self._stdin, self._stdout, self._stderr):
+            os.set_blocking(pipe, False)
+        self._poll = select.poll()
+        self._poll.register(self._stdout, select.POLLIN)
+        self._poll.register(self._stderr, select.POLLIN)
+        self._answer, self._said = bytearray(), bytearray()
+        try:
+            self._keeper = _keeper_of(self._process.pid)
+            self._limit_memory(memory)
+        except BaseException:
+            self.stop()
+            raise
+
+    def _limit_memory(self, memory: int | None) -> None:
+        import resource  # noqa: PLC0415 - POSIX only
+
+        if memory is None or not hasattr(resource, "prlimit"):  # as on macOS, which heeds no RLIMIT_AS anyway
+            return
+        try:
+            resource.prlimit(self._process.pid, resource.RLIMIT_AS, (memory, memory))
+        except ProcessLookupError:  # it has ended, as its first answer will show
+            return
+        except (OSError, ValueError) as error:
+            raise InvalidParameter(
+                "cannot-limit-memory",
+                "the memory limit of {memory} bytes cannot be set: {reason}",
+                "name another, or none",
+                memory=memory,
+                reason=str(error),
+            ) from error
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it runs, and has said nothing that it was not asked for."""
+        if self.stopped:
+            return False
+        self._hear(0)
+        return not (self._ended or self._answer or self._has_exited())
+
+    @unbreakable
+    def ask(self, line: bytes, seconds: float) -> bytes:
+        """Sends a line and waits for one.
+
+        Args:
+            line: With its newline.
+            seconds: Deadline of the answer.
+
+        Returns:
+            The answer without its newline.
+
+        Raises:
+            Misbehaviour: If there is none, or more than one. The program is ended then, as by whatever else is
+                raised here, for what it says next would be no answer to what it is asked next.
+        """
+        end = time.monotonic() + seconds
+        try:
+            self._hear(0)
+            if self._answer:
+                raise Misbehaviour(Verdict.INVALID_COMMAND, "more than one line", {"answer": shown(self._answer)})
+            answer = self._exchange(line, end, seconds)
+            self._answers += 1
+            return answer
+        except Misbehaviour as found:
+            raise self.ended_by(found) from None
+        except BaseException:
+            self.stop()
+            raise
+
+    @timed
+    def _exchange(self, line: bytes, end: float, seconds: float) -> bytes:
+        """Send a line and receive one; the wait is the program's own time."""
+        self._send(line, end, seconds)
+        return self._receive(end, seconds)
+
+    def ended_by(self, found: Misbehaviour) -> Misbehaviour:
+        """End it; return the finding with what it last said on stderr, and what a crash's report there says."""
+        said = self._last_words()
+        self.stop()
+        lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
+        told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
+        said_instead = str(found.evidence.answer or "")  # Java complains on stdout
+        if self._memory is not None and _wants_memory(said + said_instead, starting=self._answers == 0):
+            size = f"{self._memory / (1 << 30):.3g} GiB"
+            raise WantsMemory(
+                "address-space-too-small",
+                "controller program {program!r} reserves more than the {size} of address space that it may "
+                "have, and ended with: {said!r}",
+                "lift the limit: --controller 'cmd+memory=none:{command}'",
+                at_terminal=True,
+                program=self._command[0],
+                size=size,
+                said=str(_telling_line([said_instead, *lines])),
+                command=shlex.join(self._command),
+            )
+        report = report_of(said, self._sources) if found.verdict == Verdict.CRASH else {}
+        return Misbehaviour(found.verdict, found.error, evidence_table(found.evidence) | told | report)
+
+    def _send(self, line: bytes, end: float, seconds: float) -> None:
+        try:
+            sent = self._write(line)
+            if sent == len(line):
+                return
+            self._poll.register(self._stdin, select.POLLOUT)
+            while sent < len(line):
+                self._wait(end, seconds)
+                sent += self._write(line[sent:])
+        except BrokenPipeError:  # it reads no more; its end may still be heard
+            pass
+        with contextlib.suppress(KeyError):
+            self._poll.unregister(self._stdin)
+
+    def _write(self, data: bytes) -> int:
+        try:
+            return os.write(self._stdin, data)
+        except BlockingIOError:
+            return 0
+
+    def _receive(self, end: float, seconds: float) -> bytes:
+        answer = self._answer
+        while (newline := answer.find(b"\n")) < 0:
+            if len(answer) > LONGEST_LINE:
+                break
+            if self._ended:
+                raise self._ending()
+            self._wait(end, seconds)
+        if newline > LONGEST_LINE or newline < 0:
+            raise Misbehaviour(
+                Verdict.INVALID_COMMAND, f"a line of more than {LONGEST_LINE} bytes", {"answer": shown(answer)}
+            )
+        line = bytes(answer[:newline])
+        del answer[: newline + 1]
+        return line
+
+    def _wait(self, end: float, seconds: float) -> None:
+        """Hears what comes next; a look at the process itself where nothing does."""
+        left = end - time.monotonic()
+        if self._hear(min(max(left, 0.0), _LOOK_AGAIN)):
+            return  # even if it is late: perhaps it was us who had no time to look
+        if self._has_exited():
+            self._hear(0)
+            self._ended = True
+        elif left <= 0.0:
+            partly = {"unfinished": shown(self._answer)} if self._answer else {}
+            raise Misbehaviour(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
+
+    def _hear(self, seconds: float) -> bool:
+        """Reads what is there within that time, a chunk of each pipe; whether stdout, or its end, is heard."""
+        heard = False
+        for pipe, _ in self._poll.poll(seconds * 1000.0):
+            data = None if pipe == self._stdin else self._read(pipe)
+            if data is None:
+                continue
+            heard = heard or pipe == self._stdout
+            if not data:
+                self._poll.unregister(pipe)
+                self._ended = self._ended or pipe == self._stdout
+            elif pipe == self._stdout:
+                self._answer += data
+                del self._answer[LONGEST_LINE + _CHUNK :]
+            else:
+                self._said += data
+                del self._said[:-_KEPT]
+        return heard
+
+    def _read(self, pipe: int) -> bytes | None:
+        try:
+            return os.read(pipe, _CHUNK)
+        except BlockingIOError:
+            return None
+
+    def _has_exited(self) -> bool:
+        """Whether the process has ended; where the system allows, it keeps its number until :meth:`stop`."""
+        if self._process.returncode is not None:
+            return True
+        if not hasattr(os, "waitid"):
+            return self._process.poll() is not None
+        try:
+            return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is not None
+        except ChildProcessError:  # the system reaps children by itself, having been told to
+            return True
+
+    def _ending(self) -> Misbehaviour:
+        """How it ended, told by its exit code or signal."""
+        if not self._exits_within(_TO_EXIT):
+            return Misbehaviour(Verdict.CRASH, "closed its output")
+        self._end_group()
+        code = self._process.wait()
+        if code >= 0:
+            return Misbehaviour(Verdict.CRASH, f"exit code {code}")
+        try:
+            return Misbehaviour(Verdict.CRASH, f"killed by {signal.Signals(-code).name}")
+        except ValueError:  # a real-time signal
+            return Misbehaviour(Verdict.CRASH, f"killed by signal {-code}")
+
+    def _exits_within(self, seconds: float) -> bool:
+        end, pause = time.monotonic() + seconds, 0.0005
+        while not self._has_exited():
+            if time.monotonic() > end:
+                return False
+            self._hear(0)  # a full pipe must not keep it
+            time.sleep(pause)
+            pause = min(2 * pause, 0.02)
+        return True
+
+    def _last_words(self) -> str:
+        """Return the end of stderr as plain text."""
+        for _ in range(_KEPT):  # a grandchild may never fall silent
+            data = self._read(self._stderr)
+            if not data:
+                break
+            self._said += data
+            del self._said[:-_KEPT]
+        return _plain(self._said)
+
+    @unbreakable
+    def stop(self) -> None:
+        """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""
+        if self.stopped:
+            return
+        self.stopped = True
+        if not self._has_exited():
+            self._kill(signal.SIGTERM)
+            self._exits_within(_TO_TIDY_UP)
+        self._end_group()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            if pipe is not None:
+                pipe.close()
+        if self._keeper is not None:
+            self._keeper.communicate(b"done\n")
+
+    def _end_group(self) -> None:
+        """Ends whatever it started and left behind; before it is reaped, as after that its number may be another's."""
+        if not self._group_ended:
+            self._kill(signal.SIGKILL)
+        self._group_ended = True
+
+    def _kill(self, number: signal.Signals) -> None:
+        try:
+            os.killpg(self._process.pid, number)
+        except (ProcessLookupError, PermissionError):  # none is left; on macOS also: only the dead are left
+            return
+
+
+def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            command,
+            executable=file,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            bufsize=0,
+            start_new_session=True,
+            env={name: value for name, value in os.environ.items() if name != ONLY_CODE},  # its code is its own
+        )
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InvalidParameter(
+            "cannot-start",
+            "controller program {program!r} cannot be started: {reason}",
+            "is it a program for this machine, or a script that begins with #! and its interpreter?",
+            program=command[0],
+            reason=reason,
+        ) from error
+
+
+def _keeper_of(group: int) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            [_SHELL, "-c", _KEEPER, "worldgen-keeper", str(group)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise InvalidParameter(
+            "cannot-start",
+            "{program} cannot be started, which ends a controller's program if this process is killed: {reason}",
+            program=_SHELL,
+            reason=error.strerror,
+        ) from error
+
+
+def _wants_memory(said: str, *, starting: bool) -> bool:
+    return bool(_SANITIZER_RESERVES.search(said) or (starting and _RUNTIME_RESERVES.search(said)))
+
+
+def _telling_line(lines: list[Value]) -> Value:
+    """Return the line that says that memory was wanted, or the last one."""
+    return ([line for line in lines if _wants_memory(str(line), starting=True)] or lines)[-1]
+
+
+def _plain(data: bytes | bytearray) -> str:
+    """As text without control sequences, so that it may stand in a file and on a terminal."""
+    text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", bytes(data).decode("utf-8", "replace"))
+    return "".join(char if char.isprintable() or char == "\n" else " " for char in text)
+
+
+def shown(data: bytes | bytearray) -> str:
+    """The beginning of an answer, fit for the evidence."""
+    first = bytes(data[: 4 * _LINE_WIDTH]).partition(b"\n")[0]
+    text = _plain(first)
+    return text if len(text) <= _LINE_WIDTH else f"{text[:_LINE_WIDTH]}..."

@@ -1,0 +1,112 @@
+"""Controllers in shared libraries: ``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator.
+
+In a campaign whole runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a verdict and not the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
+from sim.controllers.core_act import CoreAct, ffi, lib
+from sim.controllers.shared.containment import is_contained
+from sim.controllers.shared.object_file import info_of
+from sim.options.robot import RobotOptions
+from worldgen.errors import InvalidParameter
+
+__all__ = ["SharedAct", "library_controller"]
+
+_MOST_MEMORY = 1 << 20  # numbers
+
+
+@dataclass(frozen=True)
+class SharedAct(CoreAct):
+    """The act of a controller in a shared library.
+
+    Args:
+        name: ``lib:./robot.so:act``.
+    """
+
+    @property
+    def address(self) -> int:
+        """Where the function is: a ``WgAct``."""
+        return int(ffi.cast("uintptr_t", info_of(self.name).act))
+
+    @property
+    def is_guarded(self) -> bool:
+        """Whether it is run in another process: in campaigns, where the system has such processes."""
+        return is_contained()
+
+
+def library_controller(name: str) -> CompiledController:
+    """Return the controller that a shared library offers.
+
+    Args:
+        name: ``lib:./robot.so:act``.
+
+    Raises:
+        InvalidParameter: If there is no such library or controller, or it was built for another interface.
+    """
+    info = info_of(name)
+    senses = _senses(name, int(info.senses))
+    beams = _within(name, "beams", int(info.beams), int(lib.WG_MOST_BEAMS))
+    if info.beam_range < 0.0 or info.beam_range != info.beam_range:
+        raise InvalidParameter(
+            "below-minimum",
+            "controller {name!r} has beam_range={beam_range:g} m",
+            "give 0 or more",
+            name=name,
+            beam_range=info.beam_range,
+        )
+    needs: dict[str, Any] = {"beams": beams} if beams else {}
+    if info.beam_range:
+        needs["beam_range"] = float(info.beam_range)
+    return CompiledController(
+        name,
+        SharedAct(name),
+        _memory(info, _within(name, "memory_size", int(info.memory_size), _MOST_MEMORY)),
+        start_speed=float(info.start_speed),
+        randomised="random" in senses,
+        senses=senses,
+        needs=RobotOptions(**needs),
+    )
+
+
+def _memory(info: Any, size: int) -> tuple[float, ...]:
+    """Return the memory at reset."""
+    memory = ffi.new("double[]", size)
+    if info.reset != ffi.NULL:
+        info.reset(memory)
+    return tuple(memory)
+
+
+def _within(name: str, field: str, value: int, most: int) -> int:
+    if not 0 <= value <= most:
+        raise InvalidParameter(
+            "out-of-range",
+            "controller {name!r} has {field}={value}, outside 0 to {most}",
+            "change it and build again",
+            name=name,
+            field=field,
+            value=value,
+            most=most,
+        )
+    return value
+
+
+def _senses(name: str, bits: int) -> tuple[str, ...]:
+    """Return the names of what a library's controller looks at."""
+    known = sum(bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading"))
+    known += sum(bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams"))
+    if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
+        raise InvalidParameter(
+            "unknown-senses",
+            "controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits",
+            "add up those of the header",
+            name=name,
+            bits=bits,
+        )
+    if bits == 0:
+        return DEFAULT_SENSES
+    return tuple(sense for sense in Observation._fields if not bits_of(sense) or bits & bits_of(sense))

@@ -1,0 +1,157 @@
+"""Reads what a shared library says about a controller in it: ``lib:./robot.so:act``.
+
+``worldgen_controller.h`` is the contract. A library is code that runs with all rights of the process that loads it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from pathlib import Path
+from typing import Any
+
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
+from worldgen.errors import InvalidParameter, Message
+
+__all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
+
+ffi: Any = _ffi
+lib: Any = _lib
+
+_PREFIX = "lib:"
+_OFFER = "_controller"  # what follows the name of the function that describes it
+_BUILD = 'cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" robot.c -o robot.so'
+
+
+def is_library_name(name: str) -> bool:
+    """Return whether a controller's name means one in a shared library."""
+    return name.startswith(_PREFIX)
+
+
+def library_file(name: str) -> Path:
+    """Return the library that a controller's name means."""
+    return Path(name.removeprefix(_PREFIX).rpartition(":")[0]).expanduser()
+
+
+def include_folder() -> Path:
+    """Return the folder of ``worldgen_controller.h``."""
+    return Path(__file__).parents[2] / "include"
+
+
+@functools.cache
+def info_of(name: str) -> Any:
+    """Return what a library says of its controller, checked for the version of the interface.
+
+    Raises:
+        InvalidParameter: If there is no such thing.
+    """
+    place, colon, function = name.removeprefix(_PREFIX).rpartition(":")
+    if not colon or not place or not function:
+        raise InvalidParameter(
+            "no-function-named", "controller {name!r} names no function", "write lib:./robot.so:act", name=name
+        )
+    loaded = _loaded(name, Path(place).expanduser())
+    try:
+        offer = getattr(loaded, function + _OFFER)
+    except AttributeError:
+        raise InvalidParameter.of(_missing(name, place, function, loaded)) from None
+    offer.restype = ctypes.c_void_p
+    offer.argtypes = ()
+    address = offer()
+    if not address:
+        raise InvalidParameter(
+            "offers-nothing",
+            "controller {name!r}: {function}{offer}() returned NULL",
+            "offer it with WG_CONTROLLER",
+            name=name,
+            function=function,
+            offer=_OFFER,
+        )
+    info = ffi.cast("const WgControllerInfo *", address)
+    if info.abi != lib.WG_CONTROLLER_ABI:
+        raise InvalidParameter(
+            "other-header-version",
+            "controller {name!r} was built for version {version} of worldgen_controller.h, "
+            "and this is version {wanted}",
+            "build it again: {build}",
+            name=name,
+            version=info.abi,
+            wanted=lib.WG_CONTROLLER_ABI,
+            build=_BUILD,
+        )
+    if info.size != ffi.sizeof("WgControllerInfo"):
+        raise InvalidParameter(
+            "other-header-version",
+            "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has {wanted}",
+            "build it again with this worldgen's header: {build}",
+            name=name,
+            size=info.size,
+            wanted=ffi.sizeof("WgControllerInfo"),
+            build=_BUILD,
+        )
+    if info.act == ffi.NULL:
+        raise InvalidParameter(
+            "no-act",
+            "controller {name!r} has no act",
+            "offer it with WG_CONTROLLER({function}, ...)",
+            name=name,
+            function=function,
+        )
+    return info
+
+
+def check_file(name: str) -> None:
+    """Refuse a name of a library that is not there, without loading what is.
+
+    Raises:
+        InvalidParameter: If it is not there.
+    """
+    file = library_file(name)
+    if not file.is_file():
+        raise InvalidParameter(
+            "no-such-file",
+            "controller {name!r}: there is no file {file}",
+            "build it: {build}",
+            name=name,
+            file=file,
+            build=_BUILD,
+        )
+
+
+def _loaded(name: str, file: Path) -> ctypes.CDLL:
+    """Return the library, which stays loaded until this process ends."""
+    check_file(name)
+    try:
+        return ctypes.CDLL(str(file.resolve()))
+    except OSError as error:
+        raise InvalidParameter(
+            "cannot-load",
+            "controller {name!r}: {file} cannot be loaded ({reason})",
+            "build a shared library: {build}",
+            name=name,
+            file=file,
+            reason=str(error),
+            build=_BUILD,
+        ) from None
+
+
+def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> Message:
+    """Return what to say where a library does not offer a controller."""
+    if hasattr(loaded, function):
+        return Message(
+            "offers-no-controller",
+            "controller {name!r}: {file} has a function {function}, but does not offer it as a controller",
+            "add WG_CONTROLLER({function}, .memory_size = ...) and build it again",
+            name=name,
+            file=place,
+            function=function,
+        )
+    return Message(
+        "offers-no-controller",
+        "controller {name!r}: {file} offers no controller {function}",
+        "name another, or add WG_CONTROLLER({function}, .memory_size = ...) and build it again",
+        name=name,
+        file=place,
+        function=function,
+    )

@@ -1,0 +1,335 @@
+"""How a run is done: everything beside world and controller that decides what happens."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS, Motion
+from sim.options.robot import RobotOptions
+from sim.thesis.options import ThesisOptions
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import exact
+from worldgen.world import Pose, Value, Witness, World
+
+__all__ = [
+    "BUDGET_FACTOR",
+    "DEFAULT_TIME_STEP",
+    "FEWEST_STEPS",
+    "MAX_RECORDED",
+    "MAX_STEPS",
+    "RunOptions",
+    "check_recordable",
+    "check_step_length",
+    "check_world",
+    "options_of",
+    "poses_of",
+    "seeds_of",
+    "step_budget",
+    "switch_class",
+    "switch_sets",
+    "whole",
+    "worlds_of",
+]
+
+DEFAULT_TIME_STEP = 0.015  # s: the thesis's
+MAX_STEPS = 100_000_000
+MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
+BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
+_ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
+_LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
+FEWEST_STEPS = 4_000  # of a budget, however short the witness
+_STEPS_WITHOUT_WITNESS = 20_000
+_MOST_SEEDS = 100_000_000
+_MAX_SEED = 2**64 - 1
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options of a run; a failure file stores them, so that it replays.
+
+    Args:
+        motion: Name of the motion model.
+        steps: Budget in steps.
+        time_step: Duration of a step, s, 0.001 to 10.
+        seed: Seed of the run's random numbers.
+        thesis: Switches of the motion model ``stepped``.
+        robot: Dynamics and sensors under the other motion models.
+
+    Raises:
+        InvalidParameter: If a value is out of range or of the wrong type.
+    """
+
+    motion: str = "swept"
+    steps: int = _STEPS_WITHOUT_WITNESS
+    time_step: float = DEFAULT_TIME_STEP
+    seed: int = 0
+    thesis: ThesisOptions = field(default_factory=ThesisOptions)
+    robot: RobotOptions = field(default_factory=RobotOptions)
+
+    def __post_init__(self) -> None:
+        step: object = self.time_step
+        if not _is_number(step):
+            raise InvalidParameter(
+                "not-a-number",
+                "time_step={time_step} is no number",
+                "give seconds, such as 0.015",
+                time_step=_shown(step),
+            )
+        if not 0.001 <= step <= 10.0:  # also true for nan
+            raise InvalidParameter(
+                "out-of-range",
+                "time_step={time_step!q} s is outside {low} to {high} s",
+                "give one between",
+                time_step=step,
+                low=0.001,
+                high=10,
+            )
+        for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
+            if not isinstance(getattr(self, name), kind):
+                wanted = "a motion model's name" if kind is str else kind.__name__
+                raise InvalidParameter(
+                    "wrong-type",
+                    "{name}={value} is not {wanted}",
+                    "give one",
+                    name=name,
+                    value=_shown(getattr(self, name)),
+                    wanted=wanted,
+                )
+        object.__setattr__(self, "time_step", float(step))
+        object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
+
+    def motion_model(self) -> Motion:
+        """The motion model, with the tolerance that these options leave it.
+
+        Raises:
+            InvalidParameter: If no motion model has that name.
+        """
+        motion = MOTIONS.get(self.motion)
+        return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
+
+    def parameters(self) -> dict[str, Value]:
+        """What a failure file stores beside motion and seed: the switches that are not at their default."""
+        return {"steps": self.steps, "time_step": self.time_step, **self.thesis.changed(), **self.robot.changed()}
+
+    @classmethod
+    def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
+        """Reads back what :meth:`parameters` stored.
+
+        Raises:
+            InvalidParameter: If a name is unknown or a value has the wrong type.
+        """
+        switches = dict(parameters)
+        own = {name: switches.pop(name) for name in ("steps", "time_step") if name in switches}
+        return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
+
+
+def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
+    """The set of options that goes with a motion model.
+
+    Raises:
+        InvalidParameter: If no motion model has that name.
+    """
+    return ThesisOptions if MOTIONS.get(motion).kernel == THESIS else RobotOptions
+
+
+def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
+    """Named options as the arguments ``thesis`` and ``robot`` of :class:`RunOptions`.
+
+    Raises:
+        InvalidParameter: If no motion model has that name, or it has no such option.
+    """
+    own = switch_class(motion)
+    other = RobotOptions if own is ThesisOptions else ThesisOptions
+    strange = [name for name in values if name not in own.names() and name in other.names()]
+    if strange:
+        where = "swept or endpoint" if own is ThesisOptions else "stepped"
+        raise InvalidParameter(
+            "option-without-effect",
+            "option {option!r} means nothing to motion {motion!r}",
+            "take --motion {where}, or leave it out",
+            at_terminal=True,
+            option=strange[0],
+            motion=motion,
+            where=where,
+        )
+    return {"thesis" if own is ThesisOptions else "robot": own.of(values)}
+
+
+def check_recordable(steps: int) -> None:
+    """Refuses to record a run that takes too much memory.
+
+    Raises:
+        InvalidParameter: If the run has more than ``MAX_RECORDED`` steps.
+    """
+    if steps > MAX_RECORDED:
+        raise InvalidParameter(
+            "run-too-long",
+            "this run takes {steps} steps, and at most {most} can be recorded to show or prove them",
+            "give a smaller --steps",
+            at_terminal=True,
+            steps=steps,
+            most=MAX_RECORDED,
+        )
+
+
+def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:
+    """Refuses a top speed that the simulator cannot represent at this time step.
+
+    Args:
+        world: Whose robot it is.
+        time_step: s.
+        shortest: Least length of a step at top speed, cells.
+
+    Raises:
+        InvalidParameter: If a step is longer than 1,000 cells, or shorter than ``shortest``.
+    """
+    cells = exact(world.robot_speed) * exact(time_step) / exact(world.cell_size)
+    moves = "robot_speed={robot_speed:g} m/s moves {cells:.3g} cells in a step of {time_step:g} s"
+    facts = {"robot_speed": world.robot_speed, "cells": float(cells), "time_step": time_step}
+    if cells > _LONGEST_STEP:
+        raise InvalidParameter(
+            "step-too-long",
+            f"{moves}, and at most {{most}} can be simulated",
+            "give a shorter --time-step",
+            at_terminal=True,
+            **facts,
+            most=_LONGEST_STEP,
+        )
+    if cells < shortest:
+        raise InvalidParameter(
+            "step-too-short",
+            f"{moves}, less than the smallest step of {{least}} cell",
+            "give a longer --time-step",
+            at_terminal=True,
+            **facts,
+            least=str(shortest),
+        )
+
+
+def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
+    """Steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without one."""
+    if not isinstance(world.certificate, Witness):
+        return _STEPS_WITHOUT_WITNESS
+    wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
+    return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
+
+
+def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
+    """Options from single settings: those of a run, and those of its motion model.
+
+    Raises:
+        InvalidParameter: If a name or a value is unknown or out of range.
+    """
+    own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
+    rest = {name: value for name, value in settings.items() if name not in own}
+    options = RunOptions(**own)  # type: ignore[arg-type]
+    budget = options.steps if "steps" in own else step_budget(world, options.time_step)
+    return replace(options, steps=budget, **(switch_sets(options.motion, rest) if rest else {}))
+
+
+def check_world(world: object) -> World:
+    """The world; anything else is refused.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if isinstance(world, World):
+        return world
+    way = "read it: worldgen.read_world({path!r})" if isinstance(world, str | Path) else "give a World"
+    raise InvalidParameter("wrong-type", "{world} is no world", way, world=_shown(world), path=str(world))
+
+
+def worlds_of(worlds: object) -> list[World]:
+    """One world or many as a list.
+
+    Raises:
+        InvalidParameter: If one of them is none.
+    """
+    found = list(worlds) if isinstance(worlds, Iterable) and not isinstance(worlds, str) else [worlds]
+    return [check_world(world) for world in found]
+
+
+def poses_of(starts: object) -> tuple[Pose, ...]:
+    """Starts as a tuple.
+
+    Raises:
+        InvalidParameter: If they are no list of poses of finite numbers.
+    """
+    if not isinstance(starts, Iterable):
+        raise InvalidParameter(
+            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=_shown(starts)
+        )
+    poses = tuple(starts)
+    for pose in poses:
+        numbers = (pose.x, pose.y, pose.heading) if isinstance(pose, Pose) else ()
+        if not numbers or not all(_is_number(number) and math.isfinite(number) for number in numbers):
+            raise InvalidParameter(
+                "not-a-pose",
+                "start {pose} is no pose of finite numbers",
+                "give one such as Pose(0.35, 0.35, 0.0)",
+                pose=_shown(pose),
+            )
+    return poses
+
+
+def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+    """Seeds from a list of them, or those from 0 from their number.
+
+    Raises:
+        InvalidParameter: If a seed, or their number, is no whole number or out of range.
+    """
+    if isinstance(seeds, Iterable) and not isinstance(seeds, str):
+        return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
+    return np.arange(whole("seeds", seeds, 0, _MOST_SEEDS), dtype=np.uint64)
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number, Python's or NumPy's, from low to high.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if not isinstance(value, int | np.integer) or isinstance(value, bool):
+        raise InvalidParameter(
+            "not-a-whole-number",
+            "{name}={value} is no whole number",
+            "give one from {low} to {high}",
+            name=name,
+            value=_shown(value),
+            low=low,
+            high=high,
+        )
+    if not low <= value <= high:
+        raise InvalidParameter(
+            "out-of-range",
+            "{name}={value!q} is outside {low} to {high}",
+            "give one between",
+            name=name,
+            value=value,
+            low=low,
+            high=high,
+        )
+    return int(value)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def _shown(value: object) -> str:
+    """The value as it came, short."""
+    try:
+        return str(value) if isinstance(value, np.number) else reprlib.repr(value)
+    except ValueError:  # Python shows no number of more than 4,300 digits
+        return "<too many digits to show>"

@@ -1,0 +1,81 @@
+"""Options that cannot change a run, because its controller reads nothing that they change."""
+
+from __future__ import annotations
+
+from sim.controllers import CONTROLLERS
+from sim.controllers.base import CompiledController
+from sim.controllers.thesis import RANDOM
+from sim.options.run import switch_class
+from sim.scenario import Scenario
+from sim.thesis.options import ThesisOptions
+
+__all__ = ["coarse_forces", "random_run", "unused_options"]
+
+_SIGNAL = ("signal", "signal_heading")
+_SENSOR = ("sensor_cells", "sensor_range", "sensor_field", "sensor_noise", "signal", "smoke", "smoke_reach")
+_BEAMS = ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout")
+# What a controller must read for an option to matter: any of these fields of its observation.
+_READ_BY = {
+    **dict.fromkeys(_SENSOR, _SIGNAL),
+    **dict.fromkeys(_BEAMS, ("beams",)),
+    "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
+    "coin": ("random",),
+}
+# An option that only shapes another one, which is off.
+_SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {"smoke_reach": "smoke"}
+
+
+def unused_options(scenario: Scenario) -> list[str]:
+    """Return a sentence for each option that is set and cannot change any run of the scenario.
+
+    A controller that does not declare what it senses is taken to read everything but the clock.
+
+    Raises:
+        InvalidParameter: If no controller or motion model is called so.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    if switch_class(scenario.motion) is ThesisOptions:
+        return _unused_in_the_thesis(controller, scenario)
+    senses = getattr(controller, "senses", None)
+    changed = scenario.robot.changed()
+    sentences = []
+    for name in changed:
+        needed = _READ_BY.get(name, ())
+        shaped = _SHAPES.get(name)
+        if shaped is not None and not getattr(scenario.robot, shaped):
+            sentences.append(f"+{name} has no effect without +{shaped}")
+        elif senses is not None and needed and not set(needed) & set(senses):
+            sentences.append(f"+{name} has no effect: {scenario.controller} does not read {' or '.join(needed)}")
+    return sentences
+
+
+def coarse_forces(scenario: Scenario) -> list[str]:
+    """Return a sentence about forces under a motion model that rounds every move to whole pixels; else nothing."""
+    if switch_class(scenario.motion) is not ThesisOptions:
+        return []
+    forces = [name for name in scenario.thesis.changed() if name in ThesisOptions.GROUPS["Forces"]]
+    if not forces:
+        return []
+    options = ", ".join(f"+{name}" for name in forces)
+    return [
+        f"{options}: {scenario.motion} moves by whole pixels (a tenth of a cell) and drops the rest of each tick's "
+        "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m and ticks of 15 ms, "
+        "one below 0.67 m/s"
+    ]
+
+
+def random_run(scenario: Scenario) -> bool:
+    """Return True if a seed can change a run of the scenario; of a Python class or a program that cannot be known."""
+    controller = CONTROLLERS.get(scenario.controller)
+    return not isinstance(controller, CompiledController) or controller.randomised or scenario.random
+
+
+def _unused_in_the_thesis(controller: object, scenario: Scenario) -> list[str]:
+    changed = scenario.thesis.changed()
+    random = isinstance(controller, CompiledController) and controller.thesis_rule == RANDOM
+    sentences = []
+    if "draws" in changed and not random:
+        sentences.append(f"+draws has no effect: {scenario.controller} draws no random numbers")
+    if "turn_angle" in changed and random:
+        sentences.append(f"+turn_angle has no effect: {scenario.controller} draws its angles")
+    return sentences

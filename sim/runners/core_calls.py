@@ -1,0 +1,360 @@
+"""What the C core takes, made of arrays: surroundings, controllers and episodes. No maths of its own."""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import Act, CompiledController
+from sim.controllers.core_act import CoreAct
+from sim.controllers.flat_act import flat_address
+from sim.controllers.shared import guarded
+from sim.controllers.shared.guarded import PRIVATE, ControllerDied, Memory, before_start, call
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = [
+    "REPORT",
+    "Arena",
+    "BeamTables",
+    "Driver",
+    "Episode",
+    "Workspace",
+    "beam_tables",
+    "copy_of",
+    "grid_of",
+    "headings",
+    "memory_for",
+    "near_masks",
+    "ray_table",
+]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.uint8]
+Table = npt.NDArray[np.int32]
+
+SENSES = 17  # numbers of an observation before its beams
+STATE_WORDS = 5  # of a state before the controller's memory
+EVENT_FIELDS = 5
+_MOST_CELLS_OF_RUNS = 65535
+MOST_CORNERS = int(lib.WG_MOST_CORNERS)
+_FIRST_PORTION = 1 << 12  # steps
+_PORTION_TIME = 0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
+
+
+def _report_type() -> np.dtype[Any]:
+    """Return WgReport as a type of NumPy, so that many of them are columns."""
+    kinds = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
+    names, formats, offsets = [], [], []
+    for name, field in ffi.typeof("WgReport").fields:
+        if field.type.cname in kinds:
+            names.append(name)
+            formats.append(kinds[field.type.cname])
+            offsets.append(field.offset)
+    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof("WgReport")})
+
+
+REPORT = _report_type()
+"""One WgReport."""
+
+
+@functools.cache
+def headings() -> Ints:
+    """Return (131072,) cosines and sines of all headings, 2^-30."""
+    table = np.zeros(2 * int(lib.WG_TURN), np.int64)
+    lib.wg_heading_table(writable(ffi, table, np.int64))
+    return table
+
+
+def near_masks(cells: Cells) -> Table:
+    """Return (height, width) masks of the cells around each cell that are not free."""
+    near = np.zeros(cells.shape, np.int32)
+    lib.wg_near_masks(grid_of(cells), writable(ffi, near, np.int32))
+    return near
+
+
+@functools.cache
+def ray_table() -> Any:
+    """Return the directions of range beams, WgRay[8193]."""
+    table = ffi.new("WgRay[]", int(lib.WG_TURN) // 8 + 1)
+    lib.wg_ray_table(pointer(ffi, headings(), np.int64), table)
+    return table
+
+
+before_start.append(ray_table)  # and, for it, headings: both are made once, and are no part of the shared memory
+
+
+class BeamTables(NamedTuple):
+    """What range beams look up in cells that never change.
+
+    Args:
+        runs: (height + 2, width + 2, 4) uint16, wg_free_runs.
+        spread: (beams,) wg_beam_spread.
+    """
+
+    runs: npt.NDArray[np.uint16]
+    spread: Ints
+
+
+def beam_tables(cells: Cells, settings: Any) -> BeamTables | None:
+    """Return the tables for beams as a WgSettings says; None if it asks for none, or the grid is too large."""
+    height, width = cells.shape
+    if not settings.senses & lib.WG_SENSE_BEAMS or max(height, width) > _MOST_CELLS_OF_RUNS:
+        return None
+    runs = np.zeros((height + 2, width + 2, 4), np.uint16)
+    check(lib.wg_free_runs(grid_of(cells), writable(ffi, runs, np.uint16)))
+    spread = np.zeros(settings.beams, np.int64)
+    lib.wg_beam_spread(settings.beams, settings.beam_field, writable(ffi, spread, np.int64))
+    return BeamTables(runs, spread)
+
+
+def grid_of(cells: Cells) -> Any:
+    """Return the WgGrid of cells, which must outlive it."""
+    return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
+
+
+def memory_for(controller: object) -> Memory:
+    """Return where everything must be that the core works on while it runs a controller."""
+    is_guarded = isinstance(controller, CompiledController) and _guarded_address(controller) != 0
+    return guarded.SHARED if is_guarded else PRIVATE
+
+
+def _guarded_address(controller: CompiledController) -> int:
+    """Return the address of a controller's function if it is run in another process, else 0."""
+    act = controller.act
+    return act.address if isinstance(act, CoreAct) and act.is_guarded else 0
+
+
+def copy_of(settings: Any, memory: Memory = PRIVATE) -> Any:
+    """Return a copy of a WgSettings."""
+    return memory.new("WgSettings *", settings[0])
+
+
+class Arena:
+    """What surrounds a robot; ``cells``, ``near`` and ``visited`` change during an episode.
+
+    Args:
+        cells: (height, width) uint8, cell states now.
+        near: (height, width) int32, :func:`near_masks` of ``cells``.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
+            the masks reach as far as any step.
+        events: (n, 5) int64, WgEvent, sorted by step and time.
+        visited: (height, width) uint8, cells that the centre has been in.
+        beams: What makes range beams three times as fast in cells that never change.
+        memory: Where the core is to find all this; the arrays are copied there.
+    """
+
+    def __init__(
+        self,
+        cells: Cells,
+        near: Table,
+        clearance: Table,
+        events: Ints,
+        visited: Cells,
+        beams: BeamTables | None = None,
+        memory: Memory = PRIVATE,
+    ) -> None:
+        self.cells = cells = memory.own(cells)
+        self.near = near = memory.own(near)
+        self.clearance = clearance = memory.own(clearance)
+        self.events = events = memory.own(events)
+        self.headings = headings()
+        self.visited = visited = memory.own(visited)
+        self.memory = memory
+        self.c: Any = memory.new("WgArena *")
+        self.c.height, self.c.width = cells.shape
+        self.c.cells = writable(ffi, cells, np.uint8)
+        self.c.near = writable(ffi, near, np.int32)
+        if clearance.size:
+            self.c.clearance = writable(ffi, clearance, np.int32)
+        self.c.events = ffi.cast("WgEvent *", pointer(ffi, events, np.int64))
+        self.c.event_count = len(events)
+        self.c.headings = pointer(ffi, self.headings, np.int64)
+        self.c.visited = writable(ffi, visited, np.uint8)
+        if beams is not None:
+            beams = BeamTables(memory.own(beams.runs), memory.own(beams.spread))
+            # Kept here too: of two threads that first ask for the table at once, one gets a table of its own.
+            self._rays = ray_table()
+            self.c.rays = self._rays
+            self.c.spread = pointer(ffi, beams.spread, np.int64)
+            self.c.runs = pointer(ffi, beams.runs, np.uint16)
+        self.beams = beams
+
+
+class Driver:
+    """A controller as the core calls it.
+
+    Args:
+        controller: What drives; None for one that acts outside the core.
+        memory: Its memory at reset.
+
+    Attributes:
+        guarded: Address of the controller's function if it is run in another process, else 0.
+    """
+
+    def __init__(self, controller: CompiledController | None, memory: Sequence[float]) -> None:
+        room = memory_for(controller)
+        self.guarded = 0 if controller is None else _guarded_address(controller)
+        self._memory = room.own(np.array(memory, np.float64))
+        self.c: Any = room.new("WgController *")
+        self.c.memory_size = len(self._memory)
+        if len(self._memory):
+            self.c.memory = pointer(ffi, self._memory, np.float64)
+        if controller is not None:
+            self._set_function(controller.act)
+
+    def _set_function(self, act: Act | CoreAct) -> None:
+        if isinstance(act, CoreAct):
+            self.c.act = ffi.cast("WgAct", act.address)
+        else:
+            self.c.flat = ffi.cast("WgFlatAct", flat_address(act))
+
+
+class Workspace:
+    """What passes between an episode and a controller outside the core, over the core's memory.
+
+    Args:
+        episode: Whose.
+
+    Attributes:
+        observation: (17 + beams,) what the controller senses.
+        memory: Its memory.
+        command: (3,) speed, turn rate, and whether the random number was used.
+    """
+
+    def __init__(self, episode: Episode) -> None:
+        c = episode.c
+        size = int(c.controller.memory_size)
+        numbers = SENSES + int(c.workspace.observation.beam_count)
+        self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
+        self.memory = np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
+        self.command = np.frombuffer(_buffer(episode, ffi.addressof(c.workspace, "command"), 3))
+
+
+def _buffer(owner: object, address: Any, count: int) -> Any:
+    """Return so many float64s in the memory of an owner, which lives as long as the buffer and what is made of it.
+
+    A controller of the user's may keep a view of what it was given.
+    """
+    held = ffi.gc(address, lambda _, owner=owner: None)
+    return ffi.buffer(held, 8 * count)
+
+
+class Episode:
+    """An episode of the core, at its start.
+
+    Args:
+        arena: As it is before the first event.
+        settings: WgSettings.
+        driver: What drives.
+        log_steps: Steps of the longest run in which a recurrence is searched; 0 if none is.
+
+    Attributes:
+        words: Of the complete state.
+        guarded: Address of the controller's function if it is run in another process, else 0. Then all that a call
+            takes must be in :data:`sim.controllers.shared.guarded.SHARED`, the settings too.
+
+    Raises:
+        MemoryError: If there is not enough memory.
+    """
+
+    def __init__(self, arena: Arena, settings: Any, driver: Driver, log_steps: int | None = None) -> None:
+        if log_steps is None:
+            log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
+        self._blocks: tuple[Any, ...] = ()
+        self.c: Any = None
+        if driver.guarded:
+            self._place(arena, settings, driver, log_steps)
+        else:
+            made = ffi.new("WgEpisode **")
+            check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))
+            self.c = ffi.gc(made[0], lib.wg_episode_free)
+        self.words = int(self.c.search.words)
+        self._held = (arena, settings, driver)
+        self.guarded = driver.guarded
+        self._error: Any = None
+        self._recording: tuple[Ints, Ints] | None = None
+        self.begin()
+
+    def _place(self, arena: Arena, settings: Any, driver: Driver, log_steps: int) -> None:
+        """Make the episode where the process that runs it finds it."""
+        sizes = ffi.new("int64_t[2]")
+        check(lib.wg_episode_sizes(arena.c, settings, driver.c, log_steps, sizes))
+        block = guarded.SHARED.block(sizes[0], clear=True)
+        log = guarded.SHARED.block(sizes[1], clear=False) if sizes[1] else ffi.NULL
+        self.c = lib.wg_episode_place(block, log, arena.c, settings, driver.c, log_steps)
+        self._blocks = (block, log)
+
+    def begin(self) -> None:
+        """Put the robot back to its start; the arena must be as it was before the first event."""
+        check(lib.wg_episode_begin(self.c))
+
+    @property
+    def report(self) -> Any:
+        """WgReport."""
+        return self.c.robot.report
+
+    @property
+    def state(self) -> Any:
+        """WgState."""
+        return self.c.robot.body.state
+
+    @property
+    def entry(self) -> int:
+        """The first step of a loop with which the run has ended; -1 if it has ended otherwise."""
+        return int(lib.wg_episode_entry(self.c))
+
+    def state_words(self) -> Ints:
+        """Return (words,) the complete state."""
+        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
+
+    def known_words(self) -> npt.NDArray[np.uint64]:
+        """Return (words,) the state at the entry of a loop that was proved."""
+        return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
+
+    def record(self, rows: Ints, path: Ints) -> None:
+        """Write the next steps into arrays.
+
+        Args:
+            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the state.
+            path: (points, 4) int64, WgPathPoint.
+        """
+        self._recording = (rows, path)
+        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
+        check(lib.wg_episode_record(self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)))
+
+    def run(self, steps: int) -> bool:
+        """Run at most so many steps; return whether the episode goes on."""
+        if not self.guarded:
+            return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
+        work = ffi.addressof(lib, "wg_call_run")
+        report = ffi.addressof(self.report)
+        try:
+            answer = call(work, self.guarded, (self.c,), steps, report=report)
+        except ControllerDied as death:
+            self._fail(death.error)
+            return False
+        if answer.error:
+            self._fail(answer.error)
+        return bool(answer.result == lib.WG_GOES_ON)
+
+    def _fail(self, error: str) -> None:
+        """End as a crash of the controller, for this reason."""
+        self._error = ffi.new("char[]", error.encode())
+        lib.wg_episode_fail(self.c, self._error)
+
+    def run_to_the_end(self) -> None:
+        """Run in portions, between which Ctrl-C is heard."""
+        portion = _FIRST_PORTION
+        began = time.monotonic()
+        while self.run(portion):
+            now = time.monotonic()
+            if now - began < _PORTION_TIME:
+                portion *= 2
+            began = now

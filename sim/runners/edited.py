@@ -1,0 +1,211 @@
+"""Runs of edited copies of a world, without a world or a run of its own for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController
+from sim.controllers.shared.guarded import ControllerDied, call
+from sim.options.run import RunOptions
+from sim.runners.core_calls import Arena, Driver, Episode, copy_of, grid_of
+from sim.runners.lattice import LatticeRun
+from sim.runners.packing import disc_numbers, target_sq
+from worldgen.lattice import metres_to_lattice
+from worldgen.support.ccall import check, pointer, writable
+from worldgen.world import World
+
+__all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_way"]
+
+ANY_ENDING = int(lib.WG_ANY_ENDING)
+"""How a run ends that neither went through a wall, nor burned, nor failed."""
+
+_STEPS_AT_ONCE = 200_000  # then Ctrl-C is heard: 0.02 to 2 s
+_IX, _IY = 2, 3  # columns of an event
+
+Ints = npt.NDArray[np.int64]
+
+
+class EditKind(IntEnum):
+    """What an edit does to the grid.
+
+    Args:
+        FREE_BOX: What is solid in a box of cells becomes free: ix, iy, width, height.
+        FREE_RUN: So many of the solid cells, in order of rows: first, count.
+        FREE_RIM: The outermost cells.
+        DROP_ROWS: Rows go: first, count; what is above moves down.
+        DROP_COLUMNS: Columns go: first, count; what is right of them moves left.
+    """
+
+    FREE_BOX = lib.WG_FREE_BOX
+    FREE_RUN = lib.WG_FREE_RUN
+    FREE_RIM = lib.WG_FREE_RIM
+    DROP_ROWS = lib.WG_DROP_ROWS
+    DROP_COLUMNS = lib.WG_DROP_COLUMNS
+
+
+class CellEdit(NamedTuple):
+    """A simpler grid: an :class:`EditKind` and its numbers."""
+
+    kind: int
+    a: int = 0
+    b: int = 0
+    c: int = 0
+    d: int = 0
+
+    @property
+    def frees(self) -> bool:
+        """Whether it only frees cells, so that whatever way there is remains."""
+        return self.kind < EditKind.DROP_ROWS
+
+    def shape(self, height: int, width: int) -> tuple[int, int]:
+        """Of the grid after the edit."""
+        return (
+            height - (self.b if self.kind == EditKind.DROP_ROWS else 0),
+            width - (self.b if self.kind == EditKind.DROP_COLUMNS else 0),
+        )
+
+
+class Wanted(NamedTuple):
+    """How an edited world's run is to end.
+
+    Args:
+        ending: ``WG_LIMIT`` and the like of the core; :data:`ANY_ENDING` for one of ``WG_LIMIT``, ``WG_REACHED`` and
+            ``WG_LOOP``.
+        overlap: Whether with an overlap; ``None`` if that does not matter.
+        crash: Whether the controller is to crash instead.
+        hang: Whether a step of the controller is not to come back instead.
+    """
+
+    ending: int
+    overlap: bool | None = None
+    crash: bool = False
+    hang: bool = False
+
+
+class EditedRuns:
+    """One world, compiled controller and set of options; edits of the world's cells are tried in compiled code.
+
+    Raises:
+        InvalidWorld: If the start is not clear of walls.
+    """
+
+    def __init__(self, world: World, controller: CompiledController, options: RunOptions) -> None:
+        self._run = run = LatticeRun(world, controller, options)
+        run.settings.steps = options.steps
+        run.settings.digest = 0
+        run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+        run.settings.start_x = metres_to_lattice(world.start.x, world.cell_size)
+        run.settings.start_y = metres_to_lattice(world.start.y, world.cell_size)
+        self._controller, self._world = controller, world
+        self.trials = 0
+
+    def first(self, edits: Sequence[CellEdit], wanted: Wanted, *, way: bool) -> tuple[int | None, int]:
+        """Tries edits in their order, for a while.
+
+        Args:
+            edits: Not empty.
+            wanted: How the run is to end.
+            way: Whether, where rows or columns go, the target is surely to be reached.
+
+        Returns:
+            Index of the first edit whose run ends so, ``None`` if there is none yet, and the number of edits done with.
+        """
+        shape = edits[0].shape(*self._world.walls.shape)
+        alike = 1
+        if min(shape) < 1:
+            return None, 1
+        changing = self._world.is_dynamic and not edits[0].frees  # then each has events of its own
+        while not changing and alike < len(edits) and edits[alike].shape(*self._world.walls.shape) == shape:
+            alike += 1
+        found, done = self._try(edits[:alike], shape, wanted, way=way)
+        return (done - 1 if found else None), done
+
+    def _try(self, edits: Sequence[CellEdit], shape: tuple[int, int], wanted: Wanted, *, way: bool) -> tuple[bool, int]:
+        run, controller = self._run, self._controller
+        fresh = run.arena()
+        events = run.events if edits[0].frees else _moved_events(run.events, edits[0])
+        clearance = np.zeros(shape if len(fresh.clearance) else (0, 0), np.int32)
+        cells = np.zeros(shape, np.uint8)
+        near = np.zeros(shape, np.int32)
+        visited = np.zeros(shape, np.uint8)
+        work = Arena(cells, near, clearance, events, visited, memory=run.memory)
+        settings = copy_of(run.settings, run.memory)
+        episode = Episode(work, settings, Driver(controller, controller.memory))
+
+        fails = wanted.crash or wanted.hang
+        wanted_struct = run.memory.new("WgWanted *")
+        wanted_struct.ending = lib.WG_CRASH if fails else wanted.ending
+        wanted_struct.overlap = -1 if wanted.overlap is None or fails else int(wanted.overlap)
+        wanted_struct.by_way = way
+        wanted_struct.steps = _STEPS_AT_ONCE
+        tried = run.memory.new("WgTried *")
+        todo = run.memory.own(np.array(edits, np.int64))
+        rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
+        grid = grid_of(fresh.cells)
+        if episode.guarded:
+            seen = run.memory.new("WgGrid *", grid)
+            objects = (episode.c, settings, run.settings, seen, rows, wanted_struct, tried)
+            _try_guarded(episode, objects, len(todo), wanted)
+            self.trials += int(tried.runs)
+            return bool(tried.found), int(tried.next)
+        count = len(todo)
+        while count > tried.next or tried.running:
+            check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried))
+            count = tried.next  # a run that is not over is run on, in portions between which Ctrl-C is heard
+        self.trials += int(tried.runs)
+        return bool(tried.found), int(tried.next)
+
+
+def _try_guarded(episode: Episode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
+    """Try edits in another process. Where it ends, that is how the run of the last edit has ended."""
+    tried = objects[-1]
+    work = ffi.addressof(lib, "wg_call_first_edit")
+    report = ffi.addressof(episode.report)
+    try:
+        while count > tried.next or tried.running:
+            check(call(work, episode.guarded, objects, count, report=report, progress=(tried,)).result)
+            count = tried.next
+    except ControllerDied as death:
+        tried.running = 0
+        tried.found = wanted.hang if death.is_hang else wanted.crash
+
+
+def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
+    """Whether a quick look shows that the target can be reached, without touching what is ever not free.
+
+    ``False`` shows nothing. The robot's place is taken on the lattice, so it may be wrong by half a lattice unit.
+
+    Args:
+        world: The world.
+        regardless_of_time: Whether to keep away only from what is solid for ever: then ``True`` shows nothing either
+            of a world that changes, but without such a way there is hardly another.
+    """
+    side, line = world.cell_size, world.timeline
+    cells = np.array(world.walls, np.uint8, order="C")
+    if regardless_of_time:
+        cells[line.iy[line.states == 0], line.ix[line.states == 0]] = 0
+    else:
+        cells[line.iy[line.states > 0], line.ix[line.states > 0]] = lib.WG_SOLID
+    points = (world.start.x, world.start.y, world.target.x, world.target.y)
+    sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
+    disc = ffi.new("WgDisc *", disc_numbers(world))[0]
+    way = ffi.new("WgSegment *", (sx, sy, tx, ty))[0]
+    nodes = (2 * world.height + 1) * (2 * world.width + 1)
+    seen = writable(ffi, np.zeros(nodes, np.uint8), np.uint8)
+    stack = writable(ffi, np.zeros(nodes, np.int64), np.int64)
+    return bool(lib.wg_surely_reaches(grid_of(cells), disc, way, target_sq(world), seen, stack))
+
+
+def _moved_events(events: Ints, edit: CellEdit) -> Ints:
+    """Events after rows or columns are dropped."""
+    column = _IY if edit.kind == EditKind.DROP_ROWS else _IX
+    place = events[:, column]
+    kept = events[(place < edit.a) | (place >= edit.a + edit.b)].copy()
+    kept[kept[:, column] >= edit.a + edit.b, column] -= edit.b
+    return kept

@@ -1,0 +1,528 @@
+"""Packs a world for the core's episodes, runs them, and reads the results. No maths of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
+from sim.controllers.core_act import CoreAct, misbehaviour_of
+from sim.controllers.crash_frames import crash_facts
+from sim.controllers.flat_act import compiled_act
+from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.shared.guarded import ControllerDied, call
+from sim.motion import MOTIONS
+from sim.options.robot import SIGNALS
+from sim.options.run import MAX_RECORDED, RunOptions, check_recordable, check_step_length
+from sim.outcome import ENDINGS, Outcome
+from sim.runners.core_calls import (
+    EVENT_FIELDS,
+    REPORT,
+    SENSES,
+    STATE_WORDS,
+    Arena,
+    Driver,
+    Episode,
+    Workspace,
+    beam_tables,
+    copy_of,
+    grid_of,
+    memory_for,
+    near_masks,
+)
+from sim.runners.long_runs import MOST_HELD, portions
+from sim.runners.packing import disc_numbers, event_time, start_overlaps, target_sq
+from sim.runners.python_loop import PythonLoop
+from sim.trace import Trace, Words
+from sim.verdict import Verdict
+from worldgen.lattice import (
+    TURN,
+    UNIT,
+    exact,
+    heading_to_lattice,
+    lattice_to_metres,
+    metres_to_lattice,
+)
+from worldgen.support.ccall import check, pointer, writable
+from worldgen.timeline import CellState
+from worldgen.world import Pose, World
+
+__all__ = ["LatticeRun"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Reports = npt.NDArray[Any]
+
+_STEP_TIME = 1 << 32  # parts of a step in which times are counted
+_MANY = 64  # runs in one call of the core
+
+# A recorded row: whether a wall was touched, then the state; and a point of the path.
+_BUMP = 0
+_STATE = 1
+_HEADING = 2  # in a state, after x and y
+_POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
+_POINT_FIELDS = 4
+
+
+class LatticeRun:
+    """One world, controller and set of options, ready to run any number of times.
+
+    Args:
+        world: Where.
+        controller: Who.
+        options: How.
+        lean: Whether the recording of a compiled controller leaves its memory out if that would take much.
+
+    Raises:
+        InvalidWorld: If the start is not clear of walls.
+        InvalidParameter: If the controller does not compile.
+    """
+
+    def __init__(self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False) -> None:
+        robot = robot_for(controller, options.robot)
+        self.world, self.controller, self.options = world, controller, replace(options, robot=robot)
+        self._lean = lean
+        self.memory = memory_for(controller)
+        check_step_length(world, options.time_step, Fraction(1, UNIT))
+        motion = MOTIONS.get(options.motion)
+        self._cells = np.array(world.walls, np.uint8, order="C")
+        self.events = _event_rows(world, options.time_step)
+        self.settings: Any = self.memory.new("WgSettings *")
+        self._fill_settings(motion.code, motion.overlap_tolerance)
+        self._near = near_masks(self._cells)
+        self._clearance = self._clearance_table()
+        self._beams = None if len(self.events) else beam_tables(self._cells, self.settings)
+
+    def _fill_settings(self, motion_code: int, tolerance: float) -> None:
+        world, settings = self.world, self.settings
+        step = self.options.time_step
+        settings.clear_sq, settings.reach = disc_numbers(world)
+        settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
+        settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
+        settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
+        settings.target_radius_sq = target_sq(world)
+        settings.motion = motion_code
+        settings.seed = self.options.seed
+
+        # Between the lattice and SI units.
+        settings.metres = float(exact(world.cell_size) / UNIT)
+        settings.speed = float(exact(step) / exact(world.cell_size) * UNIT)
+        settings.turn = step * (TURN / (2.0 * math.pi))
+        settings.radians = 2.0 * math.pi / TURN
+        settings.time_step = step
+        settings.top_speed = world.robot_speed
+        settings.radius = world.robot_radius
+        settings.tolerance = tolerance * UNIT
+        if isinstance(self.controller, CompiledController):
+            settings.start_speed = min(self.controller.start_speed, world.robot_speed)
+        self._fill_dynamics()
+        self._fill_sensors()
+
+    def _fill_dynamics(self) -> None:
+        """An option that is off becomes a limit that nothing reaches."""
+        settings, robot = self.settings, self.options.robot
+        gain = self.options.time_step * settings.speed * lib.WG_SPEED_UNIT
+        settings.turn_limit = robot.turn_limit or math.inf
+        settings.gain = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
+        settings.loss = max(1.0, robot.friction * gain) if robot.friction else math.inf
+        settings.wall_friction = robot.wall_friction
+        settings.slip = robot.slip
+        settings.odometry_noise = robot.odometry_noise
+        settings.lattice = UNIT // robot.lattice if robot.lattice else 1
+
+    def _fill_sensors(self) -> None:
+        settings, robot = self.settings, self.options.robot
+        unit = settings.metres
+        settings.senses = senses_of(self.controller) & ~(0 if robot.beams else lib.WG_SENSE_BEAMS)
+        settings.sensor_cells = robot.sensor_cells
+        settings.signal = SIGNALS.index(robot.signal)
+        settings.plain_sensor = int(robot.plain_sensor)
+        settings.sensor_range = robot.sensor_range / unit if robot.sensor_range else math.inf
+        settings.sensor_field = _units(robot.sensor_field or 2 * math.pi) / 2
+        settings.sensor_noise = robot.sensor_noise
+        settings.smoke = robot.smoke
+        settings.smoke_reach = robot.smoke_reach
+        settings.beams = robot.beams
+        settings.beam_range = robot.beam_range / unit
+        settings.beam_field = _units(robot.beam_field or 2 * math.pi)
+        settings.beam_noise = robot.beam_noise
+        settings.beam_dropout = robot.beam_dropout
+        settings.coin = robot.coin
+
+    def _clearance_table(self) -> npt.NDArray[np.int32]:
+        """Distances to cells that are ever not free; of no rows where the masks reach as far as the fastest step."""
+        fastest = int(self.settings.top_speed * self.settings.speed) + 1
+        if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
+            return np.zeros((0, 0), np.int32)
+        ever, line = self._cells.copy(), self.world.timeline
+        np.maximum.at(ever, (line.iy, line.ix), line.states)  # a cell may change more than once
+        table = np.zeros(ever.shape, np.int32)
+        lib.wg_chessboard_clearance(grid_of(ever), writable(ffi, table, np.int32))
+        return table
+
+    def start_of(self, pose: Pose) -> tuple[int, int, int]:
+        """A start on the lattice: heading, and the clear point nearest to the place, among the nine next to it.
+
+        Raises:
+            InvalidWorld: If none of them is clear of walls.
+        """
+        side, settings = self.world.cell_size, self.settings
+        x, y = metres_to_lattice(pose.x, side), metres_to_lattice(pose.y, side)
+        grid = grid_of(self._cells)
+        disc = ffi.new("WgDisc *", (settings.clear_sq, settings.reach))[0]
+        near = sorted(((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)), key=lambda d: (d[0] ** 2 + d[1] ** 2, d))
+        for dx, dy in near:
+            if lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x + dx, y + dy):
+                return x + dx, y + dy, heading_to_lattice(pose.heading)
+        raise start_overlaps(replace(self.world, start=pose))
+
+    @property
+    def last_event_step(self) -> int:
+        """Step in which the world changes for the last time; 0 if it never does."""
+        return int(self.events[-1, 0]) if len(self.events) else 0
+
+    def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
+        """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
+        self.settings.steps, self.settings.digest = steps, int(digest)
+        self.settings.find_loop = lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
+        if isinstance(self.controller, CompiledController):
+            return self._run_compiled(self.controller, record)[0]
+        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
+        loop.run(steps, record=record)
+        return self._outcome(loop.episode, loop.recording(), loop.complete, loop.fault)
+
+    def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
+        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
+
+        A controller that is not compiled may be in a state that we do not see: it must repeat a second period too.
+        """
+        if not isinstance(self.controller, CompiledController):
+            return self._prove_by_recording(entry, period, record)
+        settings = self.settings
+        settings.steps, settings.digest = entry + period, 1
+        settings.find_loop, settings.loop_entry = lib.WG_PROVE_LOOP, entry
+        outcome, episode = self._run_compiled(self.controller, record)
+        return (outcome, episode.known_words()) if outcome.ending == Verdict.LOOP else None
+
+    def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
+        if record:
+            check_recordable(entry + 2 * period)
+        elif entry + 2 * period > MAX_RECORDED:
+            return None  # too long to be proved; nobody asked for a recording, so the budget decides
+        whole = self.run(entry + 2 * period, find_loop=False, record=True)
+        if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
+            return None
+        states = whole.trace.states
+        if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
+            return None
+        outcome = self.run(entry + period, find_loop=False, record=record)
+        return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
+
+    @property
+    def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """What runs in lockstep must have in common: the shapes of the grid and of the table of distances."""
+        return self._cells.shape, self._clearance.shape
+
+    @property
+    def bytes_per_robot(self) -> int:
+        """What a robot takes of a fleet's memory: where it has been, and a world that changes as it goes."""
+        own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
+        return int(own + self._cells.size)
+
+    @property
+    def can_loop(self) -> bool:
+        """Whether a state can come back: not if the controller reads the clock, or noise that is new in each step.
+
+        What a controller does not declare among its ``senses`` it does not get, so noise there decides nothing.
+        """
+        robot = self.options.robot
+        noisy = lib.WG_SENSE_TIME
+        if robot.odometry_noise > 0.0:
+            noisy |= lib.WG_SENSE_ODOMETRY
+        if robot.sensor_noise > 0.0:
+            noisy |= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING
+        if robot.beam_noise > 0.0 or robot.beam_dropout > 0.0:
+            noisy |= lib.WG_SENSE_BEAMS
+        return robot.slip == 0.0 and not self.settings.senses & noisy
+
+    def run_many(
+        self,
+        controller: CompiledController,
+        starts: Ints,
+        seeds: npt.NDArray[np.uint64],
+        *,
+        digest: bool,
+        stop: Ints | None = None,
+    ) -> Reports:
+        """Runs many episodes in few calls of the core; several threads may do so at once.
+
+        Args:
+            controller: The controller of this run.
+            starts: (n, 3) :meth:`start_of`.
+            seeds: (n,).
+            digest: Whether to work out the traces' digests.
+            stop: (1,) once it is not 0, no run counts and this soon returns.
+
+        Returns:
+            (n,) reports, :data:`sim.runners.core_calls.REPORT`; fewer if the controller failed in
+            one, which is the last.
+        """
+        settings = copy_of(self.settings, self.memory)
+        settings.steps, settings.digest = self.options.steps, int(digest)
+        settings.find_loop = lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP
+        fresh = self.arena()
+        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        reports = np.zeros(len(seeds), REPORT)
+        stop = np.zeros(1, np.int64) if stop is None else stop
+        if episode.guarded:
+            return self._run_many_guarded(episode, settings, fresh, starts, seeds, stop)
+        stop_at = pointer(ffi, stop, np.int64)
+        for first in range(0, len(seeds), _MANY):
+            part = slice(first, first + _MANY)
+            into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
+            own = np.ascontiguousarray(starts[part])
+            numbers = np.ascontiguousarray(seeds[part])
+            places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
+            check(
+                lib.wg_run_many(
+                    episode.c, settings, fresh.c, places, pointer(ffi, numbers, np.uint64), len(numbers), stop_at, into
+                )
+            )
+            if (reports["ending"][part] == lib.WG_CRASH).any():
+                return reports[: first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1]
+        return reports
+
+    def _run_many_guarded(
+        self, episode: Episode, settings: Any, fresh: Arena, starts: Ints, seeds: npt.NDArray[np.uint64], stop: Ints
+    ) -> Reports:
+        """The same in another process, a run at a time, so that it soon hears that it is to stop."""
+        memory = self.memory
+        reports = memory.zeros(len(seeds), REPORT)
+        own_starts = memory.own(starts)
+        own_seeds = memory.own(seeds)
+        goes_on = memory.zeros(1, np.int64)
+        for n in range(len(seeds)):
+            if stop[0]:
+                break
+            one = slice(n, n + 1)
+            objects = (
+                episode.c,
+                settings,
+                fresh.c,
+                pointer(ffi, own_starts[one], np.int64),
+                pointer(ffi, own_seeds[one], np.uint64),
+                pointer(ffi, goes_on, np.int64),
+                ffi.from_buffer(reports[one], require_writable=True),
+            )
+            report = ffi.addressof(episode.report)
+            try:
+                check(call(ffi.addressof(lib, "wg_call_run_many"), episode.guarded, objects, 1, report=report).result)
+            except ControllerDied:
+                reports["ending"][n] = lib.WG_CRASH
+            if reports["ending"][n] == lib.WG_CRASH:
+                return reports[: n + 1].copy()
+        return reports.copy()
+
+    def sensed_of_walls(self, states: Ints) -> Floats:
+        """What the controller senses, of all that walls decide besides contact, before the first event.
+
+        Args:
+            states: (n, 3) x, y and heading, lattice units.
+
+        Returns:
+            (n, 17 + beams) observations in which the signal and the beams count, if it looks at them.
+        """
+        settings = copy_of(self.settings)
+        settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
+        seen = np.zeros((len(states), SENSES + self.options.robot.beams))
+        poses = np.ascontiguousarray(states)
+        arena = self.arena()
+        starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))
+        check(lib.wg_sensed_of_walls(arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)))
+        return seen
+
+    def arena(self) -> Arena:
+        """The world before the first event."""
+        visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
+        height, width = visited.shape
+        row = min(int(self.settings.start_y) // UNIT, height - 1)
+        visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
+        near = self._near.copy() if len(self.events) else self._near
+        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._beams, self.memory)
+
+    def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Episode]:
+        episode = self._episode(controller)
+        episode.run_to_the_end()
+        fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
+        if not record:
+            return self._outcome(episode, None, fault=fault), episode
+        done = int(episode.report.steps)
+        points = int(episode.report.points)
+        if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
+            outcome = self._outcome(episode, None, fault=fault)
+            return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
+        rows = self.memory.zeros((done + 1, _STATE + episode.words), np.int64)
+        path = self.memory.zeros((points, _POINT_FIELDS), np.int64)
+        episode = self._episode(controller)
+        rows[0, _STATE:] = episode.state_words()
+        episode.record(rows[1:], path)
+        episode.run_to_the_end()
+        return self._outcome(episode, (rows, path), fault=fault), episode
+
+    def _episode(self, controller: CompiledController) -> Episode:
+        return Episode(self.arena(), self.settings, Driver(controller, controller.memory))
+
+    def _fault(self, controller: CompiledController, failed: Episode) -> Misbehaviour:
+        """What went wrong in the last step of an episode.
+
+        What a function of numba raised is found by asking it once more, in Python.
+        """
+        if isinstance(controller.act, CoreAct):
+            return misbehaviour_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
+        settings = copy_of(self.settings)
+        settings.find_loop = lib.WG_NO_LOOP
+        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        episode.run(int(failed.report.steps) - 1)
+        episode.c.controller.act = ffi.NULL  # from here on the episode stops where the controller is to act
+        episode.c.controller.flat = ffi.NULL
+        lib.wg_episode_step(episode.c)
+        room = Workspace(episode)
+        act = compiled_act(controller.act)
+        try:
+            act(room.observation, room.memory, room.command)
+        except Exception as error:  # noqa: BLE001 - a controller may raise anything
+            facts = crash_facts(error, controller) or {"message": str(error)}
+            return Misbehaviour(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
+        return Misbehaviour(Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace"))
+
+    def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
+        """The recording without the memory, which it can recall."""
+        settings = copy_of(self.settings, self.memory)
+        size = len(controller.memory)
+        settings.find_loop = lib.WG_NO_LOOP
+        rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)
+        path, filled = np.zeros((points, _POINT_FIELDS), np.int64), 0
+        for portion in portions(controller, self.arena(), settings, steps):
+            steps, new = portion.first + len(portion.rows) - 1, len(portion.path)
+            rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
+            path[filled : filled + new] = portion.path
+            filled += new
+
+        def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
+            for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
+                memories = states[:, _STATE + STATE_WORDS :].view(np.float64)
+                begin, end = np.searchsorted(at, (first, first + len(states)))
+                for step in at[begin:end].tolist():
+                    take(step, memories[step - first])
+
+        return replace(self._trace(rows[: steps + 1], path[:filled], True, lean=True), recall=recall, recalled=size)
+
+    def _outcome(
+        self,
+        episode: Episode | None,
+        recording: tuple[Ints, Ints] | None,
+        complete: bool = True,
+        fault: Misbehaviour | None = None,
+    ) -> Outcome:
+        report: Any = episode.report if episode else ffi.new("WgReport *")
+        return Outcome(
+            ending=fault.verdict if fault else ENDINGS[int(report.ending)],
+            steps=int(report.steps),
+            period=int(report.period),
+            entry=episode.entry if episode else -1,
+            path_length=float(report.path_length) * float(self.settings.metres),
+            collisions=int(report.collisions),
+            digest=f"{int(report.digest):016x}",
+            last_new_cell=int(report.last_new_cell),
+            hit_step=int(report.hit_step),
+            hit_cell=(int(report.hit_ix), int(report.hit_iy)),
+            hit_state=CellState(int(report.hit_state)).word,
+            overlap_step=int(report.overlap_step),
+            overlap_cell=(int(report.overlap_ix), int(report.overlap_iy)),
+            random_draws=int(episode.state.draws) if episode else 0,
+            complete=complete,
+            fault=fault.evidence if fault else None,
+            trace=None if recording is None else self._trace(*recording, complete),
+        )
+
+    def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
+        """The recorded rows in metres and radians."""
+        states, side = rows[:, _STATE:], self.world.cell_size
+        turned = states[:, _HEADING]
+        way = _with_stands(rows, path)
+        return Trace(
+            time_step=self.options.time_step,
+            x=_metres(states[:, 0], side),
+            y=_metres(states[:, 1], side),
+            heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.settings.radians),
+            bump=rows[:, _BUMP] != 0,
+            path_x=_metres(way[:, _POINT_X], side),
+            path_y=_metres(way[:, _POINT_Y], side),
+            path_step=way[:, _POINT_STEP].copy(),
+            path_share=way[:, _POINT_TIME] / _STEP_TIME,
+            words=np.zeros(0, np.uint64) if lean else _words(rows, path),
+            states=np.ascontiguousarray(states).view(np.uint64),
+            complete=complete and not lean,
+            memory_at=-1 if lean else STATE_WORDS,
+        )
+
+
+def _with_stands(rows: Ints, path: Ints) -> Ints:
+    """The path from the start on, with a point at the end of each step in which the robot came to stand."""
+    last = np.zeros(len(rows), np.int64)
+    np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
+    last[0] = -1  # the start
+    stands = np.flatnonzero(last < _STEP_TIME)
+    ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
+    ends[:, _POINT_STEP], ends[:, _POINT_TIME] = stands, np.where(stands > 0, _STEP_TIME, 0)
+    ends[:, _POINT_X] = rows[stands, _STATE]
+    ends[:, _POINT_Y] = rows[stands, _STATE + 1]
+    whole = np.concatenate([path, ends])
+    return whole[np.lexsort((whole[:, _POINT_TIME], whole[:, _POINT_STEP]))]
+
+
+def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
+    """What the digest runs over: of each step the contact, the points of its path, and the state after it."""
+    steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])
+    kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
+    order = np.lexsort((np.arange(len(steps)), kinds, steps))
+    width = np.array([1, 3, rows.shape[1] - 1])[kinds]
+    starts = np.zeros(len(steps) + 1, np.int64)
+    starts[1:] = np.cumsum(width[order])
+    places = np.empty(len(steps), np.int64)
+    places[order] = starts[:-1]
+    words = np.empty(starts[-1], np.int64)
+    words[places[kinds == 0]] = rows[1:, _BUMP]
+    for k, column in enumerate((_POINT_X, _POINT_Y, _POINT_TIME)):
+        words[places[kinds == 1] + k] = path[:, column]
+    for k in range(rows.shape[1] - 1):
+        words[places[kinds == 2] + k] = rows[1:, _STATE + k]
+    return words.view(np.uint64)
+
+
+def _units(radians: float) -> float:
+    """An angle in heading units; a whole turn exactly."""
+    return TURN * (radians / (2 * math.pi))
+
+
+def _metres(units: Ints, cell_size: float) -> Floats:
+    """Lattice units as metres, correctly rounded, so that short decimals stay short."""
+    ratio = exact(cell_size) / UNIT
+    if int(np.abs(units).max(initial=0)) * ratio.numerator < 2**53 and ratio.denominator < 2**53:
+        return (units * ratio.numerator) / float(ratio.denominator)  # one rounding: both are exact
+    return np.array([lattice_to_metres(unit, cell_size) for unit in units.tolist()])
+
+
+def _event_rows(world: World, time_step: float) -> Ints:
+    """Events as the core takes them, sorted by time."""
+    rows = [
+        (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state)) for event in world.timeline
+    ]
+    return np.array(rows, np.int64).reshape(-1, EVENT_FIELDS)

@@ -1,0 +1,69 @@
+"""A compiled controller's run, portion by portion: never more of it is held than a portion's states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import lib
+from sim.controllers.base import CompiledController
+from sim.runners.core_calls import MOST_CORNERS, Arena, Driver, Episode, copy_of
+
+__all__ = ["MOST_HELD", "Portion", "portions"]
+
+MOST_HELD = 1 << 26  # bytes of states: a run with less is recorded with all of them
+
+_MOST_ROWS = 1 << 16  # of a portion
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+
+class Portion(NamedTuple):
+    """Some steps of a run, one after the other; the arrays are overwritten by the next portion.
+
+    Args:
+        first: Number of the first of these steps; the start is step 0.
+        rows: (n, 1 + words) int64: whether a wall was touched, then the state.
+        path: (m, 4) int64, WgPathPoint.
+    """
+
+    first: int
+    rows: Ints
+    path: Ints
+
+
+def portions(controller: CompiledController, arena: Arena, settings: Any, steps: int) -> Iterator[Portion]:
+    """The run from its start to a step that it is known to reach.
+
+    Args:
+        controller: What drives.
+        arena: The world before the first event; changed.
+        settings: WgSettings, without a search for a recurrence.
+        steps: How many.
+    """
+    memory = arena.memory
+    settings = copy_of(settings, memory)
+    settings.digest = 0
+    settings.steps = steps
+    episode = Episode(arena, settings, Driver(controller, controller.memory))
+    width = 1 + episode.words
+    most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
+    rows = memory.zeros((min(most, steps) + 1, width), np.int64)
+    path = memory.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
+    rows[0, 1:] = episode.state_words()
+    yield Portion(0, rows[:1], path[:0])
+    while not episode.c.over:
+        done = int(episode.report.steps)
+        points = int(episode.report.points)
+        episode.record(rows[: min(most, steps - done)], path)
+        episode.run(most)
+        count = int(episode.report.steps) - done
+        points = int(episode.report.points) - points
+        if episode.report.ending == lib.WG_CRASH:
+            count -= 1  # the run ended there the first time too
+            points -= int(episode.c.robot.corners)
+        yield Portion(done + 1, rows[:count], path[:points])

@@ -1,0 +1,261 @@
+"""The episode loop for a Python controller or a program: the core stops in each step, and the controller acts."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import pickle
+import random
+import re
+import sys
+import types
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import Memory, PythonController, VectorController, wants_world
+from sim.controllers.contract import flat_memory
+from sim.controllers.crash_frames import crash_facts
+from sim.controllers.programs.process import ProcessController
+from sim.controllers.programs.program import Misbehaviour, WantsMemory
+from sim.controllers.vector import Asker
+from sim.runners.controller_time import timed
+from sim.runners.core_calls import MOST_CORNERS, Arena, Driver, Episode, Workspace
+from sim.runners.python_act import Stops, act_in_core
+from sim.runners.stopping import OutOfTime, breakable, in_time
+from sim.verdict import Verdict
+from worldgen.plugins.user_modules import neighbours_of
+from worldgen.support.progress import working
+from worldgen.world import World
+
+__all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_start", "plans"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_LONGEST_ERROR = 500  # characters of what a controller raised that are kept
+
+
+class PythonLoop:
+    """One episode; read ``episode``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
+
+    Args:
+        controller: What runs.
+        arena: Surroundings at the start.
+        settings: WgSettings, as for a compiled controller.
+        world: What a controller that plans first is told.
+    """
+
+    def __init__(
+        self, controller: PythonController | VectorController, arena: Arena, settings: Any, world: World
+    ) -> None:
+        self._world = world
+        self._controller, self._arena, self._settings = controller, arena, settings
+        self.episode: Episode | None = None
+        self.complete = True
+        self.fault: Misbehaviour | None = None
+        self._rows, self._path = np.zeros((0, 1), np.int64), np.zeros((0, 1), np.int64)
+
+    def run(self, steps: int, *, record: bool) -> None:
+        """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
+
+        What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen: its run is not
+        complete, and no recurrence ends it.
+        """
+        if isinstance(self._controller, ProcessController):
+            self.complete = False
+            self._controller.start()  # outside the guard: a program that is not there is nobody's crash
+            self._settings.find_loop = lib.WG_NO_LOOP
+            self._guarded(steps, record)
+            return
+        hidden = hidden_state(self._controller)
+        with contextlib.redirect_stdout(sys.stderr):
+            self._guarded(steps, record)
+        self.complete = hidden is not None and hidden_state(self._controller) == hidden
+
+    def recording(self) -> tuple[Ints, Ints] | None:
+        """The states as rows, and the points of the path, as the core writes them.
+
+        ``None`` of a run that was not recorded, or whose controller failed in ``reset``.
+        """
+        if self.episode is None or not len(self._rows):
+            return None
+        report = self.episode.report
+        done = int(report.steps) - (self.fault is not None)
+        written = self._path[: int(report.points)]
+        return self._rows[: max(done, 0) + 1], written[written[:, 0] > 0]
+
+    def _guarded(self, steps: int, record: bool) -> None:
+        try:
+            world = self._world if plans(self._controller) else None
+            self._episode(memory_at_start(self._controller, world), steps, record)
+        except Misbehaviour as fault:
+            self.fault = fault
+        except (KeyboardInterrupt, OutOfTime, WantsMemory):
+            raise
+        except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+            self.fault = crash_of(error, self._controller)
+
+    def _episode(self, memory: Memory, steps: int, record: bool) -> None:
+        """Lets the core stop in each step, and the controller act."""
+        self._settings.steps = steps
+        self.episode = episode = Episode(self._arena, self._settings, Driver(None, memory))
+        if record:
+            self._rows = np.zeros((steps + 1, 1 + episode.words), np.int64)
+            self._path = np.zeros((MOST_CORNERS * (steps + len(self._arena.events)), 4), np.int64)
+            self._rows[0, 1:] = episode.state_words()
+            episode.record(self._rows[1:], self._path)
+        with working("running the controller", often=True) as work:
+            work.say(lambda: f"step {episode.report.steps:,} of at most {steps:,}")
+            driver_of(self._controller)(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
+
+
+def crash_of(error: BaseException, controller: object) -> Misbehaviour:
+    """Return the finding that a controller raised, with where it did."""
+    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
+    text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
+    return Misbehaviour(Verdict.CRASH, text, crash_facts(error, controller))
+
+
+def plans(controller: PythonController | VectorController) -> bool:
+    """Return True if a controller's ``reset`` wants the world."""
+    return not isinstance(controller, VectorController) and wants_world(controller)
+
+
+@breakable
+def memory_at_start(controller: PythonController | VectorController, world: World | None) -> Memory:
+    """Reset a controller and return its memory as floats.
+
+    Args:
+        controller: The controller.
+        world: The world of the episode, for a controller that plans; it gets it without its proof.
+
+    Raises:
+        TypeError: If the memory is not a tuple of numbers.
+    """
+    resetting: Any = controller
+    if world is None:
+        return flat_memory(timed(resetting.reset)())
+    return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
+
+
+def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:
+    """Return what lets a controller act wherever a run stops.
+
+    It takes the run and the controller's memory; it returns the memory after the last step.
+    """
+    if isinstance(controller, VectorController):
+        return functools.partial(_act_as_one_of_many, controller)
+    is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
+    return functools.partial(act_in_core, controller.act, is_measured=not is_program)
+
+
+def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memory) -> Memory:
+    """The same for a controller of many robots, of which there is one; the core keeps its memory."""
+    room = Workspace(stops.episode)
+    seen = room.observation[np.newaxis]
+    kept = room.memory[np.newaxis]
+    command = room.command[np.newaxis]
+    after = kept.copy()
+    asker = Asker(controller, seen, kept, command)
+    for _ in in_time(stops):
+        asker.ask(1, after)
+        kept[...] = after
+    return memory
+
+
+def hidden_state(controller: Any) -> bytes | None:
+    """All state outside ``memory`` that we can see: of the object, its classes, their modules, of random generators.
+
+    ``None`` if some of it cannot be pickled and so cannot be compared.
+    """
+    kind = type(controller)
+    slots = [name for base in kind.__mro__ for name in getattr(base, "__slots__", ()) if hasattr(controller, name)]
+    seen = [
+        _data(getattr(controller, "__dict__", {})),
+        {name: getattr(controller, name) for name in slots},
+        *(_data_of_class(base) for base in kind.__mro__ if base is not object),
+        *(_data_of_module(module) for base in kind.__mro__ if _is_of_a_user(base) for module in _modules_of(base)),
+        random.getstate(),
+        np.random.get_state(),
+    ]
+    try:
+        return _pickled(seen)
+    except Exception:  # noqa: BLE001 - whatever cannot be pickled cannot be compared
+        return None
+
+
+def _is_of_a_user(kind: type) -> bool:
+    package = kind.__module__.partition(".")[0]
+    return package not in {"builtins", "typing", "sim", "fuzz", "worldgen"} and kind.__module__ in sys.modules
+
+
+def _modules_of(kind: type) -> list[types.ModuleType]:
+    """Return a class's module, and the files next to it that have been imported."""
+    module = sys.modules[kind.__module__]
+    return [module, *neighbours_of(module)]
+
+
+def _data_of_module(module: types.ModuleType) -> list[Any]:
+    """Its variables, and those of the classes and functions that it defines.
+
+    A module that was imported is no file of the controller's own: what cannot be pickled there is not looked at.
+    """
+    own = [thing for thing in vars(module).values() if getattr(thing, "__module__", None) == module.__name__]
+    classes = [_data_of_class(thing) for thing in own if isinstance(thing, type)]
+    data = [*_data(vars(module)).items(), *classes, *_data_of_functions(own)]
+    own_file = module.__name__.startswith("_worldgen_user_") and "." not in module.__name__
+    return data if own_file else [_pickled_if_it_can_be(item) for item in data]
+
+
+def _pickled_if_it_can_be(data: Any) -> bytes:
+    try:
+        return _pickled(data)
+    except Exception:  # noqa: BLE001 - as above
+        return b""
+
+
+def _pickled(data: Any) -> bytes:
+    """Equal bytes for equal data, whether or not two equal parts of it are one object; but for what holds itself."""
+    stream = io.BytesIO()
+    pickler = pickle.Pickler(stream)
+    pickler.fast = True
+    try:
+        pickler.dump(data)
+    except ValueError:  # it holds itself
+        return pickle.dumps(data)
+    return stream.getvalue()
+
+
+def _data_of_class(kind: type) -> list[Any]:
+    return [_data(vars(kind)), *_data_of_functions(vars(kind).values())]
+
+
+def _data_of_functions(things: Iterable[Any]) -> list[Any]:
+    """Defaults, which may change, attributes, and variables of functions around it, of each that is a function."""
+    functions = [getattr(thing, "__func__", thing) for thing in things]
+    return [
+        [list(one.__defaults__ or ()), one.__kwdefaults__ or {}, _data(one.__dict__), _data(_around(one))]
+        for one in functions
+        if isinstance(one, types.FunctionType)
+    ]
+
+
+def _around(function: types.FunctionType) -> dict[str, Any]:
+    cells = function.__closure__ or ()
+    return {str(number): cell.cell_contents for number, cell in enumerate(cells) if cell != types.CellType()}
+
+
+def _data(names: Mapping[str, Any]) -> dict[str, Any]:
+    code = (type, types.FunctionType, types.ModuleType, types.MethodType, classmethod, staticmethod, property)
+    return {
+        name: value
+        for name, value in names.items()
+        if not name.startswith("__")
+        and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
+    }

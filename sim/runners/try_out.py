@@ -1,0 +1,90 @@
+"""A short run before long work, so that what can never work is said at once."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
+from sim.controllers.base import Command, Commands, Memory, Observation, Observations
+from sim.controllers.contract import check_contract
+from sim.episode import prepare
+from sim.outcome import Outcome
+from sim.runners.stopping import OutOfTime, stopping_when
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.world import Pose, Target, World
+
+__all__ = ["EMPTY_ARENA", "try_out"]
+
+EMPTY_ARENA = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
+"""A world without walls."""
+
+_STEPS = 2
+
+
+class _Idle:
+    """Stands still, alone or as one of many."""
+
+    def reset(self) -> Memory:
+        return ()
+
+    def act(self, _observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        return Command(), memory
+
+
+class _IdleMany:
+    """The same for many robots."""
+
+    def reset(self) -> Memory:
+        return ()
+
+    def act_many(
+        self, _observation: Observations, memory: npt.NDArray[np.float64]
+    ) -> tuple[Commands, npt.NDArray[np.float64]]:
+        return Commands(), memory
+
+
+def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
+    """Run two steps in an empty arena.
+
+    Args:
+        scenario: What runs.
+        seconds: The most that these steps may take of a Python class; a program has deadlines of its own, and a
+            compiled step cannot be broken off. Loading the simulator does not count.
+
+    Returns:
+        How the run ended.
+
+    Raises:
+        InvalidParameter: If the controller does not compile, does not fit the motion model, or returns what the
+            contract does not allow; or if its two steps take too long.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    if seconds is None or isinstance(controller, CompiledController | ProcessController):
+        outcome = _two_steps(scenario, controller)
+    else:
+        _two_steps(scenario, _IdleMany() if isinstance(controller, VectorController) else _Idle())
+        end = time.monotonic() + seconds
+        try:
+            with stopping_when(lambda: time.monotonic() > end):
+                outcome = _two_steps(scenario, controller)
+        except OutOfTime:
+            raise InvalidParameter(
+                "first-steps-too-slow",
+                "{controller} did not finish two steps within {seconds:g} s",
+                "give a larger --budget, or run it as a program, whose steps have a deadline (docs/controllers.md)",
+                at_terminal=True,
+                controller=scenario.controller,
+                seconds=seconds,
+            ) from None
+    check_contract(scenario.controller, outcome.fault, outcome.steps)
+    return outcome
+
+
+def _two_steps(scenario: Scenario, controller: Any) -> Outcome:
+    options = scenario.options(EMPTY_ARENA, _STEPS)
+    return prepare(EMPTY_ARENA, controller, options).run(_STEPS, find_loop=False, record=False, digest=False)

@@ -1,0 +1,1 @@
+"""The thesis's simulator: its options, and runs in its C core."""

@@ -1,0 +1,198 @@
+"""Run the thesis's simulator, which is in C: arrays in, a finished run out.
+
+The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is -y (up), growing
+clockwise on the screen; milliseconds.
+
+``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there), changed by the noise
+filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop the robot. The border must be ``WALL``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = [
+    "CELL",
+    "FLAME",
+    "ROW",
+    "STATE_FIELDS",
+    "WALL",
+    "Setup",
+    "ThesisEpisode",
+    "add_noise",
+    "new_rows",
+    "signal_map",
+]
+
+Cells = npt.NDArray[np.int32]
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.void]
+
+CELL = 10.0  # px per cell; the listing's `length`
+ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the last bit of a cosine
+WALL: int = _lib.WG_THESIS_WALL
+FLAME: int = _lib.WG_THESIS_FLAME
+
+ROW = np.dtype([(name, np.float64) for name, _ in _ffi.typeof("WgThesisRow").fields])
+"""A row of a trace: the state after a tick."""
+
+STATE_FIELDS: tuple[str, ...] = ROW.names[: _lib.WG_THESIS_WORDS] if ROW.names else ()
+"""Those fields of a row that decide the robot's future."""
+
+_FIRST_COUNT = STATE_FIELDS.index("collision")  # of these fields: from here on they are whole numbers
+_WORK = 1 << 22  # px that a call may step through, about 0.1 s: between two calls Ctrl-C is heard
+
+
+class Setup(NamedTuple):
+    """The robot and what is asked of the run; ``WgThesisSettings`` in ``sim/core/wg_thesis.h`` explains each field."""
+
+    rule: int
+    time_step: float
+    sense: int = 1
+    collide_ticks: int = 5
+    drive_ticks: int = 2
+    turn_angle: float = math.pi / 2
+    radius: float = 7.0
+    speed: float = ROBOT_SPEED
+    tolerance: float = 1.0
+    steps: int = 20_000
+    find_loop: int = _lib.WG_NO_LOOP
+    loop_entry: int = 0
+    digest: int = 1
+    stop_at_tunnel: int = 0
+    reading: int = 0
+    repairs: int = 0
+    acceleration: float = 0.0
+    friction: float = 0.0
+    wall_friction: float = 0.0
+    slip: float = 0.0
+    sensor_field: float = 0.0
+    sensor_noise: float = 0.0
+    signal: int = _lib.WG_SIGNAL_OPEN
+    map_scale: int = 1
+    target_x: int = 0
+    target_y: int = 0
+    seed: int = 0
+
+
+class ThesisEpisode:
+    """A run from its start, as far as it has been asked to go.
+
+    Args:
+        cells: (width, height) the signal with walls; copied.
+        light: (width, height) the signal that comes back where a cell becomes free.
+        events: (n, 4) rows (step, x, y, state), sorted by step; applied before that step moves.
+        start: x and y in px, and the heading in rad.
+        setup: The robot.
+    """
+
+    def __init__(
+        self, cells: Cells, light: Cells, events: Ints, start: tuple[float, float, float], setup: Setup
+    ) -> None:
+        self.cells = np.array(cells, np.int32, order="C")
+        self.visited = np.zeros(cells.shape, np.uint8)
+        self.setup = setup
+        # C holds addresses, so what they point to is kept here.
+        self._light = np.ascontiguousarray(light, np.int32)
+        self._events = np.ascontiguousarray(events, np.int64).reshape(-1, 4)
+        seeks = setup.find_loop == _lib.WG_SEEK_LOOP
+        self._log = np.zeros(setup.steps + 1 if seeks else 1, np.uint64)
+        self._known = np.zeros(_lib.WG_THESIS_WORDS, np.uint64)
+        self._arena = _ffi.new("WgThesisArena *", self._arena_fields())
+        self._settings = _ffi.new("WgThesisSettings *", setup._asdict())
+        self._search = _ffi.new("WgSearch *", self._search_fields())
+        self.run: Any = _ffi.new("WgThesisRun *")
+        _lib.wg_thesis_begin(self.run, *start, setup.speed)
+
+    def _arena_fields(self) -> dict[str, Any]:
+        width, height = self.cells.shape
+        if self._light.shape != self.cells.shape:
+            raise ValueError(f"light is {self._light.shape}, cells are {self.cells.shape}; give both one shape")
+        return {
+            "width": width,
+            "height": height,
+            "cells": writable(_ffi, self.cells, np.int32),
+            "light": pointer(_ffi, self._light, np.int32),
+            "events": _ffi.cast("WgThesisEvent *", pointer(_ffi, self._events, np.int64)),
+            "event_count": len(self._events),
+            "visited": writable(_ffi, self.visited, np.uint8),
+        }
+
+    def _search_fields(self) -> dict[str, Any]:
+        return {
+            "log": writable(_ffi, self._log, np.uint64),
+            "log_size": self._log.size,
+            "known": writable(_ffi, self._known, np.uint64),
+            "words": self._known.size,
+        }
+
+    def go(self, until: int, draws: Floats, rows: Rows, first_row: int = 0) -> bool:
+        """Continue until something is decided, or a step is done.
+
+        Args:
+            until: That step; never after ``setup.steps``.
+            draws: Random numbers in [0, 1) for the random rule, from the first on.
+            rows: (n,) of type :data:`ROW`; row k gets the state after step ``first_row`` + k.
+            first_row: Step of the first row.
+
+        Returns:
+            False if the draws did not suffice; give more, the earlier ones in front, and call again.
+        """
+        numbers = pointer(_ffi, np.ascontiguousarray(draws, np.float64), np.float64)
+        table = _ffi.cast("WgThesisRow *", writable(_ffi, rows.view(np.float64), np.float64))
+        last = min(until, self.setup.steps)
+        portion = max(1, int(_WORK / max(1.0, self.setup.speed * self.setup.time_step)))
+        while True:
+            end = min(last, self.run.steps + portion)
+            check(
+                _lib.wg_thesis_run(
+                    self._arena, self._settings, self.run, self._search, numbers, len(draws), table, len(rows),
+                    first_row, end,
+                )
+            )  # fmt: skip
+            if self.run.ending != _lib.WG_LIMIT or self.run.steps >= last:
+                return bool(self.run.ending != _lib.WG_NEEDS_DRAWS)
+
+    def proved_state(self) -> npt.NDArray[np.uint64]:
+        """Return the state that a proved loop comes back to, in the words of a trace."""
+        words = self._known.copy()
+        words[_FIRST_COUNT:] = self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
+        return words
+
+
+def new_rows(count: int) -> Rows:
+    """Return an empty trace of so many rows."""
+    return np.zeros(count, ROW)
+
+
+def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
+    """(width, height) int32: squared distance in cells to the target's cell; the border is ``WALL``."""
+    columns = np.arange(width)[:, None] - target_x
+    rows = np.arange(height)[None, :] - target_y
+    light = (columns * columns + rows * rows).astype(np.int32)
+    light[[0, -1], :] = WALL
+    light[:, [0, -1]] = WALL
+    return light
+
+
+def add_noise(cells: Cells, light: Cells) -> None:
+    """Weaken or strengthen the signal of cells near inner walls, in place; the order of the walls matters.
+
+    Args:
+        cells: (width, height) the signal with every wall drawn.
+        light: (width, height) the undisturbed signal, :func:`signal_map`.
+    """
+    check(
+        _lib.wg_thesis_add_noise(
+            writable(_ffi, cells, np.int32), pointer(_ffi, light, np.int32), cells.shape[0], cells.shape[1]
+        )
+    )

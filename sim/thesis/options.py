@@ -1,0 +1,118 @@
+"""Switches of the thesis's simulator: what its own program let one set, and what its author left to be done.
+
+The defaults are the program as it was. ``docs/thesis.md`` says of each where it comes from.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from sim.options.declared import Switches
+from worldgen.errors import InvalidParameter
+
+__all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions"]
+
+ARBITERS = ("A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible")
+SIGNALS = ("open", "weakened", "blocked")
+REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
+
+
+@dataclass(frozen=True)
+class ThesisOptions(Switches):
+    """How the motion model ``stepped`` and the thesis's robot work; a failure stores what is not at its default.
+
+    Args:
+        sensor_range: Reach of the signal sensor, px, 36 to 1000; 36 sees the eight cells around.
+        noise: Whether the noise filter has changed the signal near walls.
+        collide_ticks: Counter of the collide behaviour, 0 to 1000; it drives one tick more.
+        drive_ticks: Counter of the drive behaviour, 0 to 1000; it drives one tick more.
+        turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws its own.
+        arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or ``interruptible``,
+            which asks in every tick and lets a new collision begin the escape afresh.
+        repair_slide: Slide along a wall only where the disc is then clear of every wall.
+        repair_back_off: Stay at a wall instead of backing off without looking.
+        repair_corner: Stop where only the corner of a cell is touched.
+        keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as the program did.
+        acceleration: Greatest gain of speed, m/s2; 0 means at once. Like all forces it acts on the speed, while moves
+            are whole pixels, a tenth of a cell: a robot that makes no more than one a tick stands still.
+        friction: Loss of speed once the wheels stand, m/s2; 0 means at once.
+        wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
+        slip: Largest share of a tick's way that is lost on the floor, 0 to 1, another in each tick.
+        sensor_field: Angle that the sensor looks into, rad, about the heading; 0 means all round.
+        sensor_noise: Largest share by which a reading is wrong, 0 to 1, another for each cell and tick.
+        signal: What walls do to the signal on its straight way from the target: nothing, as in the thesis
+            (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
+        map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
+        draws: Numbers in [0, 1) that the random rule uses up before those of the seed.
+
+    Raises:
+        InvalidParameter: If a value is out of range.
+    """
+
+    sensor_range: int = 36
+    noise: bool = False
+    collide_ticks: int = 5
+    drive_ticks: int = 2
+    turn_angle: float = math.pi / 2
+    arbiter: str = "A0"
+    repair_slide: bool = False
+    repair_back_off: bool = False
+    repair_corner: bool = False
+    keep_going: bool = False
+    acceleration: float = 0.0
+    friction: float = 0.0
+    wall_friction: float = 0.0
+    slip: float = 0.0
+    sensor_field: float = 0.0
+    sensor_noise: float = 0.0
+    signal: str = "open"
+    map_scale: int = 1
+    draws: tuple[float, ...] = ()
+
+    RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {
+        "sensor_range": (36, 1000, " px"),
+        "collide_ticks": (0, 1000, " ticks"),
+        "drive_ticks": (0, 1000, " ticks"),
+        "turn_angle": (0, math.pi, " rad"),
+        "acceleration": (0, 1e6, " m/s2"),
+        "friction": (0, 1e6, " m/s2"),
+        "wall_friction": (0, 1, ""),
+        "slip": (0, 1, ""),
+        "sensor_field": (0, 2 * math.pi, " rad"),
+        "sensor_noise": (0, 1, ""),
+        "map_scale": (1, 100, " cells"),
+    }
+    CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"arbiter": ARBITERS, "signal": SIGNALS}
+    EXAMPLES: ClassVar[Mapping[str, str]] = {"draws": "0.25:0.5"}
+    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "Behaviours": ("collide_ticks", "drive_ticks", "turn_angle", "arbiter", "draws"),
+        "Sensor": ("sensor_range", "noise", "signal", "sensor_field", "sensor_noise", "map_scale"),
+        "Faults": (*REPAIRS, "keep_going"),
+        "Forces": ("acceleration", "friction", "wall_friction", "slip"),
+    }
+    TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {"repaired": REPAIRS}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not all(0.0 <= draw < 1.0 for draw in self.draws):
+            raise InvalidParameter(
+                "out-of-range", "draws hold a number outside [0, 1)", "give numbers as a random generator makes them"
+            )
+
+    @property
+    def repaired(self) -> bool:
+        """Whether all three faults of the motion are repaired, so that no wall is ever cut."""
+        return self.repair_slide and self.repair_back_off and self.repair_corner
+
+    @property
+    def sensor_cells(self) -> int:
+        """Reach of the sensor in cells, as the listing divides: 36 px gives 1, 50 px gives 2."""
+        return int((self.sensor_range - 36) / 10) + 1
+
+    @property
+    def random(self) -> bool:
+        """Whether the simulator itself draws random numbers, so that no state can come back."""
+        return self.slip > 0.0 or self.sensor_noise > 0.0

@@ -1,0 +1,338 @@
+"""Packs a world for the thesis's simulator, runs it, and reads the result back into the world's frame.
+
+The thesis's frame has pixels, y down, and headings that grow clockwise from -x; a cell is ten pixels. Its
+maps have a border of walls. A world whose border is open gets its solid outside added as one, and a robot
+then never enters the cells next to that border less than the disc fits.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
+from sim.evidence import BudgetEvidence
+from sim.options.run import RunOptions, check_step_length
+from sim.outcome import ENDINGS, Outcome
+from sim.runners.packing import disc_numbers, event_step, start_overlaps
+from sim.thesis.core_calls import CELL, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.options import ARBITERS, SIGNALS, ThesisOptions
+from sim.trace import Trace, Words
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
+from worldgen.random_streams import RandomStream
+from worldgen.support.ccall import pointer
+from worldgen.support.rows import flip_rows
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["ThesisRun", "signal_in"]
+
+Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.int32]
+Rows = npt.NDArray[np.void]
+
+_FIRST_DRAWS = 256
+_CAUSES = {_lib.WG_STRAIGHT: "", _lib.WG_SLIDE: "slide", _lib.WG_BACK_OFF: "back-off", _lib.WG_CORNER: "corner"}
+_REPAIR_BITS = {
+    "repair_slide": _lib.WG_REPAIR_SLIDE,
+    "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
+    "repair_corner": _lib.WG_REPAIR_CORNER,
+}
+_DRIFT = 1e-6  # px and rad: a pose that comes back is no further off
+_DRIFT_PERIODS = 4  # periods that must be seen
+
+
+class ThesisRun:
+    """One world, rule and set of options, ready to run any number of times.
+
+    Raises:
+        InvalidParameter: If the robot is wider than two cells, or the step longer than a cell allows.
+        InvalidWorld: If start or target are in a wall.
+    """
+
+    def __init__(self, world: World, rule: int, options: RunOptions) -> None:
+        self.world, self.options = world, options
+        check_step_length(world, options.time_step, Fraction(0))
+        closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
+        self._pad = 0 if closed else 1
+        self._height = world.height + 2 * self._pad
+        solid = self._solid()
+        target = self._target_cell(solid)
+        self._cells, self._light = self._signal(solid, *target)
+        self._setup = self._robot(rule, *target)
+        self._events = self._event_rows()
+        self._start = self._start_pose()
+
+    def _radius(self) -> float:
+        radius = radius_in_cells(self.world)
+        if radius > 1:
+            raise InvalidParameter(
+                "robot-larger-than-cell",
+                "robot_radius={robot_radius:g} m is {cells:g} cells; stepped looks one "
+                "cell around the robot, so its radius is at most 1 cell: take swept",
+                robot_radius=self.world.robot_radius,
+                cells=float(radius),
+            )
+        return float(radius * 10)
+
+    def _robot(self, rule: int, target_x: int, target_y: int) -> Setup:
+        """The robot in the thesis's units: px and ms."""
+        world, options, thesis = self.world, self.options, self.options.thesis
+        px = 10 / exact(world.cell_size)
+        return Setup(
+            rule=rule,
+            time_step=float(exact(options.time_step) * 1000),
+            sense=thesis.sensor_cells,
+            collide_ticks=thesis.collide_ticks,
+            drive_ticks=thesis.drive_ticks,
+            turn_angle=thesis.turn_angle,
+            radius=self._radius(),
+            speed=float(exact(world.robot_speed) * px / 1000),
+            tolerance=options.motion_model().overlap_tolerance * CELL,
+            stop_at_tunnel=int(not thesis.keep_going),
+            reading=ARBITERS.index(thesis.arbiter),
+            repairs=sum(bit for name, bit in _REPAIR_BITS.items() if getattr(thesis, name)),
+            acceleration=float(exact(thesis.acceleration) * px / 1_000_000),
+            friction=float(exact(thesis.friction) * px / 1_000_000),
+            wall_friction=thesis.wall_friction,
+            slip=thesis.slip,
+            sensor_field=thesis.sensor_field,
+            sensor_noise=thesis.sensor_noise,
+            signal=SIGNALS.index(thesis.signal),
+            map_scale=thesis.map_scale,
+            target_x=target_x,
+            target_y=target_y,
+            seed=RandomStream(options.seed).child("slip and sensor").next64() >> 1,
+        )
+
+    def _solid(self) -> npt.NDArray[np.bool_]:
+        """(width, height) bool: walls in the thesis's frame."""
+        walls = np.pad(self.world.walls, 1, constant_values=True) if self._pad else self.world.walls
+        return np.ascontiguousarray(flip_rows(walls).T)
+
+    def _target_cell(self, solid: npt.NDArray[np.bool_]) -> tuple[int, int]:
+        """The target's cell in the thesis's frame."""
+        world = self.world
+        target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
+        target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
+        if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
+            raise InvalidWorld(
+                "target-in-wall",
+                "target ({x:g}, {y:g}) m lies in a wall cell, which has no signal",
+                "move it",
+                x=world.target.x,
+                y=world.target.y,
+            )
+        return target_x, target_y
+
+    def _signal(self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int) -> tuple[Cells, Cells]:
+        """Signal map with walls, and without."""
+        light = signal_map(solid.shape[0], self._height, target_x, target_y)
+        cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
+        if self.options.thesis.noise:
+            add_noise(cells, light)
+        return cells, light
+
+    def _event_rows(self) -> npt.NDArray[np.int64]:
+        rows = [
+            (
+                event_step(event, self.options.time_step),
+                event.ix + self._pad,
+                self._height - 1 - self._pad - event.iy,
+                int(event.state),
+            )
+            for event in self.world.timeline
+        ]
+        return np.array(rows, np.int64).reshape(-1, 4)
+
+    def _start_pose(self) -> tuple[float, float, float]:
+        world, side = self.world, self.world.cell_size
+        clear_sq, reach = disc_numbers(world)
+        x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
+        solid = np.array(world.walls, np.uint8, order="C")
+        grid = {"cells": pointer(_ffi, solid, np.uint8), "width": world.width, "height": world.height}
+        if not _lib.wg_disc_is_clear(grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y):
+            raise start_overlaps(world)
+        x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
+        y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
+        return x_px, y_px, (math.pi - world.start.heading) % (2.0 * math.pi)
+
+    @property
+    def last_event_step(self) -> int:
+        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        return int(self._events[-1, 0]) if len(self._events) else 0
+
+    def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
+        """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
+        seeks = find_loop and not self.options.thesis.random
+        search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
+        return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
+
+    def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
+        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
+        outcome, episode = self._run(entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry)
+        return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
+
+    def _run(self, steps: int, *, record: bool, **asked: int) -> tuple[Outcome, ThesisEpisode]:
+        """One run from the start; ``asked`` are fields of its setup."""
+        rows = new_rows(steps + 1 if record else 0)
+        episode = self._episode(steps, **asked)
+        self._go_on(episode, steps, rows, 0)
+        return self._outcome(episode.run, rows[: episode.run.steps + 1] if record else None), episode
+
+    def _episode(self, steps: int, **asked: int) -> ThesisEpisode:
+        setup = self._setup._replace(steps=steps, **asked)
+        return ThesisEpisode(self._cells, self._light, self._events, self._start, setup)
+
+    def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
+        """Runs until something is decided or a step is done, with as many draws as that takes."""
+        count = _FIRST_DRAWS if self._setup.rule == _lib.WG_RULE_RANDOM else 0
+        while not episode.go(until, self._draws(count), rows, first_row):
+            count *= 4
+
+    def _draws(self, count: int) -> Floats:
+        given = np.array(self.options.thesis.draws)
+        return np.concatenate([given, RandomStream(self.options.seed).floats(count)])
+
+    def signal(self) -> npt.NDArray[np.int32]:
+        """The signal with walls in the world's frame; see :func:`signal_in`."""
+        inner = slice(self._pad, -self._pad or None)
+        return np.ascontiguousarray(flip_rows(self._cells[inner, inner].T))
+
+    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
+        """Return the evidence for a stalled run with what the run does in the second half of ``steps``.
+
+        It drifts if its poses come back to within a millionth of a pixel; else it is only confined.
+        """
+        half = steps // 2
+        episode = self._episode(steps, digest=0)
+        self._go_on(episode, half, new_rows(0), 0)
+        rows = new_rows(steps - half + 1)
+        self._go_on(episode, steps, rows, half)
+        poses = np.stack([rows["x"], rows["y"], rows["heading"]], axis=1)
+        cells = np.floor(poses[:, :2] / CELL)
+        columns, cell_rows = (int(side) for side in np.ptp(cells, axis=0) + 1)
+        box = (columns, cell_rows)
+        period, entry = _drift(poses)
+        if period == 0:
+            return replace(evidence, kind="confined", box=box)
+        return replace(evidence, kind="drifting", entry=half + entry, period=period, box=box)
+
+    def _outcome(self, run: Any, rows: Rows | None) -> Outcome:
+        """What a finished run, ``WgThesisRun``, found, in the world's frame."""
+        metres = self.world.cell_size / CELL
+        ending = ENDINGS[run.ending]
+        tunnelled = ending == Verdict.TUNNEL
+        keeps_going = self.options.thesis.keep_going
+        overlapped = run.overlap.step >= 0 and not keeps_going
+        cause = ""
+        cause_step = -1
+        if tunnelled or overlapped:
+            place = run.tunnel if tunnelled else run.overlap
+            cause = _CAUSES[place.cause]
+            cause_step = place.began
+        hit = run.tunnel if tunnelled else run.hit
+        return Outcome(
+            ending=ending,
+            steps=run.steps,
+            period=run.period,
+            entry=run.entry,
+            path_length=run.path_length * metres,
+            collisions=run.collisions,
+            digest=f"{run.digest:016x}",
+            last_new_cell=run.last_new_cell,
+            hit_step=hit.step,
+            hit_cell=self._cell(hit),
+            hit_state=CellState(run.hit.state).word,
+            overlap_step=run.overlap.step if overlapped else -1,
+            overlap_cell=self._cell(run.overlap),
+            cause=cause,
+            cause_step=cause_step,
+            wall_step=run.in_wall.step if keeps_going else -1,
+            complete=not self.options.thesis.random,
+            random_draws=run.state.draws_used,
+            trace=None if rows is None else self._trace(rows),
+        )
+
+    def _cell(self, place: Any) -> tuple[int, int]:
+        """A place's cell in the world's frame; one of the added border lies just outside."""
+        return place.x - self._pad, self._height - 1 - self._pad - place.y
+
+    def _trace(self, rows: Rows) -> Trace:
+        """The recorded rows in metres and radians."""
+        metres = float(exact(self.world.cell_size) / 10)
+        x = (rows["x"] - 10.0 * self._pad) * metres
+        y = ((self._height - self._pad) * 10.0 - rows["y"]) * metres
+        heading = (2.0 * math.pi - rows["heading"]) % (2.0 * math.pi) - math.pi
+        return Trace(
+            time_step=self.options.time_step,
+            x=x,
+            y=y,
+            heading=heading,
+            bump=rows["collision"] != 0,
+            path_x=x,
+            path_y=y,
+            path_step=np.arange(len(rows)),
+            path_share=np.minimum(np.arange(len(rows)), 1.0),
+            words=_digest_words(rows[1:]),
+            states=np.ascontiguousarray(_table(rows)[:, : len(STATE_FIELDS)]).view(np.uint64),
+            complete=not self.options.thesis.random,
+            active=rows["active"].astype(np.int8),
+        )
+
+
+def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
+    """The signal that the thesis's robot reads in each cell: the squared distance to the target's cell, in cells.
+
+    Args:
+        world: Where.
+        noise: Whether the noise filter has changed it near walls.
+
+    Returns:
+        (height, width) int32, row 0 the lowest y; -2 in walls, and in a border that is no wall.
+
+    Raises:
+        InvalidWorld: If start or target are in a wall.
+        InvalidParameter: If the robot is wider than two cells.
+    """
+    run = ThesisRun(world, 1, RunOptions("stepped", thesis=ThesisOptions(noise=noise)))
+    return run.signal()
+
+
+def _drift(poses: Floats) -> tuple[int, int]:
+    """Shortest period in which poses come back but for rounding until the end, and from where on; 0 if none."""
+    near = (np.abs(poses - poses[-1]) < _DRIFT).all(axis=1)
+    for last in np.flatnonzero(near[:-1])[::-1]:
+        period = len(poses) - 1 - int(last)
+        if _DRIFT_PERIODS * period > len(poses):
+            break
+        away = np.flatnonzero((np.abs(poses[period:] - poses[:-period]) >= _DRIFT).any(axis=1))
+        entry = int(away[-1]) + 1 if len(away) else 0
+        if len(poses) - 1 - entry >= _DRIFT_PERIODS * period:
+            return period, entry
+    return 0, 0
+
+
+def _table(rows: Rows) -> Floats:
+    """(n, fields) the rows of a trace as plain numbers."""
+    return rows.view(np.float64).reshape(len(rows), -1)
+
+
+def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
+    """The seven words a tick that the digest of the recorded vectors runs over."""
+    words = np.zeros((len(rows), 7), np.uint64)
+    for k, name in enumerate(("x", "y", "heading", "target_heading", "speed")):
+        words[:, k] = rows[name].copy().view(np.uint64)
+    behaviour = rows["behaviour"].astype(np.int64)
+    busy = np.where(behaviour < 0, 0, 2 + 4 * (behaviour + 1))
+    words[:, 5] = (rows["collision"].astype(np.int64) + busy).astype(np.uint64)
+    words[:, 6] = rows["ticks_left"].copy().view(np.uint64)
+    return words

@@ -1,0 +1,1 @@
+"""The commands of ``worldgen``, one module each."""

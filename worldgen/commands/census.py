@@ -1,0 +1,194 @@
+"""``worldgen census``: maps and generators of others, judged."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option, shown, write_bytes
+from worldgen.errors import InvalidParameter, OutputError
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.interop.census import Census, CensusOptions
+    from worldgen.interop.census.folders import FolderMaps
+    from worldgen.interop.census.generators import GeneratedMaps
+    from worldgen.world import World
+
+__all__ = ["census"]
+
+EXAMPLES = (
+    "\b\n  worldgen census maps/ --radius 0.2 --radius 0.3 --seed 1\n"
+    "  worldgen census maps/ scenarios/ --pairs 5 --seed 1 --out grid-only/\n"
+    "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
+)
+PATH = click.Path(path_type=Path)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("sources", metavar="SOURCE...", nargs=-1, required=True)
+@click.option("--radius", "radii", multiple=True, metavar="R", help="0.3 is m, 0.7c cells.  [default: 0.45c 0.7c 1c]")
+@click.option(
+    "--pairs", type=click.IntRange(1, 100_000), default=1, show_default=True, help="Per map that has many or none."
+)
+@click.option("--clear-ends", is_flag=True, help="Draw starts and targets where the largest of the discs has room.")
+@click.option("--count", type=click.IntRange(1), default=100, show_default=True, help="Maps to take of a generator.")
+@click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Keyword for a generator.")
+@click.option("--cell-size", type=float, help="Side of a cell, m, of maps without units.  [default: 0.1]")
+@click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
+@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a map, start, target and radius.")
+@click.option("--out", type=PATH, metavar="FOLDER", help="Keep the worlds that only a point passes, with their cuts.")
+@seed_option
+@json_option
+@force_option
+def census(
+    sources: tuple[str, ...],
+    radii: tuple[str, ...],
+    pairs: int,
+    clear_ends: bool,
+    count: int,
+    options: tuple[str, ...],
+    cell_size: float | None,
+    unknown: str | None,
+    table: Path | None,
+    out: Path | None,
+    seed: int | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Count in how many foreign maps a disc can reach its target, and where only a grid says so.
+
+    SOURCE is a map file, a folder of them, or a generator: ./file.py:function or package.module:function. Each
+    answer is proved and the proof checked. docs/census.md describes table, CSV, JSON and generators.
+    """
+    from worldgen.files.whole import check_output
+    from worldgen.interop import census as library
+    from worldgen.interop.census.radius import DEFAULT_RADII
+
+    asked = tuple(dict.fromkeys(library.Radius.parse(text) for text in radii)) or DEFAULT_RADII
+    if table is not None:
+        check_output(table, force)
+    if out is not None:
+        _check_folder(out, force=force)
+    what = library.CensusOptions(asked, pairs, draw_seed(seed), clear_ends)
+    with working("taking a census") as work:
+        maps = _maps(sources, what, count, options, cell_size, unknown)
+        total = sum(map(len, maps))
+        done = itertools.count(1)
+        work.count(0, total, "maps")
+        keep = None if out is None else _keeper(out, force=force)
+        found = library.take_census(
+            itertools.chain(*maps), what, keep=keep, progress=lambda: work.count(next(done), total, "maps")
+        )
+    _check_any(found)
+    if as_json:
+        emit_json(library.as_json(found))
+    else:
+        click.echo("\n".join(shown(line) for line in library.as_text(found).split("\n")), nl=False)
+    if table is not None:
+        write_bytes(table, library.as_csv(found).encode(), force=force)
+        note(f"wrote {table}")
+    if out is not None:
+        note(f"{out}: {sum(question.grid_only for question in found.questions)} worlds kept")
+    _leave(found)
+
+
+def _maps(
+    sources: Sequence[str],
+    what: CensusOptions,
+    count: int,
+    options: Sequence[str],
+    cell_size: float | None,
+    unknown: str | None,
+) -> list[FolderMaps | GeneratedMaps]:
+    """The maps of all sources: files and folders together, so that scenarios find their maps, then generators."""
+    from worldgen.family import check_between
+    from worldgen.interop.census import folder_maps, generated_maps
+    from worldgen.interop.foreign_map import CELL_SIZES
+    from worldgen.world import DEFAULT_CELL_SIZE
+
+    if cell_size is not None:
+        check_between("cell_size", cell_size, *CELL_SIZES, "m")
+    generators = [source for source in sources if ":" in source and not Path(source).exists()]
+    paths = [Path(source) for source in sources if source not in generators]
+    if options and not generators:
+        raise InvalidParameter(
+            "only-for-generators", "option is for a generator, and none is named", "name one as ./file.py:function"
+        )
+    found: list[FolderMaps | GeneratedMaps] = []
+    if paths:
+        asked = {name: value for name, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+        files = folder_maps(paths, pairs=what.pairs, seed=what.seed, options=asked)
+        if files.passed_over:
+            note(f"{files.passed_over} other files are no maps")
+        found.append(files)
+    given = dict(_option(text) for text in options)
+    side = DEFAULT_CELL_SIZE if cell_size is None else cell_size
+    for name in generators:
+        found.append(generated_maps(name, count=count, seed=what.seed, options=given, cell_size=side))
+    return found
+
+
+def _option(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not (name and equals):
+        raise InvalidParameter(
+            "wrong-form", "option={text!r} is not NAME=VALUE", "write it like side=20", text=text[:40]
+        )
+    return name.replace("-", "_"), value
+
+
+def _check_folder(folder: Path, *, force: bool) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise OutputError("is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder)
+    if folder.is_dir() and any(folder.iterdir()) and not force:
+        raise OutputError(
+            "folder-not-empty",
+            "{folder} is not empty",
+            "give --force to write into it, or another folder",
+            at_terminal=True,
+            folder=folder,
+        )
+
+
+def _keeper(folder: Path, *, force: bool) -> Callable[[str, World], None]:
+    """Writes what is kept at once, so that it is there whatever ends the census."""
+    from worldgen.files.grid import write_world
+
+    def keep(name: str, world: World) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(
+                "unwritable",
+                "{folder}: cannot be made: {reason}",
+                "choose another place",
+                folder=folder,
+                reason=error.strerror or str(error),
+            ) from error
+        write_world(world, folder / f"{name}.grid", force=force)
+
+    return keep
+
+
+def _check_any(found: Census) -> None:
+    """Refuses to print a table of nothing."""
+    if found.questions or found.interrupted:
+        return
+    first = found.fault or (f"{found.refused[0].name}: {found.refused[0].reason}" if found.refused else "it gave none")
+    raise InvalidParameter("no-map-found", "no map could be judged; the first reason: {reason}", reason=first)
+
+
+def _leave(found: Census) -> None:
+    if found.interrupted:
+        note(f"interrupted after {found.maps} maps; the table is of these", always=True)
+        raise click.exceptions.Exit(130)
+    if found.fault:
+        note(f"worldgen: {found.fault}; the table is of the {found.maps} maps before", always=True)
+        raise click.exceptions.Exit(2)
+    if not all(question.proved for question in found.questions):
+        raise click.exceptions.Exit(1)

@@ -1,0 +1,58 @@
+"""``worldgen check-scenarios``: the MovingAI benchmark's problems, solved on its maps as we read them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+
+__all__ = ["check_scenarios"]
+
+EXAMPLES = (
+    "\b\n  worldgen check-scenarios hog2/maps/dao hog2/scenarios/dao\n"
+    "  worldgen check-scenarios maps/ scenarios/ --rows 100 --seed 1 --csv checked.csv"
+)
+PATH = click.Path(path_type=Path)
+
+
+@click.command("check-scenarios", epilog=EXAMPLES)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
+@click.option("--rows", type=click.IntRange(1), help="Problems to draw of each scenario file.  [default: all]")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="What they are drawn by.")
+@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a scenario file and map.")
+@json_option
+@force_option
+def check_scenarios(
+    paths: tuple[Path, ...], rows: int | None, seed: int, table: Path | None, as_json: bool, force: bool
+) -> None:
+    """Check that MovingAI problems have the shortest path that their file says.
+
+    PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its map by the name
+    that it gives. Paths are octile and cut no corner; lengths are compared to the digits that are published.
+
+    Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
+    """
+    from worldgen.files.whole import check_output
+    from worldgen.interop.benchmark import scenario_check as library
+    from worldgen.support.plain_text import shown_lines
+    from worldgen.support.progress import working
+
+    if table is not None:
+        check_output(table, force)
+    with working("checking scenarios") as work:
+        found = library.find_scenarios(paths)
+        reports = list(found.refused)
+        for done, (scenario, maps) in enumerate(found.pairs):
+            work.count(done, len(found.pairs), "scenario files")
+            reports += library.check_scenario(scenario, maps, rows=rows, seed=seed)
+    if as_json:
+        emit_json({**library.total(reports), "reports": [vars(report) for report in reports]})
+    else:
+        click.echo(shown_lines(library.as_text(reports)), nl=False)
+    if table is not None:
+        write_bytes(table, library.as_csv(reports).encode(), force=force)
+        note(f"wrote {table}")
+    if any(report.fault for report in reports):
+        raise click.exceptions.Exit(1)

@@ -1,0 +1,51 @@
+"""``worldgen compose``: worlds of a recipe, with the options of every family and the recipe's own."""
+
+from __future__ import annotations
+
+import click
+
+__all__ = ["compose"]
+
+
+class _Recipes(click.Group):
+    """A group whose commands are recipes, each with its own parameters."""
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a recipe."""
+        from worldgen.commands.family_command import family_command
+        from worldgen.errors import InvalidParameter
+
+        if cmd_name.startswith("-"):
+            return None
+        if not cmd_name.endswith(".toml"):
+            raise InvalidParameter(
+                "wrong-suffix",
+                "{file}: a recipe's name ends in .toml",
+                "rename it, or name another file",
+                file=cmd_name,
+            )
+        return family_command(cmd_name)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """None: any file may be one."""
+        return []
+
+
+EXAMPLES = (
+    "\b\n  worldgen compose recipe.toml --seed 7 --out w.grid\n  worldgen compose recipe.toml --help\n"
+    "  worldgen compose recipe.toml --count 20 --out worlds/\n\n"
+    "RECIPE --help lists the recipe's own parameters. docs/compose.md says what a recipe is."
+)
+
+
+@click.group(
+    cls=_Recipes,
+    epilog=EXAMPLES,
+    subcommand_metavar="RECIPE [OPTIONS]",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+def compose() -> None:
+    """Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.
+
+    RECIPE is a TOML file; its parameters are options, like those of a family.
+    """

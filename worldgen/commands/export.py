@@ -1,0 +1,110 @@
+"""``worldgen export``: a world becomes a file of some other program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen import interop
+
+__all__ = ["export"]
+
+
+EXAMPLES = (
+    "\b\n  worldgen export w.grid --to ros --out office.yaml\n"
+    "  worldgen export w.grid --to movingai --out arena.map\n"
+    "  worldgen export fire.grid --to thesis+noise=on --at 0 --out old.gex"
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("world", type=click.Path(path_type=Path))
+@click.option(
+    "--to",
+    "name",
+    metavar="FORMAT[+OPTION=VALUE]",
+    help="What to write, as `worldgen formats` lists it; by the ending of --out if left out.",
+)
+@click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write.")
+@click.option("--at", type=float, metavar="SECONDS", help="Of a world that changes: its cells at this time, for ever.")
+@click.option(
+    "--origin", metavar="X,Y", help="Where the grid's lower-left corner lies, m.  [default: as imported, or 0,0]"
+)
+@click.option("--sidecar/--no-sidecar", default=True, help="Keep what the format has no room for in a file beside it.")
+@click.option(
+    "--noise/--no-noise",
+    default=None,
+    help="Pass a thesis map through the noise filter.  [default: as it was imported]",
+)
+@force_option
+@json_option
+def export(
+    world: Path,
+    name: str | None,
+    out: Path,
+    at: float | None,
+    origin: str | None,
+    sidecar: bool,
+    noise: bool | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write a world in another program's format.
+
+    WORLD is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr, and kept
+    in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
+    """
+    from worldgen import interop
+    from worldgen.files.grid import read_world
+
+    with working(f"exporting {world}"):
+        export = interop.export_world(
+            read_world(world),
+            name or interop.guess_format(out.name),
+            file=out.name,
+            options={} if noise is None else {"noise": "on" if noise else "off"},
+            at=at,
+            origin=None if origin is None else _origin(origin),
+            sidecar=sidecar,
+        )
+    paths = interop.write_export(export, out.parent, force=force)
+    kept = [f"the exact values are in {export.sidecar}"] if export.sidecar else []
+    for sentence in (*export.lost, *kept, *export.notes):
+        note(sentence)
+    if as_json:
+        emit_json(_as_json(paths, export))
+    else:
+        for path, data in zip(paths, export.files.values(), strict=True):
+            click.echo(f"{path}: {len(data)} bytes for {export.format.name}")
+
+
+def _origin(text: str) -> tuple[float, float]:
+    from worldgen.errors import InvalidParameter
+    from worldgen.interop import parse_point
+
+    point = parse_point("origin", text, "YAW")
+    if len(point) != 2:
+        raise InvalidParameter(
+            "wrong-form", "origin={text!r} has three numbers", "give X,Y alone: worlds are not turned", text=text[:60]
+        )
+    return point[0], point[1]
+
+
+def _as_json(paths: list[Path], export: interop.Export) -> dict[str, object]:
+    import hashlib
+
+    return {
+        "file": str(paths[0]),
+        "format": export.format.name,
+        "bytes": len(export.data),
+        "sha256": hashlib.sha256(export.data).hexdigest(),
+        "files": [str(path) for path in paths],
+        "lost": list(export.lost),
+        "notes": list(export.notes),
+    }

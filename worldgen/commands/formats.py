@@ -1,0 +1,66 @@
+"""``worldgen formats``: what ``import`` reads and ``export`` writes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, json_option
+
+if TYPE_CHECKING:
+    from worldgen.interop import Format
+    from worldgen.parameters import Parameter
+
+__all__ = ["formats"]
+
+EXAMPLES = "\b\n  worldgen formats\n  worldgen formats ros"
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("name", required=False)
+@json_option
+def formats(name: str | None, as_json: bool) -> None:
+    """List the formats that import reads and export writes; of one, its options."""
+    from worldgen.interop import FORMATS, HELD
+
+    names = FORMATS.names() if name is None else [name]
+    known = [FORMATS.get(one) for one in names]
+    if as_json:
+        listed = [
+            {
+                "name": one.name, "direction": one.direction, "files": one.summary, "suffixes": list(one.suffixes),
+                "holds": [held for held in HELD if held in one.holds], "changes": one.changes, "client": one.client,
+                "read_options": _options(one.read_options), "write_options": _options(one.write_options),
+            }
+            for one in known
+        ]  # fmt: skip
+        emit_json({"formats": listed})
+    elif name is None:
+        _print_table(known)
+    else:
+        _print_one(known[0])
+
+
+def _options(parameters: tuple[Parameter, ...]) -> list[dict[str, object]]:
+    return [
+        {"name": one.name, "default": one.default, "choices": list(one.choices), "help": one.help} for one in parameters
+    ]
+
+
+def _print_table(known: list[Format]) -> None:
+    from worldgen.support.plain_text import aligned
+
+    click.echo(aligned([("format", "way", "files"), *((one.name, one.direction, one.summary) for one in known)]))
+
+
+def _print_one(known: Format) -> None:
+    from worldgen.interop import HELD
+
+    click.echo(f"{known.name} ({known.direction}): {known.summary}; for {known.client or 'whoever reads it'}")
+    held = [HELD[name] for name in HELD if name in known.holds]
+    click.echo(f"holds the cells{''.join(f', {one}' for one in held)}{', changes' if known.changes else ''}")
+    for flag, parameters in (("--from", known.read_options), ("--to", known.write_options)):
+        for one in parameters:
+            values = "|".join(one.choices) or type(one.default).__name__
+            click.echo(f"{flag} {known.name}+{one.name}={values}  {one.help}  [default: {one.default}]")

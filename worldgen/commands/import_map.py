@@ -1,0 +1,106 @@
+"""``worldgen import``: a foreign map becomes a world with start, target and a proof."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.support.progress import working
+
+__all__ = ["import_map"]
+
+
+EXAMPLES = (
+    "\b\n  worldgen import arena.map --out w.grid\n"
+    "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
+    "  worldgen import old.gex --out w.grid\n"
+    "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid"
+)
+
+
+@click.command("import", epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
+@click.option(
+    "--from",
+    "name",
+    metavar="FORMAT[+OPTION=VALUE]",
+    help="What PATH is, as `worldgen formats` lists it; recognised if left out.",
+)
+@click.option("--radius", type=float, help="Robot's radius, m.  [default: the file's, or what suits such maps]")
+@click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
+@click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
+@click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
+@click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
+@click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
+@click.option("--cell-size", type=float, help="Side of a cell, m, of a map without units.  [default: 0.1]")
+@click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
+@click.option(
+    "--ignore-unread",
+    "--ignore-meshes",
+    "ignore_unread",
+    is_flag=True,
+    help="Judge the world without the obstacles that cannot be read, such as meshes.",
+)
+@force_option
+@json_option
+def import_map(
+    path: Path,
+    out: Path,
+    name: str | None,
+    radius: float | None,
+    speed: float | None,
+    start: str | None,
+    target: str | None,
+    scen: Path | None,
+    row: int,
+    cell_size: float | None,
+    unknown: str | None,
+    seed: int | None,
+    ignore_unread: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Read a foreign map and place start and target.
+
+    PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI, worlds of robot
+    simulators, pictures, drawings, a .grid, whose places it keeps unless told otherwise. Start and target that
+    are given neither here nor in the file are placed far apart in the largest region the robot can drive through,
+    with room to turn.
+
+    Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a path was found but
+    the file has obstacles that cannot be read, such as a mesh, nothing is written and the exit code is 2;
+    --ignore-unread judges the world without them.
+    """
+    from worldgen import interop
+    from worldgen.files.grid import write_world
+
+    robot = interop.RobotOptions(
+        None if start is None else interop.parse_point("start", start, "HEADING"),
+        None if target is None else interop.parse_point("target", target, "RADIUS"),
+        radius, speed, scen, row, seed, ignore_unread,
+    )  # fmt: skip
+    asked = {option: value for option, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+    with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
+        imported = interop.import_world(path, robot, name=name, options=asked)
+    file = None if imported.withheld else str(out)
+    if not imported.withheld:
+        write_world(imported.world, out, force=force)
+    for sentence in imported.notes:
+        note(sentence)
+    for sentence in imported.warnings:
+        note(f"warning: {sentence}")
+    if as_json:
+        emit_json(interop.as_json(file, imported))
+    else:
+        click.echo("\n".join(interop.describe(file, imported)))
+    if imported.withheld:
+        note(
+            f"{out} was not written; --ignore-unread judges and writes the world without what was not read", always=True
+        )
+        raise click.exceptions.Exit(2)
+    if imported.decision.result != "reachable":
+        raise click.exceptions.Exit(1)

@@ -1,0 +1,105 @@
+"""``worldgen measure``: how hard worlds are, as a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from worldgen.cli.output import emit_json, json_option, shown
+from worldgen.errors import InvalidWorld
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.world import World
+
+__all__ = ["measure"]
+
+
+@click.command()
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.option("--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line a world.")
+@json_option
+def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
+    """Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.
+
+    Metrics are worked out anew, by the file's own witness; a map without a certificate is decided first. What has no
+    meaning for a world is left empty. A folder or an archive stands for the .grid files in it. docs/difficulty.md
+    defines every metric.
+    """
+    from worldgen.difficulty import measure as measured
+    from worldgen.files.worlds import read_worlds
+
+    if as_csv and as_json:
+        raise click.UsageError("--csv and --json are two forms of the same; give one of them")
+    results: list[tuple[Path, dict[str, float]]] = []
+    try:
+        with working("measuring") as work:
+            for path, world in read_worlds(paths):
+                work.say(f"{path}, world {len(results) + 1}")
+                _check_its_own(path, world)
+                results.append((path, measured(world).as_dict()))
+    finally:  # what was measured is told, whatever ends the work
+        if results:
+            _tell(results, as_csv=as_csv, as_json=as_json)
+
+
+def _check_its_own(path: Path, world: World) -> None:
+    """Refuse a file whose certificate is wrong: what goes by a witness would be measured along it.
+
+    Raises:
+        InvalidWorld: If it is.
+    """
+    from worldgen.reach import check_certificate
+
+    if world.certificate is not None and not (report := check_certificate(world)).valid:
+        raise InvalidWorld(
+            "certificate-invalid",
+            "{path}: its certificate proves nothing, because {reason}",
+            "take it out, and the world is decided before it is measured",
+            path=path,
+            reason=report.reason,
+        )
+
+
+def _tell(results: Sequence[tuple[Path, dict[str, float]]], *, as_csv: bool, as_json: bool) -> None:
+    if as_json:
+        found = [{"path": str(path), "metrics": metrics} for path, metrics in results]
+        emit_json(found[0] if len(found) == 1 else {"files": found})
+    elif as_csv:
+        click.echo(_comma_separated(results), nl=False)
+    else:
+        click.echo(_table(results))
+
+
+def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
+    from worldgen.difficulty import METRICS
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["path", *METRICS])
+    writer.writerows([str(path), *(_cell(metrics.get(name)) for name in METRICS)] for path, metrics in results)
+    return text.getvalue()
+
+
+def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
+    """One world below the other, or one metric a line where there is one world."""
+    from worldgen.difficulty import METRICS
+    from worldgen.support.plain_text import aligned
+
+    if len(results) == 1:
+        path, metrics = results[0]
+        lines = [[name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning] for name in METRICS]
+        return f"{shown(path)}\n" + aligned([line for line in lines if line[1]], right={1})
+    used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
+    head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
+    rows = [[shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results]
+    return aligned([*head, *rows], right=range(1, 1 + len(used)))
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None else f"{value:g}"

@@ -1,0 +1,131 @@
+"""``worldgen regenerate``: a set again from its manifest, or whether it is what its manifest says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.errors import OutputError
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.sets import Manifest
+
+__all__ = ["regenerate"]
+
+EXAMPLES = (
+    "\b\n  worldgen regenerate mazes/ --check\n  worldgen regenerate mazes/manifest.jsonl --out again/\n"
+    "  worldgen regenerate mazes.zip --out again.zip"
+)
+SHOWN = 20  # differences in text; --json has them all
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder or archive to make; with --check, to look at.")
+@click.option("--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra.")
+@click.option(
+    "--family", "families", multiple=True, help="Where a family is that is not registered: ./mine.py:pillars."
+)
+@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core, for large sets].")
+@force_option
+@json_option
+def regenerate(
+    path: Path,
+    out: Path | None,
+    check: bool,
+    families: tuple[str, ...],
+    workers: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Make a set of worlds again from its manifest, byte for byte, or check it.
+
+    SET is a set's folder, its archive, or its manifest alone. With --out the whole set is made there; without, what
+    is missing in the set's own folder. Every world is compared with the manifest before it is written.
+
+    Exits with 0 if the set is what its manifest says, with 1 if it is not, or a world comes out otherwise.
+    """
+    from worldgen.sets import manifest_of
+
+    manifest = manifest_of(path)
+    place = out or (path.parent if path.is_file() and path.suffix == ".jsonl" else path)
+    if check:
+        _check(path, place, manifest, as_json=as_json)
+    else:
+        _make(path, place, manifest, families, workers, elsewhere=out is not None, force=force, as_json=as_json)
+
+
+def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> None:
+    from worldgen.sets import check_set
+
+    with working(f"checking {place} against its manifest"):
+        differences = check_set(place, manifest)
+    if as_json:
+        found = [{"kind": difference.kind, "file": difference.file} for difference in differences]
+        _emit(path, place, manifest, made=0, ok=not found, differences=found)
+    for difference in differences[:SHOWN] if not as_json else ():
+        click.echo(f"{place / difference.file}: {difference.kind}")
+    more = f"{len(differences)} differences" if len(differences) != 1 else "1 difference"
+    note(f"{place}: {len(manifest.entries)} worlds, {more if differences else 'all as the manifest says'}")
+    if differences:
+        raise click.exceptions.Exit(1)
+
+
+def _make(
+    path: Path,
+    place: Path,
+    manifest: Manifest,
+    families: tuple[str, ...],
+    workers: int | None,
+    *,
+    elsewhere: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    from worldgen.commands.set_output import told, workers_for
+    from worldgen.sets import SetDiffers, regenerate_set, restore_set
+
+    count = len(manifest.entries)
+    if not manifest.finished:
+        raise OutputError(
+            "set-unfinished",
+            "{path} is unfinished, with {count} of {planned} worlds",
+            "the command that began it goes on",
+            path=path,
+            count=count,
+            planned=manifest.header.count,
+        )
+    if not elsewhere and not place.is_dir():
+        raise OutputError(
+            "is-a-file",
+            "{path} is one file",
+            "say with --out where to make the set, or give --check to compare",
+            at_terminal=True,
+            path=path,
+        )
+    try:
+        with told(place, count, force=force and elsewhere) as progress:
+            work = regenerate_set if elsewhere else restore_set
+            processes = workers_for(count, workers)
+            done = work(manifest, place, families=families, workers=processes, force=force, progress=progress)
+    except SetDiffers as error:
+        note(f"worldgen: {error}", always=True)
+        if as_json:
+            _emit(
+                path, place, manifest, made=0, ok=False, differences=[{"kind": "changed", "file": error.facts["file"]}]
+            )
+        raise click.exceptions.Exit(1) from error
+    note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there")
+    if as_json:
+        _emit(path, place, manifest, made=count - done.resumed, ok=True, differences=[])
+
+
+def _emit(
+    path: Path, place: Path, manifest: Manifest, *, made: int, ok: bool, differences: list[dict[str, str]]
+) -> None:
+    where = {"manifest": str(path), "out": str(place)}
+    emit_json({**where, "worlds": len(manifest.entries), "made": made, "ok": ok, "differences": differences})

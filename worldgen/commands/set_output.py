@@ -1,0 +1,110 @@
+"""What the commands that make sets share: how far they are, what an interruption leaves, one object of JSON."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from worldgen.cli.output import draw_seed, emit_json, note
+from worldgen.errors import OutputError, WorldgenError
+from worldgen.support.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.sets import SetPlan, StratifiedPlan, WishedPlan
+
+__all__ = ["make_many", "told", "workers_for"]
+
+_LARGE = 200  # worlds; below it takes longer to start processes than to do without
+
+
+def make_many(
+    plan: SetPlan | WishedPlan | StratifiedPlan,
+    seed: int | None,
+    out: Path,
+    *,
+    workers: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Makes a set, or goes on with it.
+
+    Args:
+        plan: The set, from any seed on.
+        seed: The first world's; without it, that of an unfinished set there, or else one that is drawn.
+        out: Folder or archive.
+        workers: Processes.
+        force: Whether to replace what is there.
+        as_json: Whether to print one object.
+    """
+    from worldgen.random_streams import MASK64
+    from worldgen.sets import make_set, manifest_of
+
+    plan = plan.with_seed(_seed(plan, seed, out, force=force))
+    header, count = plan.header, plan.header.count
+    with told(out, count, force=force) as progress:
+        done = make_set(plan, out, workers=workers_for(count, workers), force=force, progress=progress)
+    last = (header.seed + count - 1) & MASK64
+    note(
+        f"{out}: {count} worlds of {header.family}, "
+        + (f"found for {header.wish!r}" if header.wish else f"seeds {header.seed} to {last}")
+    )
+    if as_json:
+        asked = {"family": header.family, "version": header.version, "seed": header.seed, "params": header.params}
+        asked |= {"wish": header.wish} if header.wish else {}
+        entries = [entry.as_dict() for entry in manifest_of(out).entries]
+        files = [{**entry, "file": str(out / entry["file"])} for entry in entries]
+        emit_json({**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files})
+
+
+def _seed(plan: SetPlan | WishedPlan | StratifiedPlan, seed: int | None, out: Path, *, force: bool) -> int:
+    from worldgen.sets import begun_set
+
+    begun = begun_set(out) if seed is None and not force else None
+    if begun is not None and begun == plan.with_seed(begun.seed).header:
+        note(f"seed {begun.seed}", always=True)
+        return begun.seed
+    return draw_seed(seed)
+
+
+def workers_for(count: int, workers: int | None) -> int:
+    """Processes for so many worlds, where nobody said how many."""
+    return workers or (min(os.cpu_count() or 1, 256) if count >= _LARGE else 1)
+
+
+@contextmanager
+def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
+    """Give what to call with the number of worlds that are safe; say that number if the work ends early.
+
+    With ``force`` the same command would begin again from nothing.
+    """
+    safe = -1
+    with working(f"writing {out}") as work:
+
+        def progress(done: int) -> None:
+            nonlocal safe
+            if safe < 0 < done:
+                note(f"{out}: {done} of {count} worlds are there already; going on")
+            safe = done
+            work.count(done, count, "worlds")
+
+        try:
+            yield progress
+        except (KeyboardInterrupt, WorldgenError) as error:
+            if safe >= 0:
+                on = (
+                    ""
+                    if isinstance(error, WorldgenError) and not isinstance(error, OutputError)
+                    else _going_on(out, force=force)
+                )
+                note(f"{out}: {safe} of {count} worlds are written{on}", always=True)
+            raise
+
+
+def _going_on(out: Path, *, force: bool) -> str:
+    if not force:
+        return "; the same command goes on from there"
+    moved = f", once {out} is moved away," if out.is_file() else ""
+    return f"; the same command without --force{moved} goes on from there"

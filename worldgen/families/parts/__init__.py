@@ -1,0 +1,1 @@
+"""Parts that families share or are built of."""

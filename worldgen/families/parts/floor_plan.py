@@ -1,0 +1,216 @@
+"""Floor plans: a square divided into corridors and rooms, and the walls between neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.families.parts.layout import CHOSEN, Arena
+from worldgen.random_streams import RandomStream
+
+__all__ = ["FloorPlan", "Joints", "Sizes", "Style", "divide", "fit_sizes", "joined"]
+
+Style: TypeAlias = Literal["wings", "spine", "suite"]
+Box: TypeAlias = tuple[int, int, int, int]
+
+LARGEST = 4  # least sides of a room; a larger box is always divided
+ROOMY = 3  # a room is at most so many times as large as the least as a rule
+_STOP = (1, 3)  # share of the boxes that stay whole though they could be divided
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Lengths in cells: the least inner side of a room, the width of corridors and doors, the walls' thickness."""
+
+    room: int
+    corridor: int
+    door: int
+    wall: int
+
+
+@dataclass(frozen=True)
+class FloorPlan:
+    """Boxes (x0, y0, x1, y1) in cells, the corridors first, one wall's thickness apart.
+
+    Args:
+        boxes: (n, 4) int.
+        corridors: How many of them are corridors.
+        owner: (size, size) int32: the box that a cell is in, -1 for walls.
+    """
+
+    boxes: npt.NDArray[np.int64]
+    corridors: int
+    owner: npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Joints:
+    """Stretches of wall between two boxes, where a door can be: one row each.
+
+    Args:
+        pairs: (n, 2) the boxes.
+        across: (n,) 0 where the boxes lie side by side in x, 1 in y.
+        place: (n,) first cell of the wall across.
+        low: (n,) first cell of the stretch along the wall.
+        length: (n,) its cells.
+    """
+
+    pairs: npt.NDArray[np.int64]
+    across: npt.NDArray[np.int64]
+    place: npt.NDArray[np.int64]
+    low: npt.NDArray[np.int64]
+    length: npt.NDArray[np.int64]
+
+    def opening(self, joint: int, first: int, width: int, wall: int) -> tuple[slice, slice]:
+        """Rows and columns of an opening of ``width`` cells, from the stretch's cell ``first`` on."""
+        along = slice(int(self.low[joint]) + first, int(self.low[joint]) + first + width)
+        through = slice(int(self.place[joint]), int(self.place[joint]) + wall)
+        return (through, along) if self.across[joint] else (along, through)
+
+
+def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, spacious: int = 0) -> Sizes:
+    """The sizes, a room's drawn if it is to be, such that two rooms and their corridor fit.
+
+    Args:
+        rng: The only source of chance.
+        arena: The square.
+        style: Whether there are corridors.
+        sizes: What is asked for; a room's side may be ``CHOSEN``.
+        spacious: Cells by which a drawn side is at least larger than it must be, where there is room.
+
+    Raises:
+        InvalidParameter: If they do not, or a door is wider than a room.
+    """
+    beside = sizes.wall if style == "suite" else sizes.corridor + 2 * sizes.wall
+    most = (arena.inside - beside) // 2
+    least = max(arena.narrowest, sizes.door)
+    asked = least if sizes.room == CHOSEN else sizes.room
+    if asked < least:
+        name = "door" if sizes.door > arena.narrowest else "robot"
+        raise InvalidParameter(
+            "below-minimum",
+            "room={room} is narrower than the {name}, {least} cells",
+            "give at least {least}, or -1 to have it drawn",
+            room=asked,
+            name=name,
+            least=least,
+        )
+    if asked > most:
+        raise InvalidParameter(
+            "no-room",
+            "two rooms of {room} cells and the {between} cells between them are more than "
+            "the {inside} inside size={size}",
+            "give a size of at least {least}, or smaller rooms, walls or corridors",
+            room=asked,
+            between=beside,
+            inside=arena.inside,
+            size=arena.size,
+            least=2 * asked + beside + 2,
+        )
+    if sizes.room == CHOSEN:
+        low = min(most, least + max(1, spacious))
+        asked = rng.between(low, max(low, min(most, LARGEST * least, arena.inside // 5)))
+    return Sizes(asked, sizes.corridor, sizes.door, sizes.wall)
+
+
+def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> FloorPlan:
+    """Cuts the square into corridors and rooms.
+
+    ``wings``: corridors branch off corridors until every room is near one; ``spine``: one corridor across;
+    ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they share at least a
+    room's least side: every box can be joined to the rest.
+    """
+    whole = (1, 1, arena.size - 1, arena.size - 1)
+    corridors: list[Box] = []
+    blocks = [whole]
+    if style != "suite":
+        blocks, corridors = _corridors(rng.child("corridors"), whole, sizes, most=1 if style == "spine" else None)
+    rooms = _rooms(rng.child("rooms"), blocks, sizes)
+    boxes = np.array([*corridors, *rooms], dtype=np.int64)
+    owner = np.full((arena.size, arena.size), -1, dtype=np.int32)
+    for number, (x0, y0, x1, y1) in enumerate([*corridors, *rooms]):
+        owner[y0:y1, x0:x1] = number
+    return FloorPlan(boxes, len(corridors), owner)
+
+
+def _corridors(rng: RandomStream, whole: Box, sizes: Sizes, most: int | None) -> tuple[list[Box], list[Box]]:
+    """Blocks, and the corridors between them, each of which ends at another."""
+    least = sizes.corridor + 2 * sizes.wall + 2 * sizes.room
+    enough = max(least, sizes.corridor + 2 * sizes.wall + rng.between(2, 2 * ROOMY) * sizes.room)
+    first_axis = rng.below(2)
+    pending: list[tuple[Box, int]] = [(whole, 0)]
+    blocks: list[Box] = []
+    corridors: list[Box] = []
+    while pending:
+        box, level = pending.pop()
+        sides = (box[2] - box[0], box[3] - box[1])
+        axis = (first_axis + level) % 2 if level < 2 else int(sides[1] > sides[0])  # the first two cross
+        if sides[axis] < (least if not corridors else enough) or (most is not None and len(corridors) >= most):
+            blocks.append(box)
+            continue
+        spare = sides[axis] - least
+        at = box[axis] + sizes.room + spare // 4 + rng.between(0, spare - 2 * (spare // 4))
+        near, corridor, far = _split(box, axis, at, at + 2 * sizes.wall + sizes.corridor)
+        corridors.append(_inner(corridor, axis, sizes.wall))
+        pending += [(near, level + 1), (far, level + 1)]
+    return blocks, corridors
+
+
+def _split(box: Box, axis: int, low: int, high: int) -> tuple[Box, Box, Box]:
+    """The box before ``low``, between, and from ``high`` on."""
+    x0, y0, x1, y1 = box
+    if axis == 0:
+        return (x0, y0, low, y1), (low, y0, high, y1), (high, y0, x1, y1)
+    return (x0, y0, x1, low), (x0, low, x1, high), (x0, high, x1, y1)
+
+
+def _inner(box: Box, axis: int, wall: int) -> Box:
+    x0, y0, x1, y1 = box
+    return (x0 + wall, y0, x1 - wall, y1) if axis == 0 else (x0, y0 + wall, x1, y1 - wall)
+
+
+def _rooms(rng: RandomStream, blocks: list[Box], sizes: Sizes) -> list[Box]:
+    """Blocks cut in two again and again, until they are rooms."""
+    least = 2 * sizes.room + sizes.wall
+    pending = blocks[::-1]
+    rooms: list[Box] = []
+    while pending:
+        box = pending.pop()
+        sides = (box[2] - box[0], box[3] - box[1])
+        if max(sides) < least or (
+            max(sides) <= ROOMY * sizes.room + sizes.wall
+            and len(rooms) + len(pending)
+            and rng.below(_STOP[1]) < _STOP[0]
+        ):
+            rooms.append(box)
+            continue
+        axis = int(sides[1] > sides[0])
+        if min(sides) >= least and 2 * max(sides) < 3 * min(sides):
+            axis = rng.below(2)
+        at = box[axis] + sizes.room + rng.between(0, sides[axis] - least)
+        near, _, far = _split(box, axis, at, at + sizes.wall)
+        pending += [far, near]
+    return rooms
+
+
+def joined(plan: FloorPlan, sizes: Sizes) -> Joints:
+    """Every stretch of wall between two boxes that a door fits into."""
+    found = [_side_by_side(plan.owner, sizes.wall), _side_by_side(plan.owner.T, sizes.wall)]
+    across = np.repeat([0, 1], [len(rows) for rows in found])
+    table = np.concatenate(found)
+    kept = table[:, 4] >= sizes.door
+    table, across = table[kept], across[kept]
+    return Joints(table[:, :2], across, table[:, 2], table[:, 3], table[:, 4])
+
+
+def _side_by_side(owner: npt.NDArray[np.int32], wall: int) -> npt.NDArray[np.int64]:
+    """Rows (box, box, first column of the wall, first row shared, rows shared), the left box first."""
+    left, right = owner[:, : -wall - 1].astype(np.int64), owner[:, wall + 1 :].astype(np.int64)
+    rows, columns = np.nonzero((left >= 0) & (right >= 0) & (left != right))  # a box's rows in ascending order
+    a, b = left[rows, columns], right[rows, columns]
+    _, first, count = np.unique(a * (owner.max() + 1) + b, return_index=True, return_counts=True)
+    return np.stack([a[first], b[first], columns[first] + 1, rows[first], count], axis=1)

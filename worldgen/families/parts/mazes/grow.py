@@ -1,0 +1,161 @@
+"""Grow a maze by a named algorithm: hand its board and random words to the C core, take back links."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen import _core
+from worldgen.families.parts.mazes.board import Links, Mask, links_of_parents
+from worldgen.random_streams import RandomStream
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = ["FIT_ANY_SHAPE", "METHODS", "Algorithm", "grow", "spanning_tree"]
+
+Algorithm: TypeAlias = Literal[
+    "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", "prim", "growing-tree",
+    "eller", "sidewinder", "binary-tree", "recursive-division",
+]  # fmt: skip
+Size: TypeAlias = Callable[[int, int], int]  # of the columns and rows
+
+# Words that the core gets in one call; those of a larger maze stay in the cache, and a call takes some hundredths of
+# a second. A corridor draws on after a tree of up to 999 x 999 chambers, from where the last call's words end.
+MOST_WORDS = 1 << 17
+SHARE = 1 << 16  # of the picks of a growing tree
+
+
+def _few_words(columns: int, rows: int) -> int:
+    return min(max(16, columns * rows // 8), MOST_WORDS)
+
+
+def _places(columns: int, rows: int) -> int:
+    return (columns + 2) * (rows + 2)
+
+
+@dataclass(frozen=True)
+class Method:
+    """How an algorithm is run.
+
+    Args:
+        code: Its number in the core.
+        words: How many random words each call gets.
+        draws_on: Whether each call gets new words; the others want all their words in every call.
+        parents: Whether it leaves parents on the board, not links.
+        any_shape: Whether chambers may be missing.
+    """
+
+    code: int
+    words: Size = _few_words
+    draws_on: bool = True
+    parents: bool = True
+    any_shape: bool = True
+
+
+_lib = _core.lib
+METHODS: dict[str, Method] = {
+    "wilson": Method(_lib.WG_WILSON),
+    "aldous-broder": Method(_lib.WG_ALDOUS_BRODER),
+    "backtracker": Method(_lib.WG_BACKTRACKER),
+    "hunt-and-kill": Method(_lib.WG_HUNT_AND_KILL),
+    "kruskal": Method(_lib.WG_KRUSKAL, _places, draws_on=False, parents=False),
+    "prim": Method(_lib.WG_PRIM, _places, draws_on=False),
+    "growing-tree": Method(_lib.WG_GROWING_TREE),
+    "eller": Method(
+        _lib.WG_ELLER,
+        words=lambda columns, rows: rows * ((columns + 31) >> 5),
+        parents=False,
+        any_shape=False,
+    ),
+    "sidewinder": Method(_lib.WG_SIDEWINDER, parents=False, any_shape=False),
+    "binary-tree": Method(
+        _lib.WG_BINARY_TREE,
+        words=lambda columns, rows: rows * ((columns + 63) >> 6),
+        parents=False,
+        any_shape=False,
+    ),
+    "recursive-division": Method(_lib.WG_RECURSIVE_DIVISION, parents=False, any_shape=False),
+}
+
+FIT_ANY_SHAPE = tuple(name for name, method in METHODS.items() if method.any_shape)
+_DRAW_FROM_THE_STREAM_ITSELF = ("wilson", "backtracker")  # the first two; each later one has a stream of its own
+
+
+def grow(rng: RandomStream, mask: Mask, algorithm: str, *, newest: float = 0.5, oldest: float = 0.0) -> Links:
+    """Return a random maze without loops in a connected shape.
+
+    Args:
+        rng: The only source of chance.
+        mask: Where there are chambers.
+        algorithm: One of ``METHODS``; those outside ``FIT_ANY_SHAPE`` need a full rectangle.
+        newest: Share of a growing tree's picks that take the newest chamber.
+        oldest: Share that take the oldest; the rest take any.
+
+    Returns:
+        (rows, columns) links, without ROCK.
+    """
+    chambers = _grown(rng, mask, algorithm, newest, oldest)
+    return links_of_parents(chambers) if METHODS[algorithm].parents else chambers.copy()
+
+
+def spanning_tree(
+    rng: RandomStream, columns: int, rows: int, algorithm: Literal["wilson", "backtracker"]
+) -> npt.NDArray[np.int8]:
+    """Return a random spanning tree of a rectangle of chambers.
+
+    Args:
+        rng: The only source of chance; the tree's draws are its own.
+        columns: Chambers in x.
+        rows: Chambers in y.
+        algorithm: ``wilson``: every tree equally likely. ``backtracker``: long winding passages.
+
+    Returns:
+        (rows, columns): from each chamber, the direction of its parent in quarter turns, or ``ROOT``.
+    """
+    return _grown(rng, np.ones((rows, columns), np.bool_), algorithm, 0.0, 0.0)
+
+
+def _grown(rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest: float) -> npt.NDArray[np.int8]:
+    """Return the chambers on the board when all is done: a view of (rows, columns)."""
+    method = METHODS[algorithm]
+    rows, columns = mask.shape
+    stream = rng if algorithm in _DRAW_FROM_THE_STREAM_ITSELF else rng.child(algorithm)
+
+    # Set up the maze, its board and its work space.
+    ffi, lib = _core.ffi, _core.lib
+    maze = ffi.new("WgMaze *")
+    maze.algorithm = method.code
+    maze.columns = columns
+    maze.rows = rows
+    maze.newest = round(newest * SHARE)
+    maze.oldest = round(oldest * SHARE)
+    board = np.empty((rows + 2, columns + 2), np.int8)
+    work = np.empty(max(lib.wg_maze_work_bytes(maze), 1), np.uint8)
+    buffers = (writable(ffi, board, np.int8), board.size, writable(ffi, work, np.uint8), work.size)
+    chambers = pointer(ffi, np.ascontiguousarray(mask), np.bool_)
+    check(lib.wg_maze_begin(maze, chambers, stream.below(int(np.count_nonzero(mask))), *buffers))
+
+    # Feed it random words.
+    words = None
+    while maze.left > 0:
+        if words is None or method.draws_on:
+            words = stream.bits(method.words(columns, rows))
+            if algorithm == "kruskal":
+                words = _edge_keys(maze, words, board)
+        check(lib.wg_maze_grow(maze, pointer(ffi, words, np.uint64), len(words), *buffers))
+    return board[1:-1, 1:-1]
+
+
+def _edge_keys(maze: Any, words: npt.NDArray[np.uint64], board: npt.NDArray[np.int8]) -> npt.NDArray[np.uint64]:
+    """Return the keys of all edges between chambers, the lightest first."""
+    ffi, lib = _core.ffi, _core.lib
+    keys = np.empty(2 * board.size, np.int64)
+    count = ffi.new("int64_t *")
+    inputs = (pointer(ffi, words, np.uint64), pointer(ffi, board, np.int8), board.size)
+    check(lib.wg_maze_edge_keys(maze, *inputs, writable(ffi, keys, np.int64), count))
+    found = keys[: count[0]]
+    found.sort()
+    return found.view(np.uint64)

@@ -1,0 +1,47 @@
+"""Shapes that a maze can have: masks over its chambers, by name."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.families.parts.mazes.board import Mask
+
+__all__ = ["LEAST", "Shape", "shape_mask"]
+
+Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
+
+# Chambers a side from which a shape is what its name says, and in one piece, without a chamber that sticks out alone.
+LEAST = {"square": 2, "disc": 4, "ring": 6, "cross": 6, "diamond": 4}
+
+
+def shape_mask(shape: str, side: int) -> Mask:
+    """(side, side): where a maze of that shape has chambers.
+
+    Raises:
+        InvalidParameter: If the side is below the shape's ``LEAST``.
+    """
+    if side < LEAST[shape]:
+        raise InvalidParameter(
+            "no-room",
+            "mask={shape} needs {least} x {least} chambers and there are {side} x {side}",
+            "give a larger size, or narrower passages and walls",
+            shape=shape,
+            least=LEAST[shape],
+            side=side,
+        )
+    doubled = np.abs(2 * np.arange(side, dtype=np.int64) - (side - 1))  # twice the distance from the middle
+    across, up = doubled[np.newaxis, :], doubled[:, np.newaxis]
+    from_middle_sq = across**2 + up**2
+    mask: Mask = np.ones((side, side), dtype=np.bool_)
+    if shape in ("disc", "ring"):
+        mask &= from_middle_sq <= side**2
+    if shape == "ring":
+        mask &= 9 * from_middle_sq > side**2
+    elif shape == "cross":
+        mask &= 3 * np.minimum(across, up) <= side
+    elif shape == "diamond":
+        mask &= across + up <= side + 1
+    return mask

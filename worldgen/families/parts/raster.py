@@ -1,0 +1,83 @@
+"""Polygons turned by any angle and rastered to cells, in whole numbers: the same on every machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.support.angles import SCALE, direction
+
+__all__ = ["FINE", "Point", "Polygon", "bounds", "box", "extents", "fill", "to_frame", "turned"]
+
+Point: TypeAlias = tuple[int, int]
+Polygon: TypeAlias = tuple[Point, ...]
+
+FINE = 64  # units a cell
+_THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted strip of one cell then has no hole, corners too
+
+
+def box(x0: int, y0: int, x1: int, y1: int) -> Polygon:
+    """A box given in cells, as a polygon in units, counter-clockwise."""
+    return tuple((FINE * x, FINE * y) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
+
+
+def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
+    """A polygon turned counter-clockwise about the origin."""
+    cos, sin = direction(degrees)
+    half = SCALE // 2
+    return tuple(((x * cos - y * sin + half) // SCALE, (x * sin + y * cos + half) // SCALE) for x, y in polygon)
+
+
+def to_frame(
+    x: npt.NDArray[np.int64], y: npt.NDArray[np.int64], degrees: int
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Points, in units, as seen from a frame turned counter-clockwise about the origin."""
+    cos, sin = direction(degrees)
+    return (x * cos + y * sin) // SCALE, (y * cos - x * sin) // SCALE
+
+
+def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:
+    """First and last cells, x0, y0, x1, y1, that :func:`fill` can touch, the last ones excluded."""
+    thicker = 0 if all(_is_straight(polygon) for polygon in polygons) else _THICKER
+    xs, ys = zip(*(point for polygon in polygons for point in polygon), strict=True)
+    low = [(value - thicker) // FINE for value in (min(xs), min(ys))]
+    high = [-((-value - thicker) // FINE) for value in (max(xs), max(ys))]
+    return low[0], low[1], high[0], high[1]
+
+
+def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
+    """Columns and rows that :func:`fill` never exceeds, wherever the polygons lie relative to the cells."""
+    x0, y0, x1, y1 = bounds(polygons)
+    if all(_is_straight(polygon) for polygon in polygons):
+        return x1 - x0, y1 - y0
+    xs, ys = zip(*(point for polygon in polygons for point in polygon), strict=True)
+    columns, rows = (-(-(max(values) - min(values) + 2 * _THICKER) // FINE) + 1 for values in (xs, ys))
+    return columns, rows
+
+
+def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
+    """Cells whose centres are in a convex polygon, from the first cells of :func:`bounds` on.
+
+    If any polygon is slanted, all are a little thickened, so that walls of one cell have no holes.
+    """
+    x0, y0, x1, y1 = bounds(polygons)
+    thicker = 0 if all(_is_straight(polygon) for polygon in polygons) else _THICKER
+    x = (np.arange(x0, x1, dtype=np.int64) * FINE + FINE // 2)[np.newaxis, :]
+    y = (np.arange(y0, y1, dtype=np.int64) * FINE + FINE // 2)[:, np.newaxis]
+    cells = np.zeros((y1 - y0, x1 - x0), dtype=np.bool_)
+    for polygon in polygons:
+        inside = np.ones_like(cells)
+        for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
+            ux, uy = bx - ax, by - ay
+            inside &= ux * (y - ay) - uy * (x - ax) >= -thicker * math.isqrt(ux * ux + uy * uy)
+        cells |= inside
+    return cells
+
+
+def _is_straight(polygon: Polygon) -> bool:
+    """Whether all sides are parallel to the axes."""
+    return all(ax == bx or ay == by for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True))

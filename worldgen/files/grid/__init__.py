@@ -1,0 +1,15 @@
+"""The ``.grid`` file, version 1: one world as text, the same world always the same bytes.
+
+Contents:
+    dumps, loads: between a world and its text.
+    read_world, write_world: between a world and a file, compressed if its name ends in ``.gz``.
+    world_digest: a world's id.
+
+``docs/grid-format.md`` is the normative description.
+"""
+
+from worldgen.files.grid.disk import read_world, write_world
+from worldgen.files.grid.reader import loads
+from worldgen.files.grid.writer import dumps, world_digest
+
+__all__ = ["dumps", "loads", "read_world", "world_digest", "write_world"]

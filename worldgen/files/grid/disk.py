@@ -1,0 +1,194 @@
+"""Files: read whole, plain or compressed, within a limit; written whole or not at all."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import zlib
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path, PurePosixPath
+from typing import Protocol
+
+from worldgen.errors import FormatError, Message, OutputError
+from worldgen.files.archives import Member, archive_in, members
+from worldgen.files.grid.reader import loads
+from worldgen.files.grid.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
+from worldgen.files.grid.writer import dumps, pieces
+from worldgen.files.whole import write_bytes
+from worldgen.world import World
+
+__all__ = ["expansion_limit", "read_world", "unpack_world", "write_world"]
+
+
+_COMPRESSION = 6  # zlib's own default; fixed, so that equal worlds are equal files
+_PIECE = 1 << 20  # bytes read at a time
+
+
+class _SupportsRead(Protocol):
+    """What can be read piece by piece."""
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes, none at the end."""
+
+
+def read_world(path: str | PathLike[str]) -> World:
+    """The world in a file; names ending in ``.gz`` are decompressed.
+
+    Args:
+        path: The file; one in an archive has the archive's path and then its own name, ``set.zip/maze-7.grid``.
+
+    Raises:
+        FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there is one.
+    """
+    source = str(path)
+    try:
+        with Path(path).open("rb") as stream:
+            data = _read_up_to(stream, MAX_FILE_BYTES)
+    except (NotADirectoryError, FileNotFoundError) as error:  # the latter is Windows's for both
+        place = archive_in(Path(path))
+        if place is None:
+            raise FormatError("no-such-file", "there is no such file", "check the name", source=source) from error
+        return _read_archived(*place, source)
+    except IsADirectoryError as error:
+        raise FormatError("is-a-folder", "this is a folder", "name a .grid file in it", source=source) from error
+    except OSError as error:
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=source
+        ) from error
+    except ValueError as error:  # a name with a NUL
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", "check the name", reason=str(error), source=repr(source)
+        ) from error
+    if data is None:
+        raise FormatError(
+            "too-large", "longer than {most} bytes, the limit of a .grid file", most=MAX_FILE_BYTES, source=source
+        )
+    return loads(_expand(data, source) if _is_compressed(source) else data, source)
+
+
+def unpack_world(member: Member, source: str) -> World:
+    """The world in a file of an archive.
+
+    Args:
+        member: The file.
+        source: Its name in messages.
+
+    Raises:
+        FormatError: If it cannot be read, or is no ``.grid`` file.
+    """
+    limit = expansion_limit(member.packed)
+    data = member.read(limit)
+    if data is None:
+        raise FormatError(
+            "too-large",
+            "longer than {most} bytes, the limit in such an archive",
+            "unpack it by hand",
+            most=limit,
+            source=source,
+        )
+    return loads(_expand(data, source) if _is_compressed(source) else data, source)
+
+
+def _read_archived(archive: Path, name: str, source: str) -> World:
+    for member in members(archive):
+        if PurePosixPath(member.name).as_posix() == name:  # tar writes ./w.grid for a folder that is packed as .
+            return unpack_world(member, source)
+    raise FormatError(
+        "no-such-file", "holds no file {name!r}", "list its files to find the name", name=name, source=str(archive)
+    )
+
+
+def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
+    """Writes the canonical text of a world; names ending in ``.gz`` are compressed.
+
+    Args:
+        world: What to write.
+        path: Where to.
+        force: Whether a file that is there is overwritten.
+
+    Raises:
+        InvalidWorld: If the world holds what the format cannot.
+        OutputError: If the file is there already, or cannot be written; nothing is left half written.
+    """
+    if _is_compressed(str(path)):
+        data, length = _compress(pieces(world))
+        if length > expansion_limit(len(data)):
+            raise OutputError(
+                "packed-too-tightly",
+                "{path}: {length} bytes would be compressed beyond what reading allows",
+                "write it without .gz",
+                path=path,
+                length=length,
+            )
+    else:
+        data = dumps(world)
+        length = len(data)
+    if length > MAX_FILE_BYTES:
+        raise OutputError(
+            "too-large",
+            "{path}: {length} bytes; a .grid file has at most {most}",
+            "split the world",
+            path=path,
+            length=length,
+            most=MAX_FILE_BYTES,
+        )
+    write_bytes(Path(path), data, force=force)
+
+
+def expansion_limit(compressed: int) -> int:
+    """Bytes that a compressed file of this size may expand to."""
+    return min(MAX_FILE_BYTES, max(EXPANSION_FLOOR, EXPANSION_RATIO * compressed))
+
+
+def _is_compressed(name: str) -> bool:
+    return name.lower().endswith(".gz")
+
+
+def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
+    """Gzip data without name or time, so that equal worlds are equal files; and the length of what is in it."""
+    packed, length = io.BytesIO(), 0
+    with gzip.GzipFile(filename="", mode="wb", compresslevel=_COMPRESSION, fileobj=packed, mtime=0) as stream:
+        for piece in text:
+            length += stream.write(piece)
+    return packed.getvalue(), length
+
+
+def _expand(data: bytes, source: str) -> bytes:
+    limit = expansion_limit(len(data))
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            expanded = _read_up_to(stream, limit)
+    except EOFError as error:
+        message = Message("cut-short", "the gzip data ends too early; the file was cut off", "copy it again")
+        raise FormatError.of(message, source=source) from error
+    except (OSError, zlib.error) as error:
+        message = Message(
+            "damaged-file",
+            "no sound gzip data: {reason}",
+            "copy the file again, or name it without .gz",
+            reason=str(error),
+        )
+        raise FormatError.of(message, source=source) from error
+    if expanded is None:
+        message = Message(
+            "too-large",
+            "{bytes} compressed bytes expand to more than the limit of {most}",
+            "unpack it by hand",
+            bytes=len(data),
+            most=limit,
+        )
+        raise FormatError.of(message, source=source)
+    return expanded
+
+
+def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
+    """All of a stream, or nothing if it is longer than ``limit``: a device may never end."""
+    pieces: list[bytes] = []
+    left = limit
+    while piece := stream.read(_PIECE):
+        left -= len(piece)
+        if left < 0:
+            return None
+        pieces.append(piece)
+    return b"".join(pieces)

@@ -1,0 +1,175 @@
+"""The TOML header: parsed with its limits guarded beforehand, and with the line of every key.
+
+``tomllib`` has no positions, recurses for every bracket and takes quadratic time for long dotted keys.
+So a linear scan looks over the text first; a second scan finds a key's line when a fault needs it.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from typing import Any, NoReturn
+
+from worldgen.errors import FormatError, Message
+from worldgen.files.grid.schema import MAX_DEPTH, MAX_WORD
+
+__all__ = ["Header"]
+
+_TOKEN = re.compile(
+    r"""
+      (?P<comment> \# [^\n]* )
+    | (?P<long_text> "{3} (?: [^"\\] | \\. | "{1,2}(?!") )*+ "{3,5}
+                   | '{3} (?: [^'] | '{1,2}(?!') )*+ '{3,5} )
+    | (?P<unclosed_long> "{3} | '{3} )
+    | (?P<text> " (?: [^"\\\n] | \\. )*+ " | ' [^'\n]*+ ' )
+    | (?P<unclosed> ["'] )
+    | (?P<newline> \n )
+    | (?P<open> [\[{] )
+    | (?P<close> [\]}] )
+    | (?P<mark> [=,.] )
+    | (?P<space> [ \t]+ )
+    | (?P<word> [^][{}="',.\#\s]+ | . )
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
+
+
+class Header:
+    """The parsed header.
+
+    Args:
+        text: The TOML, whole lines, without the first line of the file.
+        line: Line of the file in which ``text`` begins.
+        source: The file's name for messages.
+        noun: What the text is called in messages.
+
+    Raises:
+        FormatError: If the text is no TOML, or goes beyond the format's limits.
+    """
+
+    def __init__(self, text: str, line: int, source: str | None, noun: str = "the header") -> None:
+        text = text.replace("\r\n", "\n")  # as tomllib does
+        self._text, self._line, self.source, self._noun = text, line, source, noun
+        self._last_line = self._line_at(len(text))
+        self._guard()
+        try:
+            self.data: dict[str, Any] = tomllib.loads(text)
+        except ValueError as error:  # TOMLDecodeError, or int() refusing to read thousands of digits
+            self._fail_toml(str(error))
+
+    def line_of(self, *path: str) -> int:
+        """Line of the file that holds a key: its own statement, or the nearest one around it."""
+        best, found = 0, self._line
+        for offset, statement in self._statement_paths():
+            if statement[: len(path)] == path:
+                return self._line_at(offset)
+            if best < len(statement) <= len(path) and path[: len(statement)] == statement:
+                best, found = len(statement), self._line_at(offset)
+        return found
+
+    def statements(self) -> list[tuple[int, tuple[str, ...]]]:
+        """Line and full key path of every table line and every ``key = value``, in order."""
+        return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
+
+    def fault(self, message: Message, *path: str) -> FormatError:
+        """An error at the line of a key."""
+        return FormatError.of(message, line=self.line_of(*path), source=self.source)
+
+    def missing(self, message: Message) -> FormatError:
+        """An error at the end of the header, for what should stand in it."""
+        return FormatError.of(message, line=self._line_at(len(self._text)), source=self.source)
+
+    def _line_at(self, offset: int) -> int:
+        return self._line + self._text.count("\n", 0, offset)
+
+    def _fail_toml(self, message: str) -> NoReturn:
+        place = _PLACE.search(message)
+        line = self._last_line  # what stays open is seen at the end, and mended at its begin
+        column = None
+        if place is not None and place[1] is not None:
+            line = self._line + int(place[1]) - 1
+            column = int(place[2])
+        raise FormatError(
+            "not-toml",
+            "{noun} is not TOML: {reason}" if column is None else "{noun} is not TOML, column {column}: {reason}",
+            "write `key = value`, text in quotes, [table]",
+            noun=self._noun,
+            column=column,
+            reason=_PLACE.sub("", message),
+            line=line,
+            source=self.source,
+        )
+
+    def _guard(self) -> None:
+        """Refuses what tomllib would take too long over, or too many frames."""
+        depth = dots = 0
+        for token in _TOKEN.finditer(self._text):
+            kind = token.lastgroup
+            if kind in ("unclosed", "unclosed_long"):  # tomllib says what is wrong, and reads no further
+                self._last_line = self._line_at(token.start())
+                return
+            if kind == "open":
+                depth += 1
+            elif kind == "close":
+                depth -= 1
+            dots = dots + 1 if token[0] == "." else 0 if kind in ("newline", "open", "mark") else dots
+            if depth > MAX_DEPTH or dots > MAX_DEPTH:
+                deep = Message("nested-too-deep", "nesting deeper than {most} levels", "flatten it", most=MAX_DEPTH)
+                self._refuse(token.start(), deep)
+            if kind == "word" and len(token[0]) > MAX_WORD:
+                long = Message(
+                    "too-large",
+                    "a word of {characters} characters; the limit is {most}",
+                    "shorten it",
+                    characters=len(token[0]),
+                    most=MAX_WORD,
+                )
+                self._refuse(token.start(), long)
+
+    def _refuse(self, offset: int, message: Message) -> NoReturn:
+        said = message.behind("{noun} has ", noun=self._noun)
+        raise FormatError.of(said, line=self._line_at(offset), source=self.source)
+
+    def _statement_paths(self) -> Iterator[tuple[int, tuple[str, ...]]]:
+        """Offset and full key path of every table line and every ``key = value``, in order."""
+        table: tuple[str, ...] = ()
+        for offset, text in _statements(self._text):
+            path = _key_path(text)
+            if text.startswith("["):
+                table = path
+                yield offset, table
+            else:
+                yield offset, table + path
+
+
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """Offset and key part of every statement: ``[table]``, or what stands before ``=``."""
+    depth, begin, key_done = 0, -1, False
+    for token in _TOKEN.finditer(text):
+        kind = token.lastgroup
+        if begin < 0 and kind not in ("comment", "newline", "space"):
+            begin, key_done = token.start(), False
+        depth += (kind == "open") - (kind == "close")
+        if token[0] == "=" and depth == 0 and not key_done:
+            yield begin, text[begin : token.start()]
+            key_done = True
+        if kind in ("newline", "comment") and depth == 0 and begin >= 0:
+            if not key_done:
+                yield begin, text[begin : token.start()]
+            begin = -1
+
+
+def _key_path(text: str) -> tuple[str, ...]:
+    """Parts of a key or a table line; the text is part of a header that tomllib has read."""
+    node: Any = tomllib.loads(text if text.startswith("[") else f"{text}=0")
+    path: list[str] = []
+    while node and isinstance(node, dict | list):
+        if isinstance(node, list):
+            node = node[0]
+        else:
+            name = next(iter(node))
+            path.append(name)
+            node = node[name]
+    return tuple(path)

@@ -1,0 +1,264 @@
+"""The sections: cells as one block of bytes, events and points as lines of few words.
+
+What is right is read in bulk; only when something is wrong does a slow second look find the line.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, Message
+from worldgen.files.grid.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
+from worldgen.support.frozen import hand_over
+from worldgen.support.rows import flip_rows
+from worldgen.world import MAX_SIDE
+
+__all__ = ["Block", "Cells", "Mark", "read_cells", "read_columns"]
+
+_CHUNK = 1 << 20  # bytes of lines split into words at a time; words take 20 times their text in memory
+_CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
+
+
+class Block(NamedTuple):
+    """Where a section's lines lie: ``data[begin:end]``, whole lines, the first is line ``line``."""
+
+    data: bytes
+    begin: int
+    end: int
+    line: int
+    source: str | None
+
+    def fault(self, message: Message, row: int) -> FormatError:
+        """An error in line ``row`` of the block, counted from 0."""
+        return FormatError.of(message, line=self.line + row, source=self.source)
+
+
+class Mark(NamedTuple):
+    """A cell marked by a letter: column, row from the bottom, and the line of the file."""
+
+    ix: int
+    iy: int
+    line: int
+
+
+class Cells(NamedTuple):
+    """What ``%cells`` holds: walls, lowest row first, and the marks of start and target."""
+
+    walls: npt.NDArray[np.bool_]
+    start: Mark | None
+    target: Mark | None
+
+
+def read_cells(block: Block) -> Cells:
+    """Cells from their rows.
+
+    Raises:
+        FormatError: If there are no rows, too many, too long ones, ones of different length, a
+            character that is no cell, or a second start or target.
+    """
+    data, begin, end = block.data, block.begin, block.end
+    if begin == end:
+        raise block.fault(
+            Message(
+                "empty",
+                "%cells has no rows",
+                "write one line of {solid} and {free} for each row, the top one first",
+                solid=SOLID,
+                free=FREE,
+            ),
+            -1,
+        )
+    width = data.index(b"\n", begin) - begin
+    height, rest = divmod(end - begin, width + 1)
+    if rest or not 0 < width <= MAX_SIDE or height > MAX_SIDE:
+        _check_rows(block, width)
+    text = np.frombuffer(data, np.uint8, end - begin, begin).reshape(height, width + 1)
+    cells = flip_rows(text[:, :-1])
+    solid = cells == ord(SOLID)
+    start = target = None
+    if not ((text[:, -1] == ord("\n")).all() and (solid | (cells == ord(FREE))).all()):
+        _check_rows(block, width)
+        start, target = _mark(block, START, width), _mark(block, TARGET, width)
+    return Cells(hand_over(solid), start, target)
+
+
+def _mark(block: Block, letter: str, width: int) -> Mark | None:
+    """The one cell with a letter, in a block whose rows are right."""
+    code = letter.encode("ascii")
+    first = block.data.find(code, block.begin, block.end)
+    if first < 0:
+        return None
+    second = block.data.find(code, first + 1, block.end)
+    if second >= 0:
+        row = (second - block.begin) // (width + 1)
+        raise block.fault(
+            Message(
+                "twice",
+                "a second {letter}; one cell is marked {letter}: make the other one {free}",
+                letter=letter,
+                free=FREE,
+            ),
+            row,
+        )
+    height = (block.end - block.begin) // (width + 1)
+    row, ix = divmod(first - block.begin, width + 1)
+    return Mark(ix, height - 1 - row, block.line + row)
+
+
+def _check_rows(block: Block, width: int) -> None:
+    """Raises for the first row that breaks a rule; what comes before it is at most a world's size."""
+    at, row = block.begin, 0
+    while at < block.end:
+        stop = block.data.index(b"\n", at)
+        length = stop - at
+        if row == MAX_SIDE:
+            raise block.fault(
+                Message(
+                    "too-large",
+                    "more than {most} rows; a side has at most {most} cells",
+                    "split the world",
+                    most=MAX_SIDE,
+                ),
+                row,
+            )
+        if length == 0:
+            raise block.fault(
+                Message("empty", "an empty line in %cells; a row has at least one cell", "delete the line"), row
+            )
+        strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
+        if strange:
+            raise _strange_cell(block, at, stop, row)
+        if length > MAX_SIDE:
+            raise block.fault(
+                Message(
+                    "too-large",
+                    "a row of {cells} cells; a side has at most {most} cells",
+                    "split the world",
+                    cells=length,
+                    most=MAX_SIDE,
+                ),
+                row,
+            )
+        if length != width:
+            raise block.fault(
+                Message(
+                    "ragged-rows",
+                    "a row of {cells} cells under a first row of {width}",
+                    "make them equally long",
+                    cells=length,
+                    width=width,
+                ),
+                row,
+            )
+        at, row = stop + 1, row + 1
+
+
+def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
+    column = next(k for k, code in enumerate(block.data[at:stop]) if code not in _CELL_BYTES)
+    character = block.data[at + column : min(at + column + 4, stop)].decode("utf-8", "replace")[0]
+    return block.fault(
+        Message(
+            "unknown-sign",
+            "{sign!r} at column {column} is no cell",
+            "write {solid} for solid, {free} for free, {start} and {target} for start and target",
+            sign=character,
+            column=column + 1,
+            solid=SOLID,
+            free=FREE,
+            start=START,
+            target=TARGET,
+        ),
+        row,
+    )
+
+
+def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
+    """The words of a section, one array a field.
+
+    Raises:
+        FormatError: If a line has other words than the section's form, or a number is beyond 64 bits.
+    """
+    line_pattern = _line_pattern(section)
+    at, row = block.begin, 0
+    parts: list[list[npt.NDArray[Any]]] = [[np.zeros(0, field.dtype)] for field in section.fields]
+    while at < block.end:
+        stop = _chunk_end(block, at)
+        match = line_pattern.match(block.data, at, stop)
+        if match is None or match.end() < stop:
+            good_until = at if match is None else match.end()
+            raise _strange_line(block, section, good_until, row + block.data.count(b"\n", at, good_until))
+        words = block.data[at:stop].split()
+        count = len(section.fields)
+        for k, field in enumerate(section.fields):
+            parts[k].append(_column(block, section, field, words[k::count], row))
+        at, row = stop, row + len(words) // count
+    return [np.concatenate(columns) for columns in parts]
+
+
+def _chunk_end(block: Block, at: int) -> int:
+    """End of the whole lines within a chunk, or of the one line that is longer."""
+    if block.end - at <= _CHUNK:
+        return block.end
+    last = block.data.rfind(b"\n", at, at + _CHUNK)
+    return (last if last >= 0 else block.data.index(b"\n", at)) + 1
+
+
+@functools.cache
+def _line_pattern(section: LineSection) -> re.Pattern[bytes]:
+    return re.compile(b"(?:" + b" ".join(field.pattern for field in section.fields) + b"\n)*+")
+
+
+def _column(block: Block, section: LineSection, field: Field, words: list[bytes], row: int) -> npt.NDArray[Any]:
+    values = list(map(field.read, words))
+    try:
+        column = np.array(values, field.dtype)
+        if np.isfinite(column).all():
+            return column
+        wrong = int(np.argmin(np.isfinite(column)))
+    except OverflowError:
+        wrong = next(k for k, value in enumerate(values) if not -(2**63) <= value < 2**63)
+    raise block.fault(_word_message(section, field, words[wrong].decode("ascii")), row + wrong)
+
+
+def _word_message(section: LineSection, field: Field, word: str) -> Message:
+    near = "".join(difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else [])
+    return Message(
+        "wrong-form",
+        "%{section}: {field} {word!q} is not {rule}" + ("; did you mean {near!r}?" if near else ""),
+        "write `{form}`, for example `{example}`",
+        section=section.name,
+        field=field.name,
+        word=word,
+        rule=field.rule,
+        near=near,
+        form=section.form,
+        example=section.example,
+    )
+
+
+def _strange_line(block: Block, section: LineSection, at: int, row: int) -> FormatError:
+    stop = block.data.index(b"\n", at)
+    line = block.data[at : min(stop, at + 1000)].decode("utf-8", "replace")
+    words = line.split(" ")
+    if len(words) == len(section.fields):
+        for field, word in zip(section.fields, words, strict=True):
+            if not re.fullmatch(field.pattern, word.encode("utf-8", "replace")):
+                return block.fault(_word_message(section, field, word), row)
+    return block.fault(
+        Message(
+            "wrong-form",
+            "%{section}: {came!q} is not `{form}`, words with one space between them",
+            "write it like `{example}`",
+            section=section.name,
+            came=line,
+            form=section.form,
+            example=section.example,
+        ),
+        row,
+    )

@@ -1,0 +1,148 @@
+"""World to bytes: the same world gives the same bytes, wherever and whenever it is written."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from worldgen.errors import InvalidWorld
+from worldgen.files.grid.schema import END, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
+from worldgen.files.grid.toml_text import number_text, value_text
+from worldgen.support.rows import flip_rows
+from worldgen.timeline import CellState
+from worldgen.world import DEFAULT_ROBOT_SPEED, Cut, FailureRecord, Provenance, Value, Witness, World
+
+__all__ = ["dumps", "pieces", "world_digest"]
+
+_PIECE = 1 << 20  # cells written at a time
+
+
+def dumps(world: World) -> bytes:
+    """The canonical ``.grid`` text of a world.
+
+    Returns:
+        UTF-8 with LF line ends; :func:`worldgen.files.grid.loads` gives an equal world back.
+
+    Raises:
+        InvalidWorld: If the world holds what the format cannot: a number that is not finite, a value
+            that is none of ``Value``, more provenance and failure than a header may take.
+    """
+    return b"".join(pieces(world))
+
+
+def pieces(world: World) -> Iterator[bytes]:
+    """The same text in pieces of moderate size, so that a large world need not be in memory twice.
+
+    Raises:
+        InvalidWorld: As :func:`dumps`, for the header before the first piece.
+    """
+    header = "\n".join(_header_lines(world)).encode("utf-8")
+    if len(header) > MAX_HEADER_BYTES - len(MAGIC):
+        raise InvalidWorld(
+            "too-large",
+            "provenance and failure take {bytes} bytes of header; the limit is {most}",
+            "keep long evidence in a file of its own",
+            bytes=len(header),
+            most=MAX_HEADER_BYTES,
+        )
+    yield header + b"\n%cells\n"
+    yield from _cells(world)
+    yield "".join(f"{line}\n" for line in _section_lines(world)).encode("ascii")
+    yield f"%{END}\n".encode("ascii")
+
+
+def world_digest(world: World) -> str:
+    """The world's id: SHA-256, in hex, of its canonical bytes without provenance and failure."""
+    digest = hashlib.sha256()
+    for piece in pieces(replace(world, provenance=None, failure=None)):
+        digest.update(piece)
+    return digest.hexdigest()
+
+
+def _header_lines(world: World) -> Iterator[str]:
+    yield MAGIC
+    yield f"cell_size = {number_text(world.cell_size, 'cell_size')}"
+    yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
+    if world.robot_speed != DEFAULT_ROBOT_SPEED:
+        yield f"robot_speed = {number_text(world.robot_speed, 'robot_speed')}"
+    start, target = world.start, world.target
+    yield f"start = {_numbers('start', (start.x, start.y, start.heading))}"
+    yield f"target = {_numbers('target', (target.x, target.y, target.radius))}"
+    if world.provenance is not None:
+        yield from _provenance_lines(world.provenance)
+    if world.certificate is not None:
+        kind = "witness" if isinstance(world.certificate, Witness) else "cut"
+        yield from ("", "[certificate]", f'kind = "{kind}"')
+        yield f"clearance = {number_text(world.certificate.clearance, 'certificate.clearance')}"
+    if world.failure is not None:
+        yield from _failure_lines(world.failure)
+
+
+def _numbers(what: str, values: Iterable[float]) -> str:
+    return "[" + ", ".join(number_text(value, what) for value in values) + "]"
+
+
+def _provenance_lines(made: Provenance) -> Iterator[str]:
+    yield from ("", "[provenance]")
+    for key in ("family", "version", "seed"):
+        yield f"{key} = {value_text(getattr(made, key), f'provenance.{key}')}"
+    yield from _table_line("provenance", "params", made.params)
+    for name, value in made.metrics.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InvalidWorld(
+                "not-a-number",
+                "provenance.metrics.{name} is a {kind}: a metric is a number",
+                "leave it out",
+                name=name,
+                kind=type(value).__name__,
+            )
+    yield from _table_line("provenance", "metrics", dict(made.metrics))
+
+
+def _failure_lines(failure: FailureRecord) -> Iterator[str]:
+    yield from ("", "[failure]")
+    for key in ("controller", "motion", "seed", "verdict", "trace_digest"):
+        yield f"{key} = {value_text(getattr(failure, key), f'failure.{key}')}"
+    for key in ("parameters", "evidence", "details"):
+        yield from _table_line("failure", key, getattr(failure, key))
+
+
+def _table_line(table: str, key: str, values: Mapping[str, Value]) -> Iterator[str]:
+    if values:
+        yield f"{key} = {value_text(values, f'{table}.{key}')}"
+
+
+def _cells(world: World) -> Iterator[bytes]:
+    """The rows, top row first, some at a time."""
+    rows = flip_rows(world.walls)
+    at_once = max(1, _PIECE // world.width)
+    letters = np.array([ord(FREE), ord(SOLID)], np.uint8)
+    for first in range(0, world.height, at_once):
+        some = rows[first : first + at_once]
+        text = np.full((len(some), world.width + 1), ord("\n"), np.uint8)
+        text[:, :-1] = letters[some.view(np.uint8)]
+        yield text.tobytes()
+
+
+def _section_lines(world: World) -> Iterator[str]:
+    timeline, certificate = world.timeline, world.certificate
+    if len(timeline):
+        yield "%timeline"
+        words = [state.word for state in sorted(CellState)]
+        columns = (timeline.ix.tolist(), timeline.iy.tolist(), timeline.states.tolist())
+        for time, ix, iy, state in zip((timeline.times + 0.0).tolist(), *columns, strict=True):
+            yield f"{time!r} {ix} {iy} {words[state]}"
+    if isinstance(certificate, Witness):
+        yield "%witness"
+        points = np.column_stack((certificate.times, certificate.x, certificate.y)) + 0.0
+        if not np.isfinite(points).all():
+            raise InvalidWorld(
+                "not-finite", "the witness has a number that is not finite; a .grid file cannot hold it; prove it again"
+            )
+        yield from (f"{time!r} {x!r} {y!r}" for time, x, y in points.tolist())
+    elif isinstance(certificate, Cut):
+        yield "%cut"
+        yield from (f"{ix} {iy}" for ix, iy in certificate.cells.tolist())

@@ -1,0 +1,72 @@
+"""The worlds that a path stands for: a file's own, a folder's, an archive's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from worldgen.errors import FormatError
+from worldgen.files.archives import is_archive, members
+from worldgen.files.grid import read_world
+from worldgen.files.grid.disk import unpack_world
+from worldgen.world import World
+
+__all__ = ["files_in", "is_world_file", "read_worlds"]
+
+_ENDINGS = (".grid", ".grid.gz")
+
+
+def is_world_file(name: str) -> bool:
+    """Whether a file of this name is taken for a world."""
+    return name.endswith(_ENDINGS)
+
+
+def files_in(folder: Path) -> list[Path]:
+    """The files in a folder and below that are taken for worlds, sorted by name; none in a folder called ``.name``."""
+    found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
+    return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
+
+
+def _is_hidden(path: Path) -> bool:
+    """Whether a program keeps it for itself, as a campaign its memory and pytest its cache."""
+    return any(part.startswith(".") for part in path.parts[:-1])
+
+
+def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
+    """The worlds of files, folders and archives, each read when its turn comes.
+
+    Args:
+        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by name; an
+            archive for those in it, in its order; anything else is taken for a world's file.
+
+    Returns:
+        Path and world; a world in an archive has the archive's path and then its own name.
+
+    Raises:
+        FormatError: If a file cannot be read, or a folder or an archive holds no world.
+    """
+    for path in paths:
+        if path.is_dir():
+            files = files_in(path)
+            for file in files:
+                yield file, read_world(file)
+            found = bool(files)
+        elif is_archive(path):
+            found = False
+            for place, world in _archived(path):
+                found = True
+                yield place, world
+        else:
+            yield path, read_world(path)
+            continue
+        if not found:
+            raise FormatError(
+                "no-map-found", "holds no .grid file", "name a file, or a folder or archive with some", source=str(path)
+            )
+
+
+def _archived(path: Path) -> Iterator[tuple[Path, World]]:
+    for member in members(path):
+        if is_world_file(member.name):
+            place = path / member.name
+            yield place, unpack_world(member, str(place))

@@ -1,0 +1,278 @@
+"""MovingAI problems solved: is each published length that of a shortest octile path in our reading of the map?"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.benchmark.octile import OctileMap
+from worldgen.interop.formats.movingai import (
+    GROUND,
+    TREES,
+    WATER,
+    Problems,
+    read_problems,
+    read_terrain,
+    scenario_contents,
+)
+from worldgen.random_streams import RandomStream
+from worldgen.support.plain_text import aligned, counted
+
+__all__ = ["ScenarioFiles", "ScenarioReport", "as_csv", "as_text", "check_scenario", "find_scenarios", "total"]
+
+_TWO_DECIMALS = 0.0051  # half of the last, and rounding; "version 1.0" writes two
+_SIX_DIGITS = 1e-5  # of the length; "version 1" writes six digits or more, summed up in floating point
+_MOST_CELLS = 16_000_000  # 50 bytes each
+_MOST_LINES = 20  # of files with faults; CSV and JSON have all
+
+
+@dataclass(frozen=True)
+class ScenarioReport:
+    """What came of the problems of one file on one map.
+
+    Args:
+        scenario: Path of the scenario file.
+        map: Path of the map, empty where there is none of that name.
+        problems: Solved, or left out.
+        agree: Whose shortest path has the published length.
+        no_path: Of these: without a path, and published with length 0.
+        differ: Whose shortest path has another length.
+        unreachable: Published with a length, but here without a path.
+        misfit: Left out: made for a map of other sizes.
+        scaled: Solved on the map scaled to the problem's sizes.
+        worst: Largest difference among those that agree, cells.
+        fault: What is wrong in the first problem that does not agree, or in the file.
+    """
+
+    scenario: str
+    map: str
+    problems: int = 0
+    agree: int = 0
+    no_path: int = 0
+    differ: int = 0
+    unreachable: int = 0
+    misfit: int = 0
+    scaled: int = 0
+    worst: float = 0.0
+    fault: str = ""
+
+
+@dataclass(frozen=True)
+class ScenarioFiles:
+    """Scenario files, each with the maps of its name.
+
+    Args:
+        pairs: A scenario file and its maps: none, one, or several of that name in different folders.
+        refused: Files that are no scenarios, as reports.
+    """
+
+    pairs: tuple[tuple[Path, tuple[Path, ...]], ...]
+    refused: tuple[ScenarioReport, ...]
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+
+def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
+    """The ``.scen`` files among files and folders, and the ``.map`` files that they name.
+
+    Args:
+        paths: Files, and folders with all that is below them.
+
+    Raises:
+        InvalidParameter: If there is no scenario file, or a path is missing.
+    """
+    maps: dict[str, list[Path]] = {}
+    scenarios: dict[Path, None] = {}
+    for path in paths:
+        if not path.exists():
+            raise InvalidParameter(
+                "no-such-file", "{path} is not there", "name scenario files, maps, or folders of them", path=path
+            )
+        for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+            if file.suffix.lower() == ".scen":
+                scenarios[file] = None
+            elif file.suffix.lower() == ".map":
+                found = maps.setdefault(file.name, [])
+                found += [file] if file not in found else []
+    if not scenarios:
+        named = ", ".join(map(str, paths))
+        raise InvalidParameter(
+            "no-map-found",
+            "{paths}: holds no scenario file",
+            "name files that end in .scen, or their folder",
+            paths=named,
+        )
+    pairs, refused = [], []
+    for file in scenarios:
+        try:
+            pairs.append((file, tuple(maps.get(scenario_contents(file)[0], ()))))
+        except FormatError as error:
+            refused.append(ScenarioReport(str(file), "", fault=_sentence(error)))
+    return ScenarioFiles(tuple(pairs), tuple(refused))
+
+
+def check_scenario(
+    scenario: Path, maps: Sequence[Path], *, rows: int | None = None, seed: int = 0
+) -> Iterator[ScenarioReport]:
+    """Solves the problems of a file on every map of its name: on those of its sizes, or else on the others, scaled.
+
+    Args:
+        scenario: The ``.scen`` file.
+        maps: Maps of the name that it gives.
+        rows: Problems to draw; all where left out.
+        seed: What they are drawn by.
+    """
+    try:
+        problems = _drawn(read_problems(scenario), rows, seed, scenario.name)
+    except FormatError as error:
+        yield ScenarioReport(str(scenario), "", fault=_sentence(error))
+        return
+    if not maps:
+        fault = f"there is no map {problems.map_name} in what was named; name its folder too"
+        yield ScenarioReport(str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault)
+    read = [_terrain(path) for path in maps]
+    fitting = [not isinstance(terrain, str) and terrain.shape[::-1] == problems.size for terrain in read]
+    for path, terrain, fits in zip(maps, read, fitting, strict=True):
+        if isinstance(terrain, str):
+            yield ScenarioReport(str(scenario), str(path), len(problems.published), fault=terrain)
+        elif fits or not any(fitting):
+            yield _solve(scenario, path, problems, terrain)
+
+
+def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
+    """The map, or what is wrong with it."""
+    try:
+        return read_terrain(path)
+    except FormatError as error:
+        return _sentence(error)
+
+
+def _drawn(problems: Problems, rows: int | None, seed: int, name: str) -> Problems:
+    count = len(problems.published)
+    if rows is None or rows >= count:
+        return problems
+    order = list(range(count))
+    RandomStream(seed).child("scenarios", name).shuffle(order)
+    kept = np.array(sorted(order[:rows]), np.int64)
+    starts, goals, published = problems.starts[kept], problems.goals[kept], problems.published[kept]
+    return replace(problems, starts=starts, goals=goals, published=published)
+
+
+def _solve(scenario: Path, path: Path, problems: Problems, terrain: npt.NDArray[np.uint8]) -> ScenarioReport:
+    height, width = terrain.shape
+    count = len(problems.published)
+    report = ScenarioReport(str(scenario), str(path), count)
+    if problems.size == (height, width) != (width, height):  # a scaled map is not one on its side
+        fault = f"made for {height} x {width} cells, the map has {width} x {height}; swap the two in one of the files"
+        return replace(report, misfit=count, fault=fault)
+    if max(width * height, problems.size[0] * problems.size[1]) > _MOST_CELLS:
+        return replace(report, misfit=count, fault=f"more than {_MOST_CELLS} cells, which is as many as are solved")
+    if problems.size != (width, height):
+        terrain = _scaled(terrain, *problems.size)
+        report = replace(report, scaled=count)
+    return _compared(report, problems, _lengths(terrain, problems))
+
+
+def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
+    """The map in another size, as the benchmark scales: cell x of the new is cell x * old // new of the old."""
+    rows = np.arange(height) * terrain.shape[0] // height
+    columns = np.arange(width) * terrain.shape[1] // width
+    return np.ascontiguousarray(terrain[np.ix_(rows, columns)])
+
+
+def _lengths(terrain: npt.NDArray[np.uint8], problems: Problems) -> npt.NDArray[np.int64]:
+    """(n, 2) moves of shortest paths on the terrain that each problem begins on; -1, -1 where there is none."""
+    starts, goals = problems.starts, problems.goals
+    found = np.full((len(starts), 2), -1, np.int64)
+    begins = terrain[starts[:, 1], starts[:, 0]]
+    for kind in (GROUND, WATER, TREES):
+        here = begins == kind
+        if here.any():
+            found[here] = OctileMap(terrain != kind).lengths(starts[here], goals[here])
+    return found
+
+
+def _compared(report: ScenarioReport, problems: Problems, lengths: npt.NDArray[np.int64]) -> ScenarioReport:
+    published, blocked = problems.published, lengths[:, 0] < 0
+    ours = np.where(blocked, 0.0, lengths[:, 0] + lengths[:, 1] * math.sqrt(2.0))
+    difference = np.abs(ours - published)
+    near = difference <= (_TWO_DECIMALS if problems.version == "1.0" else np.maximum(_SIX_DIGITS * published, 1e-6))
+    agree = near & (~blocked | (published == 0.0))
+    wrong = np.flatnonzero(~agree)
+    return replace(
+        report,
+        agree=int(agree.sum()),
+        no_path=int((agree & blocked).sum()),
+        differ=int((~agree & ~blocked).sum()),
+        unreachable=int((~agree & blocked).sum()),
+        worst=float(difference[agree & ~blocked].max(initial=0.0)),
+        fault=_fault(problems, int(wrong[0]), ours, blocked) if len(wrong) else "",
+    )
+
+
+def _fault(problems: Problems, row: int, ours: npt.NDArray[np.float64], blocked: npt.NDArray[np.bool_]) -> str:
+    start, goal = (tuple(map(int, cells[row])) for cells in (problems.starts, problems.goals))
+    came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
+    told = f"published are {problems.published[row]:.10g} cells"
+    return f"from {start} to {goal} {came}, {told}; the map is another than the problems were made on"
+
+
+def _sentence(error: FormatError) -> str:
+    return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
+
+
+def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
+    """Sums over all files; of ``worst`` the largest; ``maps`` and ``files`` counted."""
+    counts = ("problems", "agree", "no_path", "differ", "unreachable", "misfit", "scaled")
+    sums: dict[str, int | float] = {name: sum(getattr(report, name) for report in reports) for name in counts}
+    sums["worst"] = max((report.worst for report in reports), default=0.0)
+    sums["maps"] = len({report.map for report in reports if report.map})
+    sums["files"] = len({report.scenario for report in reports})
+    return sums
+
+
+def as_csv(reports: Sequence[ScenarioReport]) -> str:
+    """A line a file and map, with the names of :class:`ScenarioReport` for columns."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([field.name for field in fields(ScenarioReport)])
+    table.writerows(asdict(report).values() for report in reports)
+    return text.getvalue()
+
+
+def as_text(reports: Sequence[ScenarioReport]) -> str:
+    """The sums, and a line for each file that does not agree in all."""
+    sums = total(reports)
+    scaled = f", {sums['scaled']} on maps scaled to their sizes" if sums["scaled"] else ""
+    lines = [
+        f"{counted(int(sums['problems']), 'problem')} in {counted(int(sums['files']), 'file')} "
+        f"on {counted(int(sums['maps']), 'map')}{scaled}",
+        "",
+        aligned(
+            [
+                ["shortest path as published", str(sums["agree"])],
+                ["  of these no path, published as 0", str(sums["no_path"])],
+                ["another length", str(sums["differ"])],
+                ["no path, but one is published", str(sums["unreachable"])],
+                ["left out: no map of that size", str(sums["misfit"])],
+                ["largest difference that rounding explains", f"{sums['worst']:.6f}"],
+            ],
+            right=[1],
+        ),
+    ]
+    faults = [report for report in reports if report.fault]
+    for report in faults[:_MOST_LINES]:
+        on = f" on {report.map}" if report.map else ""
+        lines.append(f"{report.scenario}{on}: {report.agree} of {report.problems} agree; {report.fault}")
+    if len(faults) > _MOST_LINES:
+        lines.append(f"{len(faults) - _MOST_LINES} more files do not agree in all; --csv lists them")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,115 @@
+"""A map as the census takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.interop.formats.text import cell_centre
+from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.random_streams import RandomStream
+from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.world import DEFAULT_CELL_SIZE, Pose, Target, Value
+
+__all__ = ["CensusMap", "Ends", "Refused", "cell_ends", "draw_ends"]
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where a question begins and where it leads.
+
+    Args:
+        start: Of the robot's centre.
+        target: The disc that it has to enter.
+        named: Whether the map says so; else they were drawn.
+    """
+
+    start: Pose
+    target: Target
+    named: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class CensusMap:
+    """A map to judge.
+
+    Args:
+        name: Seeds what is drawn; in a census a name that came before gets a number behind it.
+        walls: (height, width) bool, True is solid; row 0 is the lowest y.
+        cell_size: Side of a cell, m.
+        ends: What the map itself asks; where there are none, ends are drawn.
+        params: What provenance keeps of the source.
+        notes: Sentences worth knowing.
+    """
+
+    name: str
+    walls: npt.NDArray[np.bool_]
+    cell_size: float = DEFAULT_CELL_SIZE
+    ends: tuple[Ends, ...] = ()
+    params: Mapping[str, Value] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Refused:
+    """What could not be judged, and why, in a sentence."""
+
+    name: str
+    reason: str
+
+
+def cell_ends(start: tuple[int, int], target: tuple[int, int], cell_size: float, *, named: bool = True) -> Ends:
+    """From the centre of one cell to the disc inscribed in another.
+
+    Args:
+        start: Column and row; row 0 is the lowest.
+        target: Likewise.
+        cell_size: m.
+        named: Whether the map says so.
+    """
+    half = lattice_to_metres(UNIT // 2, cell_size)
+    at, to = cell_centre(*start, cell_size), cell_centre(*target, cell_size)
+    return Ends(Pose(*at), Target(*to, half), named)
+
+
+def draw_ends(case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fraction | None) -> tuple[Ends, ...]:
+    """Pairs of different free cells, all equally likely.
+
+    Args:
+        case: The map.
+        pairs: How many.
+        rng: Source of chance.
+        clear_for: Radius, cells, of a disc that has to be clear at both cells' centres, if any.
+
+    Raises:
+        InvalidParameter: If there are no two such cells.
+    """
+    free = ~case.walls
+    if clear_for is not None:
+        free &= _clear_centres(case.walls, clear_for)
+    places = np.flatnonzero(free)
+    if len(places) < 2:
+        disc = "" if clear_for is None else f" in which a disc of {float(clear_for):g} cells has room"
+        raise InvalidParameter("no-room", "the map has no two free cells{disc} to be start and target", disc=disc)
+    drawn = []
+    for _ in range(pairs):
+        first = rng.below(len(places))
+        second = rng.below(len(places) - 1)
+        second += second >= first
+        ends = []
+        for index in (first, second):
+            row, column = divmod(int(places[index]), free.shape[1])
+            ends.append((column, row))
+        drawn.append(cell_ends(ends[0], ends[1], case.cell_size, named=False))
+    return tuple(drawn)
+
+
+def _clear_centres(walls: npt.NDArray[np.bool_], radius: Fraction) -> npt.NDArray[np.bool_]:
+    if 2 * radius > max(walls.shape):  # nowhere, and no raster of that reach need be made
+        return np.zeros_like(walls)
+    return build_graph(walls, radius, 2).clear[1::2, 1::2]

@@ -1,0 +1,113 @@
+"""A census as text, CSV and JSON; ``docs/census.md`` describes lines, columns and keys."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections import Counter
+from typing import Any
+
+from worldgen.interop.census.radius import Radius
+from worldgen.interop.census.take import Census
+from worldgen.interop.census.tally import ROWS, Tally, tally
+from worldgen.support.plain_text import GAP, aligned, counted
+
+__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text"]
+
+CSV_COLUMNS = (
+    "map", "pair", "named", "width", "height", "cell_size", "radius", "radius_in_cells", "result", "proved", "room",
+    "four", "eight", "costmap", "square",
+)  # fmt: skip
+_MOST_REFUSALS = 10  # lines of text; JSON has them all
+
+
+def as_text(census: Census) -> str:
+    """The table, a column a radius, under a line about the maps and above what was refused."""
+    tallies = tally(census)
+    rows = [["", *(str(one.asked) for one in tallies)], ["", *map(_in_the_other_unit, tallies)]]
+    rows += [[label, *(_share(one, name) for one in tallies)] for name, label in ROWS.items()]
+    rows.append(["seconds", *(f"{one.seconds:.2f}" for one in tallies)])
+    lines = [_headline(census), "", aligned(rows, right=range(1, 1 + len(tallies)))]
+    if census.options.pairs > 1:
+        lines += ["", "Intervals, 95 %, take the pairs on one map for independent, which they are not quite."]
+    for refused in census.refused[:_MOST_REFUSALS]:
+        lines.append(f"refused: {refused.name}: {refused.reason}")
+    if len(census.refused) > _MOST_REFUSALS:
+        lines.append(f"refused: {len(census.refused) - _MOST_REFUSALS} more; --json lists them")
+    return "\n".join(lines) + "\n"
+
+
+def _headline(census: Census) -> str:
+    asked = {(question.map, question.pair): question for question in census.questions}.values()
+    named = sum(question.named for question in asked)
+    sides = sorted({(question.width, question.height) for question in asked}, key=lambda side: side[0] * side[1])
+    size = ""
+    if sides:
+        ends = [f"{width} x {height}" for width, height in (sides[0], sides[-1])]
+        size = f" of {ends[0]} cells" if sides[0] == sides[-1] else f" of {ends[0]} to {ends[1]} cells"
+    return (
+        f"{counted(census.maps, 'map')}{size}, {len(census.refused)} refused; "
+        f"{counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the map, "
+        f"{len(asked) - named} drawn with seed {census.options.seed}"
+    )
+
+
+def _in_the_other_unit(one: Tally) -> str:
+    ends, unit = (one.radius, "m") if one.asked.cells else (one.radius_in_cells, "cells")
+    if not one.questions:
+        return "-"
+    return f"{ends[0]:.4g} {unit}" if ends[0] == ends[1] else f"{ends[0]:.4g} to {ends[1]:.4g} {unit}"
+
+
+def _share(one: Tally, name: str) -> str:
+    share = one.share(name)
+    if share is None:
+        return "-"
+    low, high = one.interval(name)
+    return f"{one.counts[name]}{GAP}{100 * share:5.1f} % ({100 * low:.1f} to {100 * high:.1f})"
+
+
+def as_csv(census: Census) -> str:
+    """One line a question; no times, so that equal seeds give equal bytes."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    for question in census.questions:
+        flags = (question.proved, question.room, *question.grid)
+        writer.writerow(
+            [question.map, question.pair, int(question.named), question.width, question.height, question.cell_size,
+             question.radius, float(_in_cells(question.asked, question.cell_size)), question.result, *map(int, flags)]
+        )  # fmt: skip
+    return stream.getvalue()
+
+
+def _in_cells(radius: Radius, cell_size: float) -> float:
+    return float(radius.in_cells(cell_size))
+
+
+def as_json(census: Census) -> dict[str, Any]:
+    """What ``census --json`` prints."""
+    asked = {(question.map, question.pair): question.named for question in census.questions}
+    sources = Counter(asked.values())
+    return {
+        "seed": census.options.seed,
+        "maps": census.maps,
+        "pairs": {"named": sources[True], "drawn": sources[False]},
+        "clear_ends": census.options.clear_ends,
+        "interrupted": census.interrupted,
+        "radii": [_tally_json(one) for one in tally(census)],
+        "refused": [{"name": refused.name, "reason": refused.reason} for refused in census.refused],
+    }
+
+
+def _tally_json(one: Tally) -> dict[str, Any]:
+    return {
+        "radius": list(one.radius),
+        "radius_in_cells": list(one.radius_in_cells),
+        "questions": one.questions,
+        **{
+            name: {"count": one.counts[name], "share": one.share(name), "interval": list(one.interval(name))}
+            for name in ROWS
+        },
+        "seconds": one.seconds,
+    }

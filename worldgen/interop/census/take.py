@@ -1,0 +1,208 @@
+"""Asks every map at every radius: can the disc get there, and what do planners on the grid say?"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from worldgen.errors import InvalidWorld, WorldgenError
+from worldgen.interop.census.case import CensusMap, Ends, Refused, draw_ends
+from worldgen.interop.census.planners import GridAnswers, GridPlanners
+from worldgen.interop.census.radius import DEFAULT_RADII, Radius
+from worldgen.random_streams import RandomStream
+from worldgen.reach import BLOCKED, check_certificate, decide
+from worldgen.world import Cut, Provenance, Value, World
+
+__all__ = ["VERSION", "Census", "CensusOptions", "Question", "take_census"]
+
+_LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
+VERSION = 1  # goes up whenever a seed draws other pairs than before
+
+
+@dataclass(frozen=True)
+class CensusOptions:
+    """What is asked of every map.
+
+    Args:
+        radii: Of the robot.
+        pairs: Starts and targets to draw on a map that names none.
+        seed: What they are drawn by.
+        clear_ends: Whether they are drawn where the largest of the discs is clear.
+    """
+
+    radii: tuple[Radius, ...] = DEFAULT_RADII
+    pairs: int = 1
+    seed: int = 0
+    clear_ends: bool = False
+
+
+@dataclass(frozen=True)
+class Question:
+    """One map, one start and target, one radius, and the answers.
+
+    Args:
+        map: Name of the map.
+        pair: Number of start and target in it, from 0.
+        named: Whether the map names them.
+        asked: The radius as it was asked for.
+        radius: It, m.
+        width: Cells.
+        height: Cells.
+        cell_size: m.
+        result: What the prover says of the disc.
+        proved: Whether the checker confirms its certificate.
+        room: Whether the disc is clear at the start and at some pose of the target; only False if that is proved.
+        grid: What planners on the grid say.
+        seconds: That prover and checker took.
+    """
+
+    map: str
+    pair: int
+    named: bool
+    asked: Radius
+    radius: float
+    width: int
+    height: int
+    cell_size: float
+    result: str
+    proved: bool
+    room: bool
+    grid: GridAnswers
+    seconds: float = field(compare=False)
+
+    @property
+    def grid_only(self) -> bool:
+        """Whether a point on the grid finds a way where it is proved that the disc has none."""
+        return self.proved and self.result == BLOCKED and self.grid.eight
+
+
+@dataclass
+class Census:
+    """What was found so far.
+
+    Args:
+        options: What was asked.
+        questions: With their answers, in the order of the maps.
+        refused: What could not be judged.
+        maps: How many maps were judged.
+        interrupted: Whether Ctrl-C ended it.
+        fault: What the source raised, if that ended it.
+    """
+
+    options: CensusOptions
+    questions: list[Question] = field(default_factory=list)
+    refused: list[Refused] = field(default_factory=list)
+    maps: int = 0
+    interrupted: bool = False
+    fault: str = ""
+
+
+def take_census(
+    maps: Iterable[CensusMap | Refused],
+    options: CensusOptions | None = None,
+    *,
+    keep: Callable[[str, World], object] | None = None,
+    progress: Callable[[], None] | None = None,
+) -> Census:
+    """Judges maps one after the other. Ctrl-C, or a source that fails, ends it; what was found is returned.
+
+    Args:
+        maps: What there is to judge.
+        options: What to ask.
+        keep: Handed a name and each world where a point finds a way and the disc has none, with its cut.
+        progress: Called after each map.
+    """
+    census = Census(options or CensusOptions())
+    names, files = Counter[str](), Counter[str]()
+    try:
+        for item in maps:
+            if isinstance(item, CensusMap):
+                _judge(census, replace(item, name=_once(item.name, names)), keep, files)
+            else:
+                census.refused.append(item)
+            if progress is not None:
+                progress()
+    except KeyboardInterrupt:
+        census.interrupted = True
+    except WorldgenError as error:
+        census.fault = str(error)
+    return census
+
+
+def _once(name: str, taken: Counter[str]) -> str:
+    """The name, with a number behind it if it is taken."""
+    told = name = name.encode(errors="backslashreplace").decode()  # a file's name may hold what UTF-8 cannot
+    while taken[told]:
+        taken[name] += 1
+        told = f"{name}-{taken[name]}"
+    taken[told] += 1
+    return told
+
+
+def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object] | None, files: Counter[str]) -> None:
+    """Every question about one map; all of them or, if the map has a fault, none."""
+    options = census.options
+    try:
+        ends = item.ends or _drawn(item, options)
+        worlds = [World(item.walls, pair.start, pair.target, item.cell_size) for pair in ends]
+    except (InvalidWorld, WorldgenError) as error:
+        census.refused.append(Refused(item.name, str(error)))
+        return
+    planners = GridPlanners(item.walls, item.cell_size)
+    found, kept = [], []
+    for number, (pair, world) in enumerate(zip(ends, worlds, strict=True)):
+        for radius in options.radii:
+            question, judged = _answer(item, number, pair, world, radius, planners)
+            found.append(question)
+            if question.grid_only and keep is not None:
+                kept.append((_once(_file_name(question), files), _with_source(judged, item, question, options.seed)))
+    for name, judged in kept:
+        if keep is not None:
+            keep(name, judged)
+    census.questions += found
+    census.maps += 1
+
+
+def _drawn(item: CensusMap, options: CensusOptions) -> tuple[Ends, ...]:
+    rng = RandomStream(options.seed).child("census", item.name)
+    widest: Fraction | None = None
+    if options.clear_ends:
+        widest = max(radius.in_cells(item.cell_size) for radius in options.radii)
+    return draw_ends(item, options.pairs, rng, widest)
+
+
+def _answer(
+    item: CensusMap, number: int, pair: Ends, world: World, radius: Radius, planners: GridPlanners
+) -> tuple[Question, World]:
+    """A question with its answers, and the world with its certificate."""
+    metres = radius.metres(item.cell_size)
+    world = replace(world, robot_radius=metres)
+    began = time.perf_counter()
+    decision = decide(world)
+    world = replace(world, certificate=decision.certificate)
+    proved = decision.certificate is not None and check_certificate(world).valid
+    seconds = time.perf_counter() - began
+    cut = decision.certificate
+    # One cell is a cut only where it is too near to the start, or no pose of the target is clear.
+    room = not (isinstance(cut, Cut) and len(cut.cells) == 1)
+    grid = planners.answers(pair, radius.in_cells(item.cell_size))
+    question = Question(
+        item.name, number, pair.named, radius, metres, world.width, world.height, item.cell_size,
+        decision.result, proved, room, grid, seconds,
+    )  # fmt: skip
+    return question, world
+
+
+def _file_name(question: Question) -> str:
+    """Without ending; what parts start and target on the way comes apart from what gives them no room."""
+    plain = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map)
+    kind = "parted" if question.room else "no-room"
+    return f"{kind}-{plain[:_LONGEST]}-{question.pair}-r{question.radius:g}"
+
+
+def _with_source(world: World, item: CensusMap, question: Question, seed: int) -> World:
+    params: dict[str, Value] = {**item.params, "map": item.name, "pair": question.pair, "named": question.named}
+    return replace(world, provenance=Provenance("census", VERSION, seed, params))

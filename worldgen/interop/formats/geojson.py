@@ -1,0 +1,100 @@
+"""A world as GeoJSON features, in local metres.
+
+Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. It knows degrees on the globe only (section 4); local
+coordinates are what its older readers and all drawing programs take, so the file says that it has them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.polygons import border_cells, cell_polygons
+from worldgen.world import World
+
+__all__ = ["geojson", "write_geojson"]
+
+
+def write_geojson(world: World, destination: Destination) -> Exported:
+    """A feature collection: ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
+
+    Args:
+        world: Any world.
+        destination: Where it goes.
+
+    Raises:
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    document = {
+        "type": "FeatureCollection",
+        "worldgen": {
+            "frame": "local",
+            "units": "m",
+            "size": [world.width, world.height],
+            **held_values(world, destination),
+        },
+        "features": list(_features(world, destination)),
+    }
+    return Exported({destination.name: _text(document)})
+
+
+geojson = Format(
+    "geojson",
+    "walls, places and changes as features, .geojson",
+    (".geojson",),
+    write=write_geojson,
+    holds=frozenset(HELD),
+    changes=True,
+    client="QGIS, GDAL, browsers",
+)
+
+
+def _text(document: dict[str, Any]) -> bytes:
+    """The document, a feature a line."""
+    features = document.pop("features")
+    head = json.dumps(document)[:-1]
+    body = ",\n".join(json.dumps(feature) for feature in features)
+    return f'{head}, "features": [\n{body}\n]}}\n'.encode()
+
+
+def _features(world: World, destination: Destination) -> Iterator[dict[str, Any]]:
+    lines = GridLines(world, destination)
+    yield _feature("walls", "MultiPolygon", _multipolygon(world.walls, lines))
+    ring = border_cells(world)
+    if ring.any():
+        yield _feature("border", "MultiPolygon", _multipolygon(ring, lines, -1))
+    start, target = world.start, world.target
+    robot = {"heading": start.heading, "robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
+    yield _feature("start", "Point", _point(start.x, start.y, destination), **robot)
+    yield _feature("target", "Point", _point(target.x, target.y, destination), radius=target.radius)
+    for event in world.timeline:
+        said = {"time": event.time, "state": event.state.word, "cell": [event.ix, event.iy]}
+        yield _feature("change", "Polygon", [_square(event.ix, event.iy, lines)], **said)
+
+
+def _feature(kind: str, shape: str, coordinates: list[Any], **said: object) -> dict[str, Any]:
+    geometry = {"type": shape, "coordinates": coordinates}
+    return {"type": "Feature", "properties": {"kind": kind, **said}, "geometry": geometry}
+
+
+def _point(x: float, y: float, destination: Destination) -> list[float]:
+    return [float(destination.x(x)), float(destination.y(y))]
+
+
+def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
+    corners = ((ix, iy), (ix + 1, iy), (ix + 1, iy + 1), (ix, iy + 1), (ix, iy))
+    return [[float(lines.x[x]), float(lines.y[y])] for x, y in corners]
+
+
+def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
+    """Coordinates of polygons, outlines counter-clockwise, holes clockwise; ``first`` is the first cell's index."""
+    return [
+        [[[float(lines.x[x]), float(lines.y[y])] for x, y in [*ring, ring[0]]] for ring in polygon]
+        for polygon in cell_polygons(solid, first)
+    ]

@@ -1,0 +1,36 @@
+"""Worlds of ours as maps: to try another robot in one, or other places."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from worldgen.files.grid import read_world
+from worldgen.interop.foreign_map import ForeignMap, digest, origin_of, read_bounded
+from worldgen.interop.format import HELD, Format
+from worldgen.world import Value
+
+__all__ = ["grid"]
+
+
+def _read(path: Path) -> ForeignMap:
+    params: dict[str, Value] = {"format": "grid", "source": path.name, "sha256": digest(read_bounded(path))}
+    world = read_world(path)
+    if world.provenance is not None:
+        made = world.provenance
+        params["made_by"] = {
+            "family": made.family, "version": made.version, "seed": made.seed, "params": dict(made.params),
+        }  # fmt: skip
+    return ForeignMap(world.walls, world.cell_size, params, world=world, origin=origin_of(world))
+
+
+grid = Format(
+    "grid",
+    "a world of ours, .grid or .grid.gz",
+    (".grid", ".gz"),
+    re.compile(rb"%worldgen-grid"),
+    _read,
+    holds=frozenset(HELD),
+    changes=True,
+    client="worldgen",
+)

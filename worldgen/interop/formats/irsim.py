@@ -1,0 +1,146 @@
+"""Worlds of IR-SIM: a YAML file with the robot, its goal, and walls as rectangles or as a picture.
+
+IR-SIM tests collisions at the ends of its steps only, against what it calls obstacles; its world has no border of its
+own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Literal
+
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import FLOOR_ROBOT
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.geometry import raster
+from worldgen.interop.geometry.placed_boxes import Box, solid_boxes
+from worldgen.interop.geometry.solid_scene import TIMESTEPS
+from worldgen.interop.readers.grey_image import walls_png
+from worldgen.interop.readers.irsim_world import MAX_YAML_BYTES, read_irsim
+from worldgen.lattice import exact
+from worldgen.world import World
+
+__all__ = ["irsim", "write_irsim"]
+
+_TURN_RATE = "6.2832"  # rad/s; a world of ours has no limit, IR-SIM's usual 1 is slow for a robot of 2 m/s
+_LIDAR = "[{type: lidar2d, range_max: 10, angle_range: 6.283185307179586, number: 257}]"  # the last beam is the first
+
+
+def write_irsim(
+    world: World,
+    destination: Destination,
+    *,
+    walls: Literal["boxes", "image"] = "boxes",
+    robot: Literal["diff", "omni"] = "diff",
+    lidar: bool = False,
+    step_time: float = 0.1,
+) -> Exported:
+    """The YAML file, and with ``walls=image`` the picture that it names.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+        walls: Whether the walls are rectangles, or pixels of an obstacle map.
+        robot: IR-SIM's kinematics.
+        lidar: Whether the robot has a lidar: 257 beams all round, the last as the first, 10 m.
+        step_time: Length of IR-SIM's step, s.
+    """
+    check_between("step_time", step_time, *TIMESTEPS, "s")
+    solid = solid_boxes(world, destination, height=1.0, floor=False)
+    boxes = [box for box in solid if walls == "boxes" or box.name.startswith("border")]
+    files: dict[str, bytes] = {}
+    picture = destination.companion(".png") if walls == "image" else None
+    lines = [*_world(world, destination, picture, step_time), *_robot(world, destination, robot, lidar)]
+    lines += _obstacles(boxes)
+    files[destination.name] = ("\n".join(lines) + "\n").encode()
+    if picture is not None:
+        files[picture] = walls_png(world.walls)
+    return Exported(files, dict(_altered(world, destination, boxes, picture)), tuple(_notes(world, picture, step_time)))
+
+
+def _world(world: World, destination: Destination, picture: str | None, step_time: float) -> Iterator[str]:
+    side = exact(world.cell_size)
+    yield "# A world of worldgen for IR-SIM; m, rad, s."
+    yield "world:"
+    yield f"  width: {decimal_text(world.width * side)}"
+    yield f"  height: {decimal_text(world.height * side)}"
+    yield f"  offset: [{destination.x(0.0)}, {destination.y(0.0)}]"
+    yield f"  step_time: {decimal(step_time)}"
+    yield f"  sample_time: {decimal(step_time)}"
+    yield "  control_mode: auto"
+    yield "  collision_mode: stop"
+    if picture is not None:
+        yield f"  obstacle_map: {_quoted(picture)}"
+        yield "  mdownsample: 1"
+
+
+def _quoted(name: str) -> str:
+    return "'" + name.replace("'", "''") + "'"
+
+
+def _robot(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:
+    start, target, speed = world.start, world.target, decimal(world.robot_speed)
+    other = _TURN_RATE if kinematics == "diff" else speed
+    yield "robot:"
+    yield f"  - kinematics: {{name: {kinematics}}}"
+    yield f"    shape: {{name: circle, radius: {decimal(world.robot_radius)}}}"
+    yield f"    state: [{destination.x(start.x)}, {destination.y(start.y)}, {decimal(start.heading)}]"
+    yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
+    yield f"    goal_threshold: {decimal(target.radius)}"
+    yield f"    vel_min: [-{speed}, -{other}]"
+    yield f"    vel_max: [{speed}, {other}]"
+    if lidar:
+        yield f"    sensors: {_LIDAR}"
+
+
+def _obstacles(boxes: list[Box]) -> Iterator[str]:
+    """The boxes, those of one size together."""
+    if boxes:
+        yield "obstacle:"
+    sizes: dict[tuple[Fraction, ...], list[tuple[Fraction, ...]]] = {}
+    for box in boxes:
+        sizes.setdefault(box.size[:2], []).append(box.centre[:2])
+    for (length, width), centres in sorted(sizes.items()):
+        yield f"  - number: {len(centres)}"
+        yield "    distribution: {name: manual}"
+        yield f"    shape: {{name: rectangle, length: {decimal_text(length)}, width: {decimal_text(width)}}}"
+        yield "    state:"
+        yield from (f"      - [{decimal_text(x)}, {decimal_text(y)}, 0]" for x, y in centres)
+
+
+def _altered(
+    world: World, destination: Destination, boxes: list[Box], picture: str | None
+) -> Iterator[tuple[str, str]]:
+    """The cell size, where the walls fit larger cells too."""
+    side, x, y = exact(world.cell_size), *map(exact, destination.origin)
+    ends = ((*box.low[:2], *box.high[:2]) for box in boxes)
+    sides = (raster.Box(left - x, low - y, right - x, high - y) for left, low, right, high in ends)
+    if picture is None and raster.natural_cell_size(world.width * side, world.height * side, sides) != side:
+        yield "cell_size", f"the cell size, {world.cell_size:g} m, is not stored; the walls fit larger cells too"
+
+
+def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]:
+    step = world.robot_speed * step_time
+    if step > world.cell_size:
+        yield (
+            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m a step and looks for collisions at its end only: "
+            f"the robot can pass walls of {world.cell_size:g} m; a smaller step_time helps"
+        )
+    if picture is not None:
+        yield f"IR-SIM looks for {picture} in the folder where it runs, not beside the YAML file"
+
+
+irsim = Format(
+    "irsim",
+    "IR-SIM world, .yaml",
+    (".yaml", ".yml"),
+    re.compile(rb"(?s)(?!.*?(?m:^)image[ \t]*:)(.*\n)?world[ \t]*:[ \t]*(#[^\n]*)?\r?\n"),
+    read_irsim,
+    write_irsim,
+    holds=frozenset(HELD),
+    client="IR-SIM",
+    most_bytes=MAX_YAML_BYTES,
+    usual_robot=FLOOR_ROBOT,
+)

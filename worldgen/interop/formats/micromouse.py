@@ -1,0 +1,185 @@
+"""Micromouse mazes as text: posts ``o``, walls ``---`` and ``|``, start ``S``, goals ``G``.
+
+A maze of n x n squares is a grid of (2n + 1) x (2n + 1) cells: squares, walls and posts are a cell each.
+
+Source: the maze files of the micromouse community (github.com/micromouseonline/mazefiles).
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidWorld
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = ["micromouse", "read_micromouse", "write_micromouse"]
+
+_MOST_BYTES = 4 << 20  # some 700 squares a side; a contest's maze has 32
+_POSTS = (b"o", b"+")
+_PARTS = {b"---": True, b"   ": False, b"|": True, b" ": False}
+_SQUARE = re.compile(rb" [SG ] ")
+
+
+def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """A maze, the top row first; the start is the square with ``S``, the target the first with ``G``.
+
+    Args:
+        path: The file; rows whose last blanks an editor took away are filled up.
+        cell_size: Side of a cell, m; a square, a wall and a post are a cell each.
+
+    Raises:
+        FormatError: If a part is no post, wall or square, with line and column, or there are two starts.
+    """
+    data, source = read_bounded(path, _MOST_BYTES), str(path)
+    rows = [row.rstrip() for row in unix_text(data).split(b"\n")]
+    while rows and not rows[-1]:
+        rows.pop()
+    width = 2 * ((max(map(len, rows), default=0) + 2) // 4) + 1 if rows else 0
+    check_sides(width, len(rows), source=source)
+    if len(rows) % 2 == 0 or width < 3:
+        raise FormatError(
+            "wrong-size",
+            "{rows} rows; a maze of n rows of squares has 2 n + 1, from posts to posts",
+            rows=len(rows),
+            source=source,
+        )
+    walls = np.zeros((len(rows), width), np.bool_)
+    marks: dict[str, list[tuple[int, int]]] = {"S": [], "G": []}
+    for row, line in enumerate(rows):
+        parts = _parts(line.ljust(2 * width - 1), row, source)
+        walls[row] = [solid for solid, _ in parts]
+        for column, (_, mark) in enumerate(parts):
+            if mark:
+                marks[mark].append((row, column))
+    if len(marks["S"]) > 1:
+        raise FormatError(
+            "twice", "{starts} starts", "keep one", starts=len(marks["S"]), line=marks["S"][1][0] + 1, source=source
+        )
+    places = [
+        cell_centre(found[0][1], len(rows) - 1 - found[0][0], cell_size) if found else None
+        for found in (marks["S"], marks["G"])
+    ]
+    goals = len(marks["G"])
+    notes = () if goals < 2 else (f"there are {goals} goals; the target is the first, row by row from the top",)
+    params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
+    return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
+
+
+def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
+    """Whether each cell of a row is solid, and what mark it has."""
+    parts = []
+    for at in range(0, len(line), 4):
+        narrow, wide = line[at : at + 1], line[at + 1 : at + 4]
+        if (narrow not in _PARTS) if row % 2 else (narrow not in _POSTS):
+            form = "| or a blank" if row % 2 else "a post, o,"
+            raise FormatError(
+                "wrong-form",
+                "{came!q} in column {column} where {form} belongs; posts stand four characters apart",
+                came=narrow,
+                column=at + 1,
+                form=form,
+                line=row + 1,
+                source=source,
+            )
+        parts.append((row % 2 == 0 or _PARTS[narrow], ""))
+        if wide and not (_SQUARE.fullmatch(wide) if row % 2 else wide in _PARTS):
+            form = "a square, S, G or blank between two blanks," if row % 2 else "--- or three blanks"
+            raise FormatError(
+                "wrong-form",
+                "{came!q} in column {column} where {form} belongs",
+                came=wide,
+                column=at + 2,
+                form=form,
+                line=row + 1,
+                source=source,
+            )
+        if wide:
+            parts.append((row % 2 == 0 and _PARTS[wide], wide.strip().decode() if row % 2 else ""))
+    return parts
+
+
+def write_micromouse(world: World, destination: Destination) -> Exported:
+    """A maze, the top row first.
+
+    Args:
+        world: Of odd sides; every cell in an even column and an even row, from 0, is a post and solid; every cell in an
+            odd column and an odd row is a square and free.
+        destination: Where it goes.
+
+    Raises:
+        InvalidWorld: If it is no such maze, naming a cell at fault.
+    """
+    _check(world)
+    walls = flip_rows(world.walls)
+    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    altered = off_centre(world, (start, target))
+    marks = {target: "G", start: "S"}
+    for name, (column, row) in (("start", start), ("target", target)):
+        if not (column % 2 and row % 2):
+            altered[name] = f"the {name} is not drawn, for it lies between two squares"
+    if start == target:
+        altered["target"] = "the target is not drawn, for its square is the start's"
+    lines = [_line(walls, row, marks) for row in range(world.height)]
+    return Exported({destination.name: "".join(f"{line}\n" for line in lines).encode()}, altered)
+
+
+def _line(walls: npt.NDArray[np.bool_], row: int, marks: dict[tuple[int, int], str]) -> str:
+    words = []
+    for column, solid in enumerate(walls[row].tolist()):
+        if row % 2 == 0:
+            words.append("o" if column % 2 == 0 else "---" if solid else "   ")
+        elif column % 2 == 0:
+            words.append("|" if solid else " ")
+        else:
+            words.append(f" {marks.get((column, row), ' ')} ")
+    return "".join(words)
+
+
+def _check(world: World) -> None:
+    if world.width % 2 == 0 or world.height % 2 == 0 or min(world.width, world.height) < 3:
+        raise InvalidWorld(
+            "not-a-micromouse-maze",
+            "{width} x {height} cells; a micromouse maze of n squares has 2 n + 1 cells a "
+            "side, with the walls between them",
+            "`worldgen maze --size 17 --radius 0.04` makes such a maze",
+            at_terminal=True,
+            width=world.width,
+            height=world.height,
+        )
+    wrong = np.zeros(world.walls.shape, np.bool_)
+    wrong[::2, ::2] = ~world.walls[::2, ::2]
+    wrong[1::2, 1::2] = world.walls[1::2, 1::2]
+    if wrong.any():
+        iy, ix = (int(index) for index in np.argwhere(wrong)[0])
+        is_post = ix % 2 == 0
+        raise InvalidWorld(
+            "not-a-maze",
+            "cell ({ix}, {iy}) is free; in a micromouse maze it is a post and solid"
+            if is_post
+            else "cell ({ix}, {iy}) is solid; in a micromouse maze it is a square and free",
+            "give a maze with walls and corridors of one cell",
+            ix=ix,
+            iy=iy,
+        )
+
+
+micromouse = Format(
+    "micromouse",
+    "maze of the micromouse contests as text, .maze",
+    (".maze",),  # also .txt, which the contents tell from a drawing
+    re.compile(rb"[o+](?:(?:---|   )[o+])+[ \t]*\r?\n[| ]"),
+    read_micromouse,
+    write_micromouse,
+    holds=frozenset({"start", "target"}),
+    client="micromouse simulators",
+    most_bytes=_MOST_BYTES,
+    usual_robot=GRID_AGENT,
+)

@@ -1,0 +1,163 @@
+"""A world as MuJoCo's XML, MJCF: boxes in the world's body, sites at start and target, a disc robot if wanted.
+
+What changes with time becomes bodies that a script moves, for a model has no clock of its own.
+
+Source: MuJoCo's XML reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from importlib import resources
+
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.format import decimal_text as text
+from worldgen.interop.geometry.solid_scene import TIMESTEPS, Body, Scene, events_file, plain_name, scene
+from worldgen.lattice import exact
+from worldgen.parameters import check_between
+from worldgen.world import World
+
+__all__ = ["mjcf", "write_mjcf"]
+
+_THIN = "0.001"  # half the thickness of what only marks a place, m
+_MASS = "0.5"  # of each of the robot's two bodies, kg: one slides, the other turns on it
+
+
+def write_mjcf(
+    world: World, destination: Destination, *, height: float = 1.0, robot: bool = False, timestep: float = 0.002
+) -> Exported:
+    """The model, and of a world that changes a script and the table that it plays.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+        height: Of the walls, m.
+        robot: Whether a disc that slides in x and y and turns stands at the start, with a velocity actuator for each.
+        timestep: Of the engine, s.
+
+    Raises:
+        InvalidParameter: If height or timestep are far from what anybody means.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    check_between("timestep", timestep, *TIMESTEPS, "s")
+    parts = scene(world, destination, height)
+    lines = [
+        f'<mujoco model="{plain_name(destination)}">',
+        '  <compiler angle="radian"/>',
+        f'  <option timestep="{decimal(timestep)}"/>',
+        *_numbers(world, destination),
+        "  <worldbody>",
+        *_surroundings(parts, height),
+        *_marks(world, destination),
+        *(line for body in parts.bodies for line in _mocap(body, height)),
+        *(_robot(world, destination, height, timestep) if robot else ()),
+        "  </worldbody>",
+        *(_actuators(world) if robot else ()),
+        "</mujoco>",
+    ]
+    files = {destination.name: ("\n".join(lines) + "\n").encode()}
+    if not parts.bodies:
+        return Exported(files)
+    script, table = destination.companion("_player.py"), destination.companion("_events.json")
+    files[script] = resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
+    files[table] = events_file(destination.name, parts.bodies, height)
+    return Exported(files, notes=(f"{script} moves what changes: a MuJoCo model has no events of its own",))
+
+
+def _numbers(world: World, destination: Destination) -> Iterator[str]:
+    """What has no place among the geometry, as the numbers that a model may carry."""
+    x, y = (decimal(value) for value in destination.origin)
+    numbers = {
+        "cell_size": decimal(world.cell_size),
+        "origin": f"{x} {y}",
+        "robot_radius": decimal(world.robot_radius),
+        "robot_speed": decimal(world.robot_speed),
+    }
+    yield "  <custom>"
+    yield from (f'    <numeric name="{name}" data="{data}"/>' for name, data in numbers.items())
+    yield "  </custom>"
+
+
+def _surroundings(parts: Scene, height: float) -> Iterator[str]:
+    floor, half = parts.floor, exact(height) / 2
+    place = _numbers_of(floor.centre[:2])
+    yield f'    <light name="sun" directional="true" pos="{place} {text(4 * half)}" dir="-0.3 -0.2 -1"/>'
+    size = f"{_numbers_of(floor.size[:2], 2)} 1"
+    yield f'    <geom name="floor" type="plane" pos="{place} 0" size="{size}" rgba="0.9 0.9 0.9 1"/>'
+    for box in parts.still:
+        at = f'type="box" pos="{_numbers_of(box.centre)}" size="{_numbers_of(box.size, 2)}"'
+        yield f'    <geom name="{box.name}" {at} rgba="0.3 0.3 0.35 1"/>'
+
+
+def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
+    """Values divided by a number: sizes are halves here."""
+    return " ".join(text(value / share) for value in values)
+
+
+def _marks(world: World, destination: Destination) -> Iterator[str]:
+    """Start and target, as sites: they are drawn, and no ray or body meets them."""
+    start, target = world.start, world.target
+    for name, x, y, radius, more in (
+        ("start", start.x, start.y, world.robot_radius, f'euler="0 0 {decimal(start.heading)}" rgba="0.1 0.4 0.9 0.6"'),
+        ("target", target.x, target.y, target.radius, 'rgba="0.1 0.7 0.2 0.6"'),
+    ):
+        place = f"{destination.x(x)} {destination.y(y)} {_THIN}"
+        yield f'    <site name="{name}" type="cylinder" pos="{place}" size="{decimal(radius)} {_THIN}" {more}/>'
+
+
+def _mocap(body: Body, height: float) -> Iterator[str]:
+    """A cell that the script moves; it is solid, or a site where it burns, for fire stops nothing."""
+    *place, z = body.box.centre
+    at = _numbers_of((*place, z if body.shown else -exact(height)))
+    yield f'    <body name="{body.name}" mocap="true" pos="{at}">'
+    kind, colour = ("site", "1 0.4 0.1 0.7") if body.burning else ("geom", "0.5 0.4 0.3 1")
+    yield f'      <{kind} name="{body.name}" type="box" size="{_numbers_of(body.box.size, 2)}" rgba="{colour}"/>'
+    yield "    </body>"
+
+
+def _robot(world: World, destination: Destination, height: float, timestep: float) -> Iterator[str]:
+    """A disc that hovers, so that the floor's friction is no part of it; its coordinates are the file's own."""
+    x, y, heading = destination.x(world.start.x), destination.y(world.start.y), decimal(world.start.heading)
+    half = exact(height) / 2
+    stiff = text(2 * exact(timestep))  # the stiffest contact that MuJoCo keeps stable: two steps
+    yield f'    <body name="robot" pos="{x} {y} {text(half)}">'
+    yield f'      <joint name="robot_x" type="slide" axis="1 0 0" ref="{x}"/>'
+    yield f'      <joint name="robot_y" type="slide" axis="0 1 0" ref="{y}"/>'
+    yield f'      <inertial pos="0 0 0" mass="{_MASS}" diaginertia="0.001 0.001 0.001"/>'
+    yield f'      <body name="robot_disc" euler="0 0 {heading}">'
+    yield f'        <joint name="robot_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
+    size = f"{decimal(world.robot_radius)} {text(half / 2)}"
+    yield (
+        f'        <geom name="robot" type="cylinder" size="{size}" mass="{_MASS}" condim="1" priority="1" '
+        f'solref="{stiff} 1" rgba="0.1 0.4 0.9 1"/>'
+    )
+    nose = text(exact(world.robot_radius) / 2)
+    front = f'type="sphere" pos="{nose} 0 {text(half / 2)}" size="{nose}"'
+    yield f'        <site name="robot_front" {front} rgba="1 1 1 1"/>'
+    yield "      </body>"
+    yield "    </body>"
+
+
+def _actuators(world: World) -> Iterator[str]:
+    """One velocity a joint: along x, along y, m/s, and turning, rad/s."""
+    fastest = decimal(world.robot_speed)
+    yield "  <actuator>"
+    for axis in ("x", "y"):
+        yield (
+            f'    <velocity name="robot_v{axis}" joint="robot_{axis}" kv="20" ctrlrange="-{fastest} {fastest}" '
+            'ctrllimited="true"/>'
+        )
+    yield '    <velocity name="robot_turn" joint="robot_heading" kv="0.1"/>'
+    yield "  </actuator>"
+
+
+mjcf = Format(
+    "mjcf",
+    "MuJoCo model, .xml",
+    (".xml",),
+    write=write_mjcf,
+    holds=frozenset(HELD),
+    changes=True,
+    client="MuJoCo",
+)

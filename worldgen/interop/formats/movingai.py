@@ -1,0 +1,498 @@
+"""MovingAI's octile maps (``.map``) and scenarios (``.scen``).
+
+Source: Nathan Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012, and movingai.com.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from array import array
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, Message, Note
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
+from worldgen.lattice import exact, radius_in_cells
+from worldgen.support.plain_text import quote
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = [
+    "BLOCKED",
+    "GROUND",
+    "PASSABLE",
+    "SCENARIO_RADIUS",
+    "Problems",
+    "Scenario",
+    "movingai",
+    "read_movingai",
+    "read_problems",
+    "read_scenario",
+    "read_terrain",
+    "scenario_contents",
+    "write_movingai",
+]
+
+# Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
+PASSABLE = b".GS"
+BLOCKED = b"@OTW"
+SCENARIO_RADIUS = Fraction(4, 10)  # cells; a scenario's robot turns in corridors one cell wide
+GROUND, OUTSIDE, WATER, TREES = 0, 1, 2, 3  # who is on ground, on water or among trees stays there
+_FIRST_ROW = 5  # line of the first row, after type, height, width and map
+_MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
+_MAX_SCENARIO_BYTES = 64 << 20
+_MAX_SCENARIOS = 1_000_000  # a file; the benchmark's largest have some ten thousand
+_LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
+_BAD = 255
+
+_TABLE = np.full(256, _BAD, np.uint8)
+for _letters, _terrain in ((PASSABLE, GROUND), (b"@O", OUTSIDE), (b"W", WATER), (b"T", TREES)):
+    _TABLE[list(_letters)] = _terrain
+
+
+def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """A map of ``type octile``.
+
+    Args:
+        path: The ``.map`` file; LF or CRLF.
+        cell_size: Side of a cell, m: the format has no units.
+
+    Raises:
+        FormatError: If the header is not the format's, or rows do not match it, with the line.
+    """
+    data = read_bounded(path)
+    walls = flip_rows(_parse(data, str(path)) != GROUND)
+    params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
+    found = ForeignMap(walls, cell_size, params)
+    return _with_only_problem(found, path)
+
+
+def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
+    """The map with start and goal of the scenario file beside it, where that has exactly one problem.
+
+    A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as ``export``
+    writes it, there is no choice to be made.
+    """
+    for name in (f"{path.name}.scen", f"{path.stem}.scen"):
+        beside = path.with_name(name)
+        try:
+            if not beside.is_file() or scenario_contents(beside)[1] != 1:
+                continue
+            height, width = found.walls.shape
+            problem = read_scenario(beside, 1, width, height, found.cell_size)
+        except (FormatError, OSError) as error:
+            return replace(found, warnings=(f"{name} beside the map was passed over: {error}",))
+        note = Note(
+            "scenario-beside-used",
+            "start and goal are those of {file}, whose only problem is for this map",
+            "--seed looks for other places",
+            at_terminal=True,
+            file=name,
+        )
+        radius = float(SCENARIO_RADIUS * exact(found.cell_size))
+        return replace(found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,))
+    return found
+
+
+def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
+    """What a map's cells are: (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``.
+
+    The benchmark's problems may begin on water or among trees; their paths stay there, as those on ground stay on
+    ground.
+
+    Args:
+        path: The ``.map`` file.
+
+    Raises:
+        FormatError: As :func:`read_movingai`.
+    """
+    return _parse(read_bounded(path), str(path))
+
+
+def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
+    """Terrain, top row first."""
+    head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
+    lines = [line.removesuffix(b"\r") for line in head]
+    kind = _words(lines, 1, "type", source).lower()
+    if kind != b"octile":
+        corners = kind == b"octile-corner"
+        raise FormatError(
+            "unsupported",
+            "type {kind!q} is not read; its corner heights are no cells" if corners else "type {kind!q} is not read",
+            "give a map of `type octile`",
+            kind=kind.decode("utf-8", "backslashreplace"),
+            line=1,
+            source=source,
+        )
+    # Some programs write the width first; each number has its name, so both orders are read.
+    first, second = ("height", "width") if lines[1:2] and not _has_key(lines[1], "width") else ("width", "height")
+    sizes = {key: _size(_words(lines, at, key, source), key, at, source) for at, key in ((2, first), (3, second))}
+    height, width = sizes["height"], sizes["width"]
+    check_sides(width, height, line=3, source=source)
+    if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
+        _expect(lines, 4, "map", source)
+    return _rows(head[4] if len(head) > 4 else b"", width, height, source)
+
+
+def _has_key(line: bytes, key: str) -> bool:
+    return line.lower().split()[:1] == [key.encode()]
+
+
+def _words(lines: list[bytes], number: int, key: str, source: str) -> bytes:
+    words = lines[number - 1].split() if len(lines) >= number else []
+    if len(words) != 2 or words[0].lower() != key.encode():
+        _expect(lines, number, f"{key} {'octile' if key == 'type' else 'N'}", source)
+    return words[1]
+
+
+def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn:
+    ended = len(lines) < number or (len(lines) == number and not lines[-1])
+    came = "the end of the file" if ended else quote(lines[number - 1])
+    raise FormatError(
+        "wrong-form",
+        "{came} came where `{form}` belongs; an octile map begins with the lines type, height, width, map",
+        came=came,
+        form=form,
+        line=number,
+        source=source,
+    )
+
+
+def _size(word: bytes, key: str, number: int, source: str) -> int:
+    if not re.fullmatch(rb"[0-9]{1,9}", word):
+        message = Message(
+            "not-a-number",
+            "{key} {word!q} is no whole number of cells",
+            "write how many the rows below have",
+            key=key,
+            word=word,
+        )
+        raise FormatError.of(message, line=number, source=source)
+    return int(word)
+
+
+def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
+    # The header's sizes bound the split, so a file of line ends alone takes no more than its own size.
+    rows = [row.rstrip() for row in body.split(b"\n", height)]
+    rest = rows.pop() if len(rows) > height else b""
+    for index, row in enumerate(rows):
+        if len(row) != width:
+            _wrong_row(row, index, len(rows), width, height, source)
+    if len(rows) < height:
+        _too_few(len(rows), height, source)
+    if rest.strip():
+        raise FormatError(
+            "wrong-size",
+            "more than the {height} rows of the header",
+            "correct `height`, or delete the rest",
+            height=height,
+            line=_FIRST_ROW + height,
+            source=source,
+        )
+    cells = _TABLE[np.frombuffer(b"".join(rows), np.uint8).reshape(height, width)]
+    if (cells == _BAD).any():
+        row_index, column = divmod(int(np.argmax(cells == _BAD)), width)
+        _wrong_character(rows[row_index], row_index, column, source)
+    return cells
+
+
+def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, source: str) -> NoReturn:
+    if not row and index == count - 1:  # only the last line end was split off
+        _too_few(index, height, source)
+    strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
+    if len(strange):
+        _wrong_character(row, index, int(strange[0]), source)
+    raise FormatError(
+        "ragged-rows",
+        "a row of {cells} cells; the header says width {width}; every row has that many",
+        "perhaps its width and height are swapped" if len(row) == height else "",
+        cells=len(row),
+        width=width,
+        line=_FIRST_ROW + index,
+        source=source,
+    )
+
+
+def _too_few(count: int, height: int, source: str) -> NoReturn:
+    raise FormatError(
+        "wrong-size",
+        "{rows} rows; the header says height {height}",
+        "add the missing rows or correct it",
+        rows=count,
+        height=height,
+        line=_FIRST_ROW + count,
+        source=source,
+    )
+
+
+def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoReturn:
+    raise FormatError(
+        "unknown-sign",
+        "character {sign!q} at column {column} is no octile cell",
+        "passable are . G S, blocked are @ O T W",
+        sign=row[column : column + 1],
+        column=column + 1,
+        line=_FIRST_ROW + index,
+        source=source,
+    )
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One problem of a scenario file: start and goal in m, cell centres, y up.
+
+    Args:
+        start: (x, y).
+        goal: (x, y).
+        optimal: Length of the benchmark's shortest path, cells: diagonal steps, no corner cut.
+        map_name: The map's name as the file gives it.
+    """
+
+    start: tuple[float, float]
+    goal: tuple[float, float]
+    optimal: float
+    map_name: str
+
+
+def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Scenario:
+    """Problem number ``row``, counted from 1, of a scenario file.
+
+    Args:
+        path: The ``.scen`` file.
+        row: Which problem.
+        width: Cells of the map in x; the file must name the same.
+        height: Cells of the map in y, likewise.
+        cell_size: m.
+
+    Raises:
+        FormatError: If the file or the line is no scenario, or is made for a map of another size.
+        InvalidParameter: If ``row`` is below 1 or beyond any benchmark's file.
+    """
+    check_between("row", row, 1, _MAX_SCENARIOS)
+    source = str(path)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
+    _check_version(lines[0], source)
+    if len(lines) <= row or not lines[row].strip():
+        count = sum(1 for line in lines[1:] if line.strip())
+        raise FormatError(
+            "out-of-range", "has no row {row}", "it has rows 1 to {rows}", row=row, rows=count, source=source
+        )
+    line = lines[row].removesuffix(b"\r")
+    fields = _fields(line, row + 1, source)
+    numbers = [int(field) for field in fields[2:8]]
+    if numbers[:2] != [width, height]:
+        raise FormatError(
+            "wrong-size",
+            "the problem is for a map of {problem_width} x {problem_height} cells, the map has {width} x {height}",
+            "give the map it was made for, in that size",
+            problem_width=numbers[0],
+            problem_height=numbers[1],
+            width=width,
+            height=height,
+            line=row + 1,
+            source=source,
+        )
+    for column, line_from_top in (numbers[2:4], numbers[4:6]):
+        if column >= width or line_from_top >= height:
+            message = Message(
+                "outside-grid",
+                "cell ({column}, {row}) lies outside the map of {width} x {height} cells",
+                "correct the line",
+                column=column,
+                row=line_from_top,
+                width=width,
+                height=height,
+            )
+            raise FormatError.of(message, line=row + 1, source=source)
+    start, goal = (cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4))
+    return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
+
+
+def _check_version(line: bytes, source: str) -> None:
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
+        raise FormatError(
+            "wrong-form",
+            "{came!q} came where `version 1` belongs",
+            "give a scenario file",
+            came=line,
+            line=1,
+            source=source,
+        )
+
+
+def scenario_contents(path: Path) -> tuple[str, int]:
+    """The file name of the map that a ``.scen`` file is for, and how many problems it has.
+
+    Args:
+        path: The scenario file; its first problem names the map.
+
+    Raises:
+        FormatError: If it is no scenario file, or has no problem.
+    """
+    source = str(path)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
+    _check_version(lines[0], source)
+    rows = [line for line in lines[1:] if line.strip()]
+    if not rows:
+        raise FormatError("empty", "has no problem", "give a scenario file with some", source=source)
+    return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Problems:
+    """All problems of a scenario file.
+
+    Args:
+        map_name: File name of the map that all are for.
+        version: As the file has it.
+        size: Width and height, cells, of the map that they were made on.
+        starts: (n, 2) column and row, row 0 the top one.
+        goals: (n, 2) likewise.
+        published: (n,) lengths of the benchmark's shortest paths.
+    """
+
+    map_name: str
+    version: str
+    size: tuple[int, int]
+    starts: npt.NDArray[np.int64]
+    goals: npt.NDArray[np.int64]
+    published: npt.NDArray[np.float64]
+
+
+def read_problems(path: Path) -> Problems:
+    """A scenario file whole.
+
+    Args:
+        path: The ``.scen`` file.
+
+    Raises:
+        FormatError: If a line is no problem, has a cell outside its map, or is for another map or another size of it
+            than the first.
+    """
+    source = str(path)
+    map_name, _ = scenario_contents(path)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
+    numbers, published = array("q"), array("d")  # as lists of objects they take five times the file
+    for number, line in enumerate(lines[1:], 2):
+        if not line.strip():
+            continue
+        fields = _fields(line.removesuffix(b"\r"), number, source)
+        name = _map_name(fields[1])
+        if name != map_name:
+            message = Message(
+                "other-map",
+                "a problem of {name!q} among those of {first!q}",
+                "give a file for each map",
+                name=name,
+                first=map_name,
+            )
+            raise FormatError.of(message, line=number, source=source)
+        row = [int(field) for field in fields[2:8]]
+        check_sides(row[0], row[1], line=number, source=source)
+        if numbers and row[:2] != list(numbers[:2]):
+            message = Message(
+                "wrong-size",
+                "{width} x {height} cells among problems for {first_width} x {first_height}",
+                "give a file for each",
+                width=row[0],
+                height=row[1],
+                first_width=numbers[0],
+                first_height=numbers[1],
+            )
+            raise FormatError.of(message, line=number, source=source)
+        if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
+            raise FormatError(
+                "outside-grid",
+                "cells {start} to {goal} do not lie in the map of {width} x {height} cells that the line names",
+                "correct the line",
+                start=tuple(row[2:4]),
+                goal=tuple(row[4:]),
+                width=row[0],
+                height=row[1],
+                line=number,
+                source=source,
+            )
+        numbers.extend(row)
+        published.append(float(fields[8]))
+    table = np.array(numbers, np.int64).reshape(-1, 3, 2)
+    version = lines[0].split()[1].decode()
+    return Problems(map_name, version, (numbers[0], numbers[1]), table[:, 1], table[:, 2], np.array(published))
+
+
+def _map_name(field: bytes) -> str:
+    return field.decode("utf-8", "backslashreplace").replace("\\", "/").rpartition("/")[2]
+
+
+def _fields(line: bytes, number: int, source: str) -> list[bytes]:
+    """The nine words of a problem. Names may hold spaces, but only where tabs part the fields."""
+    too_long = len(line) > _MAX_SCENARIO_LINE
+    parts = [] if too_long else line.split(b"\t") if b"\t" in line else line.split()
+    fields = [part.strip() for part in parts]
+    whole = [re.fullmatch(rb"[0-9]{1,9}", field) for field in fields[2:8]]
+    if len(fields) != 9 or not all(whole) or not _LENGTH.fullmatch(fields[8]):
+        raise FormatError(
+            "wrong-form",
+            "{came!q} is no problem; nine fields: bucket, map, width, height, start x, "
+            "start y, goal x, goal y, optimal length",
+            came=line,
+            line=number,
+            source=source,
+        )
+    return fields
+
+
+def write_movingai(world: World, destination: Destination) -> Exported:
+    """A map of ``.`` and ``@``, and beside it a scenario file with one problem: from the start's cell to the target's.
+
+    Args:
+        world: The world.
+        destination: Where the map goes; ``.scen`` is put behind its name for the other.
+    """
+    from worldgen.interop.benchmark.octile import OctileMap
+
+    cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
+    head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
+    files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
+    start, goal = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    straight, diagonal = OctileMap(flip_rows(world.walls)).lengths(np.array([start]), np.array([goal]))[0].tolist()
+    if straight < 0:
+        why = "no path of cells leads from the start's to the target's, so there is no scenario file"
+        return Exported(files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"})
+    optimal = _decimals(straight, diagonal)
+    name = re.sub(r"\s", "_", destination.name)  # other programs part the fields at any white space
+    bucket = int(optimal.partition(".")[0]) // 4
+    row = "\t".join(map(str, (bucket, name, world.width, world.height, *start, *goal, optimal)))
+    files[f"{destination.name}.scen"] = f"version 1\n{row}\n".encode()
+    altered = off_centre(world, (start, goal))
+    if radius_in_cells(world) != SCENARIO_RADIUS:
+        altered["robot_radius"] = "the robot's radius is not stored; a scenario's robot has 0.4 cells"
+    return Exported(files, altered)
+
+
+def _decimals(straight: int, diagonal: int) -> str:
+    """``straight + diagonal * sqrt(2)`` with eight decimals, as the benchmark's files have it, correctly rounded."""
+    twice = 2 * straight * 10**8 + math.isqrt(8 * diagonal * diagonal * 10**16)
+    whole, rest = divmod((twice + 1) // 2, 10**8)
+    return f"{whole}.{rest:08d}"
+
+
+movingai = Format(
+    "movingai",
+    "MovingAI octile map, .map",
+    (".map",),
+    re.compile(rb"type\s"),
+    read_movingai,
+    write_movingai,
+    holds=frozenset({"start", "target", "robot_radius"}),
+    client="MovingAI benchmarks, HOG2",
+    usual_robot=GRID_AGENT,
+)

@@ -1,0 +1,125 @@
+"""NumPy's ``.npy`` files of cells.
+
+Source: the format as numpy.lib.format documents it, versions 1 to 3.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import tokenize
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = ["npy", "read_numpy_map", "write_numpy_map"]
+
+
+# NumPy reads a header as Python text, and a header that is none a second time as text of Python 2, by its tokens.
+_HEADER_FAULTS = (
+    ValueError, OSError, EOFError, UserWarning, SyntaxError, TypeError, RecursionError, MemoryError,
+    tokenize.TokenError,
+)  # fmt: skip
+
+
+def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """An array of two axes, bool or whole numbers; True and 1 are solid; row 0 is the top row, as NumPy prints it.
+
+    Args:
+        path: The ``.npy`` file.
+        cell_size: Side of a cell, m.
+
+    Raises:
+        FormatError: If it holds something else; objects are never unpickled.
+    """
+    data, source = read_bounded(path), str(path)
+    stream = io.BytesIO(data)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            version = np.lib.format.read_magic(stream)
+            shape, by_columns, kind = _header(stream, version)
+    except _HEADER_FAULTS as error:
+        raise FormatError(
+            "unknown-format", "is no NumPy array file", "write it with numpy.save", source=source
+        ) from error
+    if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
+        raise FormatError(
+            "wrong-shape",
+            "holds a {kind} array of shape {shape}; a map has two axes of bool or whole numbers, 0 free and 1 solid",
+            kind=kind,
+            shape=shape,
+            source=source,
+        )
+    height, width = shape
+    check_sides(width, height, source=source)
+    body = data[stream.tell() :]
+    if len(body) != width * height * kind.itemsize:
+        raise FormatError(
+            "wrong-length",
+            "{bytes} bytes of cells; {width} x {height} of {kind} are {needed}; the file "
+            "is cut short or damaged, write it anew",
+            bytes=len(body),
+            width=width,
+            height=height,
+            kind=kind,
+            needed=width * height * kind.itemsize,
+            source=source,
+        )
+    cells = np.frombuffer(body, kind).reshape((height, width), order="F" if by_columns else "C")
+    params: dict[str, Value] = {"format": "npy", "source": path.name, "sha256": digest(data)}
+    return ForeignMap(flip_rows(_solid(cells, source)), cell_size, params)
+
+
+def _header(stream: io.BytesIO, version: tuple[int, int]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    if version == (1, 0):
+        return np.lib.format.read_array_header_1_0(stream)
+    return np.lib.format.read_array_header_2_0(stream)  # refuses what is later and written otherwise
+
+
+def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
+    strange = (cells != 0) & (cells != 1)
+    if strange.any():
+        row, column = np.argwhere(strange)[0]
+        raise FormatError(
+            "wrong-values",
+            "{value} in row {row}, column {column}; 0 is free and 1 is solid, so say which "
+            "numbers are walls, as in numpy.save(file, cells == WALL)",
+            value=cells[row, column],
+            row=row,
+            column=column,
+            source=source,
+        )
+    return cells.astype(np.bool_)
+
+
+def write_numpy_map(world: World, destination: Destination) -> Exported:
+    """An array of bool, True solid, the top row first.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+    """
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False)
+    return Exported({destination.name: stream.getvalue()})
+
+
+npy = Format(
+    "npy",
+    "NumPy array of cells, .npy",
+    (".npy",),
+    re.compile(rb"\x93NUMPY"),
+    read_numpy_map,
+    write_numpy_map,
+    client="NumPy",
+)

@@ -1,0 +1,63 @@
+"""A world as a Wavefront OBJ file: every wall an object of its own, coordinates as exact decimals.
+
+Source: Wavefront, "Object Files", Advanced Visualizer Manual, appendix B1, 1990.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from worldgen.files.grid.toml_text import value_text
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, Box, solid_boxes
+from worldgen.world import World
+
+__all__ = ["obj", "write_obj"]
+
+
+def write_obj(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+    """One object a box, four corners a face, m, z up; what else the world has stands in comments, as TOML.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        height: Of the walls, m.
+        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+
+    Raises:
+        InvalidParameter: If the height is no length.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    boxes = solid_boxes(world, destination, height=height, floor=floor)
+    lines = [*_comments(world, destination), "s off"]
+    for number, box in enumerate(boxes):
+        lines += _object(box, 8 * number + 1)
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode()})
+
+
+obj = Format(
+    "obj",
+    "walls as a mesh, an object a box, .obj",
+    (".obj",),
+    write=write_obj,
+    holds=frozenset(HELD),
+    client="CAD and modelling programs, PyBullet",
+)
+
+
+def _comments(world: World, destination: Destination) -> Iterator[str]:
+    yield "# worldgen: m, z up, one closed box an object."
+    yield "# Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at origin."
+    yield f"# size = {value_text([world.width, world.height], 'size')}"
+    for name, value in held_values(world, destination).items():
+        yield f"# {name} = {value_text(value, name)}"
+
+
+def _object(box: Box, first: int) -> Iterator[str]:
+    """An object; its corners are numbered from ``first`` on."""
+    yield f"o {box.name}"
+    ends = [[decimal_text(value) for value in end] for end in (box.low, box.high)]
+    for pick in BOX_CORNERS:
+        yield "v " + " ".join(ends[end][axis] for axis, end in enumerate(pick))
+    for quad in BOX_QUADS:
+        yield "f " + " ".join(str(first + corner) for corner in quad)

@@ -1,0 +1,142 @@
+"""Pictures alone: dark is solid. Ours also say scale, start, target and robot, as a PNG's text."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter, Note
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
+from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = ["png", "read_picture", "write_png"]
+
+_MARK = "worldgen"  # the keyword by which a picture of ours is known; the others count only beside it
+_WHITE = 255
+
+
+def read_picture(
+    path: Path, *, cell_size: float = 0.0, threshold: int = 128, background: Literal["free", "solid"] = "free"
+) -> ForeignMap:
+    """A picture whose dark pixels are solid cells.
+
+    Args:
+        path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
+        cell_size: Side of a pixel, m; 0 is what the picture says, else 0.1.
+        threshold: Grey, black 0 to white 255, from which on a pixel is free.
+        background: What shows through where the picture is transparent: free is white, solid is black.
+
+    Raises:
+        FormatError: If it is no such picture, or says of start, target or robot what cannot be.
+        InvalidParameter: If an option is out of range.
+    """
+    check_between("threshold", threshold, 1, _WHITE)
+    data, source = read_bounded(path), str(path)
+    image = read_grey_image(data, source)
+    walls, greys = _solid(image, threshold, background)
+    try:
+        own_size, origin, places = _said(image)
+    except InvalidParameter as error:
+        raise FormatError.of(error.message.behind("its text: "), source=source) from error
+    notes = []
+    if greys:
+        notes.append(
+            f"{greys} of {walls.size} pixels are neither black nor white; those darker than {threshold} of "
+            f"{_WHITE} are solid; +threshold=N says otherwise"
+        )
+    if own_size is None and not cell_size:
+        notes.append(
+            Note(
+                "no-scale",
+                "the picture has no scale; a pixel is taken as {cell_size:g} m",
+                "--cell-size says another",
+                at_terminal=True,
+                cell_size=DEFAULT_CELL_SIZE,
+            )
+        )
+    for ending in (".yaml", ".yml"):
+        if own_size is None and path.with_suffix(ending).is_file():
+            notes.append(f"{path.with_suffix(ending).name} beside it may be the map that says scale and origin")
+    params: dict[str, Value] = {
+        "format": "png", "source": path.name, "sha256": digest(data), "threshold": threshold, "background": background,
+    }  # fmt: skip
+    return ForeignMap(
+        flip_rows(walls), cell_size or own_size or DEFAULT_CELL_SIZE, params, tuple(notes), origin=origin,
+        start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+    )  # fmt: skip
+
+
+def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArray[np.bool_], int]:
+    """Solid pixels, top row first, and how many are neither black nor white."""
+    values: npt.NDArray[np.integer[Any]] = image.values
+    maximum = image.maximum
+    if image.alpha is not None:  # laid on its background, 255 times as fine
+        behind = 0 if background == "solid" else maximum
+        values = (values.astype(np.int32) - behind) * image.alpha + 255 * behind
+        maximum *= 255
+    between = np.count_nonzero((values > 0) & (values < maximum))
+    return values < -(-threshold * maximum // _WHITE), int(between)
+
+
+def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
+    """Cell size, origin and places of a picture of ours; None, 0 and none of any other."""
+    text = image.text
+    if _MARK not in text:
+        return None, (0.0, 0.0), Places()
+    words = {key: text[key].split() for key in (*KEYS, "resolution", "origin") if key in text}
+    size = words.pop("resolution", None)
+    corner = words.pop("origin", ["0", "0"])
+    if len(corner) != 2 or (size is not None and len(size) != 1):
+        raise InvalidParameter(
+            "wrong-form", "resolution is one number and origin two", "save the picture anew from worldgen"
+        )
+    cell_size = None if size is None else from_decimal(size[0])
+    if cell_size is not None:
+        check_between("resolution", cell_size, *CELL_SIZES, "m")
+    origin = (from_decimal(corner[0]), from_decimal(corner[1]))
+    return cell_size, origin, read_places(words, origin)
+
+
+def write_png(world: World, destination: Destination) -> Exported:
+    """A grey picture, a pixel a cell: solid black, free white; the rest as its text (``tEXt``).
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+
+    Raises:
+        InvalidParameter: If its name says that it is another kind of picture.
+    """
+    if destination.name.lower().endswith((".pgm", ".bmp")):
+        raise InvalidParameter(
+            "wrong-suffix",
+            "{name} is no name of a PNG",
+            "end it in .png, or write a .yaml with a .pgm by --to ros",
+            at_terminal=True,
+            name=destination.name,
+        )
+    text = {_MARK: "1", "resolution": decimal(world.cell_size)}
+    text["origin"] = " ".join(decimal(shift) for shift in destination.origin)
+    text |= {key: " ".join(words) for key, words in place_words(world, destination).items()}
+    return Exported({destination.name: walls_png(world.walls, text)})
+
+
+png = Format(
+    "png",
+    "picture, dark is solid, .png, .pgm or .bmp",
+    (".png", ".pgm", ".bmp"),
+    re.compile(rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"),  # a picture is a map if it says so
+    read_picture,
+    write_png,
+    holds=frozenset(HELD),
+    client="everything that opens pictures",
+)

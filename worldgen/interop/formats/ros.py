@@ -1,0 +1,386 @@
+"""ROS map_server maps: a YAML file of a few keys, and a picture whose grey says how occupied a cell is.
+
+Source: the map_server of ROS navigation2 (``map_io.cpp``) and its documentation.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter, Message
+from worldgen.family import check_choice
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, ForeignMap, digest, read_bounded
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
+from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places
+from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
+from worldgen.lattice import exact
+from worldgen.support.rows import flip_rows
+from worldgen.world import Value, World
+
+__all__ = [
+    "FREE",
+    "OCCUPIED",
+    "UNKNOWN",
+    "RosMetadata",
+    "occupancy",
+    "read_metadata",
+    "read_ros_map",
+    "ros",
+    "solid_cells",
+    "write_ros_map",
+]
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1  # values of a nav_msgs/OccupancyGrid
+MODES = ("trinary", "scale", "raw")
+_UNKNOWN_GREY = 205  # what map savers write for unknown
+_MAX_YAML_BYTES = 64 << 10
+_OURS = "worldgen"  # the key under which a map of ours has start, target and robot
+_MOST_OFF = 0.01  # rad from a quarter turn; how far it may really be, the picture's size says
+_REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+
+
+@dataclass(frozen=True)
+class RosMetadata:
+    """What the YAML file says.
+
+    Args:
+        image: The picture's path.
+        resolution: Side of a cell, m.
+        origin: x and y in m of the picture's lower-left corner in the map's frame.
+        occupied_thresh: Occupancy, 0 to 1, from which on a cell is occupied.
+        free_thresh: Occupancy up to which a cell is free.
+        negate: Whether white is occupied.
+        mode: ``trinary``, ``scale`` or ``raw``.
+        places: Start, target and robot, of a map of ours.
+        yaw: rad, by which the picture is turned about its lower-left corner, counter-clockwise; near a quarter turn.
+    """
+
+    image: Path
+    resolution: float
+    origin: tuple[float, float]
+    occupied_thresh: float
+    free_thresh: float
+    negate: bool = False
+    mode: str = "trinary"
+    places: Places | None = None
+    yaw: float = 0.0
+
+
+def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
+    """A map_server pair.
+
+    Args:
+        path: The YAML file; it names the picture.
+        unknown: What cells are that are neither occupied nor free: ``solid`` or ``free``.
+
+    Raises:
+        FormatError: If the YAML file or the picture breaks a rule, with the line where there is one.
+    """
+    text = read_bounded(path, _MAX_YAML_BYTES)
+    metadata = read_metadata(text, path)
+    picture = read_bounded(metadata.image)
+    image = read_grey_image(picture, str(metadata.image))
+    cells = occupancy(image, metadata)
+    solid, unsure = solid_cells(cells, metadata)
+    notes = []
+    if unsure.any():
+        notes.append(
+            f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
+            f"they are taken as {unknown}"
+        )
+    walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata, str(path))
+    if metadata.yaw != 0.0:
+        notes.append(
+            f"the picture is turned by {_quarters(metadata.yaw)} quarters, as the yaw of {metadata.yaw:g} says"
+        )
+    if x != 0.0 or y != 0.0:
+        notes.append(f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS")
+    params: dict[str, Value] = {
+        "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
+        "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
+    }  # fmt: skip
+    params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
+    warnings = tuple(_warnings(image, metadata))
+    places = metadata.places or Places()
+    return ForeignMap(
+        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y),
+        start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+    )  # fmt: skip
+
+
+def _quarters(yaw: float) -> int:
+    """The nearest number of quarter turns."""
+    return round(yaw / (math.pi / 2))
+
+
+def _turned(
+    walls: npt.NDArray[np.bool_], metadata: RosMetadata, source: str
+) -> tuple[npt.NDArray[np.bool_], tuple[float, float]]:
+    """The picture, top row first, turned by whole quarters, and where its new lower-left corner lies.
+
+    Raises:
+        FormatError: If the yaw is so far from whole quarters that a cell would move by half its side.
+    """
+    quarters, (height, width) = _quarters(metadata.yaw), walls.shape
+    moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
+    if moved >= 0.5:
+        raise FormatError(
+            "turned-map",
+            "yaw {yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts them",
+            "write its digits, such as 1.57079633, or turn the picture",
+            yaw=metadata.yaw,
+            moved=moved,
+            source=source,
+        )
+    across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
+    (x, y), side = map(exact, metadata.origin), exact(metadata.resolution)
+    return np.rot90(walls, quarters % 4), (float(x + across * side), float(y + up * side))
+
+
+def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
+    """The values that map_server would publish.
+
+    Returns:
+        (height, width) int8, top row first: -1 unknown, 0 free to 100 occupied.
+    """
+    levels = [_level(value, image.maximum, metadata) for value in range(image.maximum + 1)]
+    cells: npt.NDArray[np.int8] = np.array(levels, np.int8)[image.values]
+    if image.opaque is not None and metadata.mode != "raw":
+        cells[~image.opaque] = UNKNOWN
+    return cells
+
+
+def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
+    """Occupancy of one grey value. Thresholds are decimals and count exactly, both inclusive."""
+    if metadata.mode == "raw":
+        byte = math.floor(Fraction(255 * value, maximum) + Fraction(1, 2))
+        return byte if byte <= OCCUPIED else UNKNOWN
+    filled = Fraction(value if metadata.negate else maximum - value, maximum)
+    occupied, free = exact(metadata.occupied_thresh), exact(metadata.free_thresh)
+    if filled >= occupied:
+        return OCCUPIED
+    if filled <= free:
+        return FREE
+    return round(100 * (filled - free) / (occupied - free)) if metadata.mode == "scale" else UNKNOWN
+
+
+def solid_cells(
+    cells: npt.NDArray[np.int8], metadata: RosMetadata
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Which cells are surely occupied, and which are neither that nor surely free.
+
+    In mode ``raw`` the thresholds part the published values; else 100 is occupied and 0 is free.
+    """
+    if metadata.mode != "raw":
+        solid = cells == OCCUPIED
+        return solid, ~solid & (cells != FREE)
+    solid = cells >= math.ceil(100 * exact(metadata.occupied_thresh))
+    free = (cells >= 0) & (cells <= math.floor(100 * exact(metadata.free_thresh)))
+    return solid, ~solid & ~free
+
+
+def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
+    found = []
+    if image.maximum == 255 and metadata.mode != "raw" and not metadata.negate:
+        taken_as_free = _level(_UNKNOWN_GREY, 255, metadata) == FREE
+        if taken_as_free and (image.values == _UNKNOWN_GREY).any():
+            found.append(
+                f"grey {_UNKNOWN_GREY}, which map savers write for unknown cells, counts as free because "
+                f"free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells are unknown"
+            )
+    if image.maximum == 1:
+        found.append("the picture's maximum is 1: ROS itself misreads such PGM files, black comes out free")
+    return found
+
+
+def read_metadata(text: bytes, path: Path) -> RosMetadata:
+    """Checks the YAML file's keys.
+
+    Args:
+        text: The file.
+        path: Where it lies; the picture must lie in the same folder or below it.
+
+    Raises:
+        FormatError: If it is no YAML, a key is missing or wrong, the map is turned, or the picture's
+            path leads out of the folder.
+    """
+    source = str(path)
+    table = read_yaml(text, source, "a ROS map has `image: map.pgm` and the like")
+    missing = [key for key in _REQUIRED if key not in table]
+    if missing:
+        raise FormatError(
+            "missing-key",
+            "{missing!l} missing",
+            "a ROS map has the keys {keys!l}, and may have mode",
+            missing=list(missing),
+            keys=list(_REQUIRED),
+            source=source,
+        )
+    resolution = table.number("resolution")
+    occupied, free = table.number("occupied_thresh"), table.number("free_thresh")
+    if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
+        least, most = CELL_SIZES
+        message = Message(
+            "out-of-range",
+            "resolution is {resolution:g}; it is the side of a pixel, {low:g} to {high:g} m",
+            resolution=resolution,
+            low=least,
+            high=most,
+        )
+        raise table.fault("resolution", message)
+    if not 0.0 <= free < occupied <= 1.0:
+        message = Message(
+            "wrong-order",
+            "free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1",
+            free=free,
+            occupied=occupied,
+        )
+        raise table.fault("free_thresh", message)
+    (*origin, yaw), negate = _origin(table), table.truth("negate")
+    corner = (origin[0], origin[1])
+    if yaw != 0.0 and _OURS in table:
+        raise table.fault(
+            "origin",
+            Message(
+                "unsupported",
+                "a map with places under {key} is not turned",
+                "write the yaw 0, or delete {key}",
+                key=_OURS,
+            ),
+        )
+    places = _places(table, corner)
+    return RosMetadata(_image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw)
+
+
+def _image(table: YamlTable, path: Path) -> Path:
+    try:
+        return companion(path, "image", table.word("image"))
+    except InvalidParameter as error:
+        raise table.fault("image", error.message) from error
+
+
+def _origin(table: YamlTable) -> tuple[float, float, float]:
+    try:
+        numbers = [from_decimal(word) for word in table.words("origin") or ()]
+    except InvalidParameter:
+        numbers = []
+    if len(numbers) != 3:
+        raise table.fault("origin", Message("wrong-type", "origin must be three numbers, [x m, y m, yaw rad]"))
+    x, y, yaw = numbers
+    if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
+        message = Message(
+            "turned-map",
+            "the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and 1.57079633",
+            "turn the picture, or write 0 if your programs pass over the yaw",
+            yaw=yaw,
+        )
+        raise table.fault("origin", message)
+    return x, y, yaw
+
+
+def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
+    """What a map of ours says under a key of its own, which map_server passes over."""
+    if _OURS not in table:
+        return Places()
+    ours = table.tables(_OURS)
+    if len(ours) != 1:
+        raise table.fault(
+            _OURS, Message("wrong-count", "{key} has {tables} tables; it is one", key=_OURS, tables=len(ours))
+        )
+    strange = [key for key in ours[0] if key not in KEYS]
+    if strange:
+        raise ours[0].fault(
+            strange[0],
+            Message(
+                "unknown-name",
+                "{name!q} is no key of {key}",
+                "it has {known!l}",
+                name=strange[0],
+                key=_OURS,
+                known=list(KEYS),
+            ),
+        )
+    places = Places()
+    for key in ours[0]:  # one by one, so that a fault has its line
+        words = ours[0].words(key)
+        try:
+            found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
+        except InvalidParameter as error:
+            raise ours[0].fault(key, error.message) from error
+        places = replace(places, **{key: getattr(found, key)})
+    return places
+
+
+def _mode(table: YamlTable) -> str:
+    if "mode" not in table:
+        return MODES[0]
+    mode = table.word("mode").lower()
+    try:
+        check_choice("mode", mode, MODES)
+    except InvalidParameter as error:
+        raise table.fault("mode", error.message) from error
+    return mode
+
+
+def write_ros_map(
+    world: World,
+    destination: Destination,
+    *,
+    image: Literal["pgm", "png"] = "pgm",
+    mode: Literal["trinary", "scale", "raw"] = "trinary",
+    negate: bool = False,
+) -> Exported:
+    """A map_server pair; every cell is surely occupied or surely free, in every mode.
+
+    Args:
+        world: The world.
+        destination: Where the YAML file goes; the picture goes beside it.
+        image: The picture's kind.
+        mode: What map_server is to make of the greys.
+        negate: Whether white is occupied; ``raw`` has no use for it.
+    """
+    solid = flip_rows(world.walls)
+    black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
+    greys = np.where(solid, np.uint8(black), np.uint8(white))
+    picture = destination.companion(f".{image}")
+    x, y = (decimal(shift) for shift in destination.origin)
+    lines = [
+        f"image: {_yaml_text(picture)}", f"mode: {mode}", f"resolution: {decimal(world.cell_size)}",
+        f"origin: [{x}, {y}, 0.0]", f"negate: {int(negate)}", "occupied_thresh: 0.65", "free_thresh: 0.196",
+        f"{_OURS}:",
+    ]  # fmt: skip
+    for key, words in place_words(world, destination).items():
+        lines.append(f"  {key}: {words[0] if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
+    data = pgm_bytes(greys) if image == "pgm" else png_bytes(greys)
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode(), picture: data})
+
+
+def _yaml_text(name: str) -> str:
+    """A file name as a plain word where that is safe, else in quotes."""
+    if re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
+        return name
+    return json.dumps(name, ensure_ascii=False)  # YAML's double quotes know JSON's escapes
+
+
+ros = Format(
+    "ros",
+    "ROS map_server, .yaml with .pgm or .png",
+    (".yaml", ".yml"),
+    re.compile(rb"(?s).*?(?m:^)image[ \t]*:"),
+    read_ros_map,
+    write_ros_map,
+    holds=frozenset(HELD),
+    client="ROS map_server, Nav2",
+    usual_robot=FLOOR_ROBOT,
+)

@@ -1,0 +1,190 @@
+"""A world as SDFormat 1.9, for Gazebo and what else reads it: a static model of boxes, a floor, marks, a robot.
+
+What changes with time becomes models that a script moves, for a world file has no clock of its own.
+
+Source: the SDFormat 1.9 specification.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from importlib import resources
+from typing import Literal
+
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.format import decimal_text as text
+from worldgen.interop.geometry.placed_boxes import Box
+from worldgen.interop.geometry.solid_scene import TIMESTEPS, Body, events_file, plain_name, scene
+from worldgen.interop.players.sdf_robot import SYSTEMS, robot_lines
+from worldgen.interop.readers.gazebo_world import grid_line
+from worldgen.lattice import exact
+from worldgen.parameters import check_between
+from worldgen.world import World
+
+__all__ = ["sdf", "write_sdf"]
+
+_THIN = Fraction(1, 1000)  # thickness of what only marks a place, m
+_MANY = 2000  # boxes; from here on a step of Fortress's physics takes longer than the millisecond that it lasts
+_SCHEMA = "urn:worldgen:sdf"
+_COLOURS = {"ground": "0.9 0.9 0.9 1", "wall": "0.3 0.3 0.35 1", "cell": "0.5 0.4 0.3 1", "fire": "1 0.4 0.1 0.7",
+            "start": "0.1 0.4 0.9 0.6", "target": "0.1 0.7 0.2 0.6"}  # fmt: skip
+
+
+def write_sdf(
+    world: World,
+    destination: Destination,
+    *,
+    height: float = 1.0,
+    robot: bool = False,
+    plugins: Literal["none", "fortress", "harmonic"] = "none",
+    timestep: float = 0.001,
+) -> Exported:
+    """The world file, and of a world that changes a script and the table that it plays.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+        height: Of the walls, m.
+        robot: Whether a disc on two wheels stands at the start; with plugins it obeys velocity commands.
+        plugins: The systems that Gazebo is to load, by its release; with none it loads those that it always does.
+        timestep: Of the engine, s.
+
+    Raises:
+        InvalidParameter: If height or timestep are far from what anybody means.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    check_between("timestep", timestep, *TIMESTEPS, "s")
+    name, parts, tall = plain_name(destination), scene(world, destination, height), exact(height)
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<sdf version="1.9" xmlns:worldgen="{_SCHEMA}">',
+        f'  <world name="{name}">',
+        *_head(world, destination, timestep),
+        *(f'    <plugin filename="{file}" name="{system}"/>' for file, system in SYSTEMS[plugins]),
+        *_light(parts.floor, tall),
+        *_ground(parts.floor),
+        *_walls(parts.still),
+        *_marks(world, destination),
+        *(line for body in parts.bodies for line in _moving(body, tall)),
+        *(robot_lines(world, destination, plugins) if robot else ()),
+        "  </world>",
+        "</sdf>",
+    ]
+    files = {destination.name: ("\n".join(lines) + "\n").encode()}
+    notes = []
+    if parts.bodies:
+        script, table = destination.companion("_player.py"), destination.companion("_events.json")
+        files[script] = resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
+        files[table] = events_file(destination.name, parts.bodies, height, world=name)
+        notes.append(f"{script} moves what changes: a world file has no events of its own")
+    boxes = len(parts.still) + len(parts.bodies)
+    if boxes > _MANY:
+        notes.append(
+            f"{boxes} boxes: Gazebo falls behind real time; a step takes four times as long with twice as many"
+        )
+    return Exported(files, notes=tuple(notes))
+
+
+def _head(world: World, destination: Destination, timestep: float) -> Iterator[str]:
+    """Engine and gravity, the grid's corner as a frame, and in our own elements what SDFormat has no words for."""
+    rate = text(Fraction(round(1 / exact(timestep))))
+    x, y = (decimal(value) for value in destination.origin)
+    yield from (
+        '    <physics name="steps" type="ignored">',
+        f"      <max_step_size>{decimal(timestep)}</max_step_size>",
+        "      <real_time_factor>1</real_time_factor>",
+        f"      <real_time_update_rate>{rate}</real_time_update_rate>",
+        "    </physics>",
+        "    <gravity>0 0 -9.8</gravity>",
+        f'    <frame name="grid"><pose>{x} {y} 0 0 0 0</pose></frame>',
+    )
+    yield grid_line(world, destination)
+    numbers = {"robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
+    yield from (f"    <worldgen:{key}>{decimal(value)}</worldgen:{key}>" for key, value in numbers.items())
+
+
+def _light(floor: Box, tall: Fraction) -> Iterator[str]:
+    yield from (
+        '    <light type="directional" name="sun">',
+        f"      <pose>{_pose(floor, 10 * tall)}</pose>",
+        "      <cast_shadows>true</cast_shadows>",
+        "      <diffuse>0.8 0.8 0.8 1</diffuse>",
+        "      <direction>-0.3 -0.2 -1</direction>",
+        "    </light>",
+    )
+
+
+def _shapes(kind: str, name: str, geometry: str, colour: str, pose: str = "") -> Iterator[str]:
+    """``kind`` is what a shape is: solid, or only seen."""
+    inside = f"{f'<pose>{pose}</pose>' if pose else ''}<geometry>{geometry}</geometry>"
+    if kind == "solid":
+        yield f'        <collision name="{name}">{inside}</collision>'
+    paint = f"<material><ambient>{colour}</ambient><diffuse>{colour}</diffuse></material>"
+    yield f'        <visual name="{name}_seen">{inside}{paint}</visual>'
+
+
+def _model(name: str, pose: str, shapes: Iterator[str]) -> Iterator[str]:
+    """A static model; ``1`` and not ``true``, which some readers take for 0, so that walls fall."""
+    yield f'    <model name="{name}">'
+    yield "      <static>1</static>"
+    if pose:
+        yield f"      <pose>{pose}</pose>"
+    yield '      <link name="link">'
+    yield from shapes
+    yield "      </link>"
+    yield "    </model>"
+
+
+def _ground(floor: Box) -> Iterator[str]:
+    size = " ".join(map(text, floor.size[:2]))
+    plane = f"<plane><normal>0 0 1</normal><size>{size}</size></plane>"
+    yield from _model("ground", _pose(floor, Fraction(0)), _shapes("solid", "floor", plane, _COLOURS["ground"]))
+
+
+def _pose(box: Box, z: Fraction) -> str:
+    """Above or below the middle of a box."""
+    return f"{' '.join(map(text, (*box.centre[:2], z)))} 0 0 0"
+
+
+def _cuboid(box: Box) -> str:
+    return f"<box><size>{' '.join(map(text, box.size))}</size></box>"
+
+
+def _walls(boxes: tuple[Box, ...]) -> Iterator[str]:
+    def shapes() -> Iterator[str]:
+        for box in boxes:
+            yield from _shapes("solid", box.name, _cuboid(box), _COLOURS["wall"], _pose(box, box.centre[2]))
+
+    if boxes:
+        yield from _model("walls", "", shapes())
+
+
+def _marks(world: World, destination: Destination) -> Iterator[str]:
+    """Start and target as discs that are only seen; the start's is the robot's, turned as it is."""
+    start, target = world.start, world.target
+    for name, x, y, heading, radius in (
+        ("start", start.x, start.y, start.heading, world.robot_radius),
+        ("target", target.x, target.y, 0.0, target.radius),
+    ):
+        pose = f"{destination.x(x)} {destination.y(y)} {text(_THIN / 2)} 0 0 {decimal(heading)}"
+        disc = f"<cylinder><radius>{decimal(radius)}</radius><length>{text(_THIN)}</length></cylinder>"
+        yield from _model(name, pose, _shapes("seen", "disc", disc, _COLOURS[name]))
+
+
+def _moving(body: Body, tall: Fraction) -> Iterator[str]:
+    """A cell that the script moves; where it burns it is only seen, for fire stops nothing."""
+    pose = _pose(body.box, body.box.centre[2] if body.shown else -tall)
+    kind, colour = ("seen", _COLOURS["fire"]) if body.burning else ("solid", _COLOURS["cell"])
+    yield from _model(body.name, pose, _shapes(kind, "box", _cuboid(body.box), colour))
+
+
+sdf = Format(
+    "sdf",
+    "world of Gazebo, SDFormat 1.9, .sdf",
+    (".sdf",),
+    write=write_sdf,
+    holds=frozenset(HELD),
+    changes=True,
+    client="Gazebo, PyBullet",
+)

@@ -1,0 +1,133 @@
+"""A world as a plan to scale, in SVG: one unit is a metre, and every element is named by what it is.
+
+``worldgen show --svg`` draws a picture to look at, in pixels, with caption and signal; this is for programs that
+measure, cut or edit: coordinates are the world's own, as exact decimals, and all else is in the metadata.
+
+Source: W3C, "Scalable Vector Graphics (SVG) 1.1, second edition", 2011.
+"""
+
+from __future__ import annotations
+
+import html
+import itertools
+import json
+from collections.abc import Iterator
+from fractions import Fraction
+
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
+from worldgen.interop.geometry.degrees import degrees_text
+from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.polygons import Polygon, border_cells, cell_polygons
+from worldgen.lattice import exact
+from worldgen.parameters import check_between
+from worldgen.render import palette
+from worldgen.render.caption import printable
+from worldgen.world import Witness, World
+
+__all__ = ["svg", "write_svg"]
+
+_STYLE = (
+    f".floor{{fill:{palette.FLOOR}}}.wall{{fill:{palette.WALL};fill-rule:evenodd}}"
+    f".border{{fill:{palette.GREY};fill-rule:evenodd}}"
+    f".target{{fill:{palette.TARGET};fill-opacity:.6}}.robot{{fill:{palette.START};fill-opacity:.6}}"
+    f".heading,.witness{{fill:none;stroke:{palette.START};stroke-linejoin:round}}"
+)
+
+
+def write_svg(world: World, destination: Destination, *, scale: float = 20.0, witness: bool = True) -> Exported:
+    """The plan: floor, walls, target, robot at its start, and the path that proves the target reachable.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        scale: Of the print, 1 to this; 1 is life size.
+        witness: Whether the certificate's path is drawn, where there is one.
+
+    Raises:
+        InvalidParameter: If the scale is below 0.001 or above a million.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    check_between("scale", scale, 1e-3, 1e6)
+    more = 1 if border_cells(world).any() else 0
+    lines = GridLines(world, destination)
+    left, right = lines.x[-more], lines.x[world.width + more]
+    bottom, top = lines.y[-more], lines.y[world.height + more]
+    view = " ".join(decimal_text(value) for value in (left, -top, right - left, top - bottom))
+    across, down = (float(1000 * length / exact(scale)) for length in (right - left, top - bottom))
+    name = html.escape(printable(destination.name))
+    text = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" height="{down!r}mm">',
+        f"<title>{name}</title>",
+        f"<desc>A plan of {world.width} x {world.height} cells; 1 unit is 1 m, 1:{decimal_text(exact(scale))} in "
+        "print; x right, y up in #world.</desc>",
+        f'<metadata id="worldgen">{_metadata(world, destination)}</metadata>',
+        f"<style>{_STYLE}</style>",
+        '<g id="world" transform="scale(1,-1)">',
+        *_cells(world, lines),
+        *(_path(world.certificate, world, destination) if witness else ()),
+        *_places(world, destination),
+        "</g>",
+        "</svg>",
+    ]
+    return Exported({destination.name: ("\n".join(text) + "\n").encode()})
+
+
+svg = Format(
+    "svg",
+    "a plan to scale, .svg",
+    (".svg",),
+    write=write_svg,
+    holds=frozenset(HELD),
+    client="browsers, Inkscape, cutters",
+)
+
+
+def _metadata(world: World, destination: Destination) -> str:
+    said = {"frame": "local", "units": "m", "size": [world.width, world.height], **held_values(world, destination)}
+    return html.escape(json.dumps(said), quote=False)
+
+
+def _cells(world: World, lines: GridLines) -> Iterator[str]:
+    xs, ys = ({at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y))
+    size = [decimal_text(end[side] - end[0]) for end, side in ((lines.x, world.width), (lines.y, world.height))]
+    yield f'<rect class="floor" x="{xs[0]}" y="{ys[0]}" width="{size[0]}" height="{size[1]}"/>'
+    for kind, solid, first in (("wall", world.walls, 0), ("border", border_cells(world), -1)):
+        for polygon in cell_polygons(solid, first):
+            yield f'<path class="{kind}" d="{_outline(polygon, xs, ys)}"/>'
+
+
+def _outline(polygon: Polygon, xs: dict[int, str], ys: dict[int, str]) -> str:
+    """Path data; every side of a ring runs along an axis."""
+    words = []
+    for ring in polygon:
+        words.append(f"M{xs[ring[0][0]]} {ys[ring[0][1]]}")
+        for (ax, _), (bx, by) in itertools.pairwise(ring):
+            words.append(f"H{xs[bx]}" if ax != bx else f"V{ys[by]}")
+        words.append("z")
+    return "".join(words)
+
+
+def _path(certificate: object, world: World, destination: Destination) -> Iterator[str]:
+    if isinstance(certificate, Witness) and len(certificate.times) > 1:
+        points = zip(certificate.x.tolist(), certificate.y.tolist(), strict=True)
+        corners = " ".join(f"{destination.x(x)},{destination.y(y)}" for x, y in points)
+        yield f'<polyline class="witness" stroke-width="{_part(world.robot_radius, 8)}" points="{corners}"/>'
+
+
+def _places(world: World, destination: Destination) -> Iterator[str]:
+    for name, point, radius in (
+        ("target", world.target, world.target.radius),
+        ("robot", world.start, world.robot_radius),
+    ):
+        x, y = destination.x(point.x), destination.y(point.y)
+        yield f'<circle class="{name}" cx="{x}" cy="{y}" r="{_part(radius)}"/>'
+    rim = decimal_text(exact(world.start.x) + exact(destination.origin[0]) + exact(world.robot_radius))
+    turn = f"{degrees_text(world.start.heading)} {x} {y}"
+    yield (
+        f'<path class="heading" stroke-width="{_part(world.robot_radius, 8)}" transform="rotate({turn})" '
+        f'd="M{x} {y}H{rim}"/>'
+    )
+
+
+def _part(value: float, share: int = 1) -> str:
+    return decimal_text(exact(value) / Fraction(share))

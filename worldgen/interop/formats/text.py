@@ -1,0 +1,180 @@
+"""Plain text drawings: a character a cell, as many generators print their mazes."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.lattice import UNIT, in_cells, lattice_to_metres
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = ["cell_centre", "cell_of", "equal_rows", "off_centre", "read_text_map", "text", "write_text_map"]
+
+_SOLID, _FREE, _START, _TARGET = b"#", b". ", b"S", b"GE"
+_BAD = 2
+_TABLE = np.full(256, _BAD, np.uint8)
+_TABLE[list(_FREE + _START + _TARGET)] = 0
+_TABLE[list(_SOLID)] = 1
+
+
+def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """A drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target; the top row first.
+
+    The start is its cell's centre, the target the disc inscribed in its cell.
+
+    Args:
+        path: The file; LF or CRLF.
+        cell_size: Side of a cell, m.
+
+    Raises:
+        FormatError: If rows differ in length, a character is none of these, or a place is there twice.
+    """
+    data, source = read_bounded(path), str(path)
+    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
+    while rows and not rows[-1]:
+        rows.pop()
+    drawn = equal_rows(list(enumerate(rows, 1)), source)
+    cells = _TABLE[drawn]
+    if (cells == _BAD).any():
+        row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
+        raise FormatError(
+            "unknown-sign",
+            "{sign!q} in column {column} is no cell; # is solid, . or a space free, S the start, G or E the target",
+            sign=rows[row_index][column : column + 1],
+            column=column + 1,
+            line=row_index + 1,
+            source=source,
+        )
+    start = _place(drawn, _START, "start", cell_size, source)
+    target = _place(drawn, _TARGET, "target", cell_size, source)
+    params: dict[str, Value] = {"format": "text", "source": path.name, "sha256": digest(data)}
+    return ForeignMap(
+        flip_rows(cells == 1),
+        cell_size,
+        params,
+        start=None if start is None else (*start, 0.0),
+        target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
+    )
+
+
+def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+    """The characters of rows that must have one length.
+
+    Args:
+        rows: Line in the file and text of each.
+        source: The file's name for messages.
+
+    Returns:
+        (rows, length) uint8.
+
+    Raises:
+        FormatError: If there is none, one is longer or shorter than the first, or there are too many.
+    """
+    width = len(rows[0][1]) if rows else 0
+    check_sides(width, len(rows), line=1, source=source)
+    for number, row in rows:
+        if len(row) != width:
+            raise FormatError(
+                "ragged-rows",
+                "a row of {cells} cells; the first has {width}; every row has that many",
+                cells=len(row),
+                width=width,
+                line=number,
+                source=source,
+            )
+    return np.frombuffer(b"".join(row for _, row in rows), np.uint8).reshape(len(rows), width)
+
+
+def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
+    """Centre of a cell, m; row 0 is the lowest."""
+    half = UNIT // 2
+    return lattice_to_metres(column * UNIT + half, cell_size), lattice_to_metres(row * UNIT + half, cell_size)
+
+
+def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
+    """Column and row, from the top, of the cell that a point lies in; on its right or upper side, the next one's."""
+    ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (x, y))
+    return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
+
+
+def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> dict[str, str]:
+    """What of start and target is not what a file says that has cells for them, with a sentence each.
+
+    Args:
+        world: The world.
+        cells: Column and row, from the top, that the file has as start and as target.
+    """
+    altered = {}
+    points = (world.start.x, world.start.y), (world.target.x, world.target.y)
+    for name, (column, row), point in zip(("start", "target"), cells, points, strict=True):
+        if cell_centre(column, world.height - 1 - row, world.cell_size) != point:
+            altered[name] = f"the {name} is stored as the centre of the cell in column {column}, row {row} from the top"
+    return altered
+
+
+def _place(
+    drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float, source: str
+) -> tuple[float, float] | None:
+    found = np.argwhere(np.isin(drawn, list(letters)))
+    if len(found) > 1:
+        raise FormatError(
+            "twice",
+            "{cells} cells are the {name}",
+            "draw one, or none",
+            cells=len(found),
+            name=name,
+            line=int(found[1][0]) + 1,
+            source=source,
+        )
+    if not len(found):
+        return None
+    row, column = (int(index) for index in found[0])
+    return cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
+
+
+def write_text_map(world: World, destination: Destination) -> Exported:
+    """A drawing: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target; the top row first.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+    """
+    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
+    altered = off_centre(world, (start, target))
+    marks = (("start", start, _START[0]), ("target", target, _TARGET[0]))
+    for name, (column, row), letter in marks:
+        if cells[row, column] == _FREE[0]:
+            cells[row, column] = letter
+        else:
+            taken = "the start's" if target == start else "solid"
+            altered[name] = f"the {name} is not drawn, for its cell is {taken}"
+    if world.start.heading != 0.0 or cells[start[1], start[0]] != _START[0]:
+        altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"
+    if world.target.radius != lattice_to_metres(UNIT // 2, world.cell_size):
+        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is drawn as half a cell"
+    elif cells[target[1], target[0]] != _TARGET[0]:
+        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is not drawn, as the target is not"
+    rows = (row.tobytes() + b"\n" for row in cells)
+    return Exported({destination.name: b"".join(rows)}, altered)
+
+
+text = Format(
+    "text",
+    "drawing with a character a cell, .txt",
+    (".txt",),
+    re.compile(rb"(?=[ .SGE\r\n]*#)[# .SGE]+\r?\n[# .SGE]+(\r?\n|\Z)"),
+    read_text_map,
+    write_text_map,
+    holds=frozenset({"start", "heading", "target", "target_radius"}),
+    client="people",
+)

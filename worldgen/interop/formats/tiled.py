@@ -1,0 +1,220 @@
+"""Tiled's maps as JSON (``.tmj``): a layer of tiles for the walls, start and target as objects.
+
+Source: the documentation of Tiled, "JSON Map Format" and "Global Tile IDs".
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import re
+import zlib
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from worldgen.errors import Note
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import CELL_SIZES, GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.format import HELD, Destination, Exported, Format
+from worldgen.interop.readers.grey_image import png_bytes
+from worldgen.interop.readers.tiled_parts import (
+    Part,
+    all_layers,
+    checked_number,
+    first_object,
+    numbers_of,
+    parse_tiled,
+    tile_layer,
+    tile_numbers,
+)
+from worldgen.lattice import exact, in_cells
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
+
+__all__ = ["read_tiled", "tiled", "write_tiled"]
+
+_PIXELS = 16  # a side of a tile
+_MOST_BYTES = 16 << 20  # parsed, JSON takes up to some thirty times the file
+_MOST_LISTED = 1_000_000  # cells that are written as numbers; of more, the list alone would be megabytes
+_STARTS = ("start", "spawn", "robot")
+_TARGETS = ("target", "goal", "end", "finish")
+_MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's rounding
+
+
+def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
+    """A map of square tiles: a cell is solid where the layer of walls has a tile.
+
+    The start is an object called start, spawn or robot, the target one called target, goal, end or finish.
+
+    Args:
+        path: The file; its tiles as numbers or base64, packed by zlib or gzip or not.
+        layer: Name of the layer of walls; left out, the one called walls, else the only one of tiles.
+        cell_size: Side of a tile, m; 0 is what the map says, else 0.1.
+
+    Raises:
+        FormatError: If it is no such map, or its layer of walls cannot be told.
+    """
+    data, source = read_bounded(path, _MOST_BYTES), str(path)
+    parsed = parse_tiled(data, source)
+    width, height = (checked_number(parsed, key, source) for key in ("width", "height"))
+    check_sides(width, height, source=source)
+    layers = all_layers(parsed, source)
+    walls_layer = tile_layer(layers, layer, source)
+    walls = flip_rows(tile_numbers(walls_layer, width, height, source) != 0)
+    said = numbers_of(parsed)
+    size = cell_size or said.get("cell_size") or DEFAULT_CELL_SIZE
+    check_between("cell_size", size, *CELL_SIZES, "m")
+    notes = [f"solid is where layer {walls_layer['name']!r} has a tile"]
+    if not cell_size and "cell_size" not in said:
+        notes.append(
+            Note(
+                "no-scale",
+                "the map has no scale; a tile is taken as {cell_size:g} m",
+                "--cell-size says another",
+                at_terminal=True,
+                cell_size=size,
+            )
+        )
+    scale = exact(size) / checked_number(parsed, "tilewidth", source)
+    start, target = first_object(layers, _STARTS), first_object(layers, _TARGETS)
+    params: dict[str, Value] = {
+        "format": "tiled", "source": path.name, "sha256": digest(data), "layer": str(walls_layer["name"]),
+    }  # fmt: skip
+    return ForeignMap(
+        walls, size, params, tuple(notes), _warnings(walls),
+        start=None if start is None else _start(start, scale, height * exact(size)),
+        target=None if target is None else _target(target, scale, height * exact(size)),
+        robot_radius=_above_0(said, "robot_radius"), robot_speed=_above_0(said, "robot_speed"),
+        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
+    )  # fmt: skip
+
+
+def _warnings(walls: np.ndarray[Any, Any]) -> tuple[str, ...]:
+    if walls.all():
+        return ("every cell has a tile, so all are solid; floors are tiles too? say with +layer= which layer is walls",)
+    return ()
+
+
+def _above_0(said: Mapping[str, float], name: str) -> float | None:
+    value = said.get(name)
+    return value if value is not None and value > 0.0 else None
+
+
+def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+    """x, y and heading: as the object's properties say, where it has not been moved or turned since."""
+    shape, said = numbers_of(part, "x", "y", "width", "height", "rotation"), numbers_of(part)
+    heading = said.get("heading", 0.0)
+    turned = shape.get("rotation", 0.0) + math.degrees(heading)
+    if abs(math.remainder(turned, 360.0)) > _MOVED:
+        heading = math.radians(math.remainder(-shape.get("rotation", 0.0), 360.0))
+    return (*_point(shape, said, scale, top), heading)
+
+
+def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
+    """x, y and radius, likewise; a point has no radius."""
+    shape, said = numbers_of(part, "x", "y", "width", "height"), numbers_of(part)
+    centre = _point(shape, said, scale, top)
+    drawn = (exact(shape.get("width", 0.0)) + exact(shape.get("height", 0.0))) / 4
+    radius = said.get("radius", 0.0)
+    if abs(float(exact(radius) / scale - drawn)) > _MOVED:
+        radius = float(drawn * scale)
+    return (*centre, radius) if radius > 0.0 else centre
+
+
+def _point(
+    shape: Mapping[str, float], said: Mapping[str, float], scale: Fraction, top: Fraction
+) -> tuple[float, float]:
+    """Centre of an object, m from the grid's lower-left corner, y up; its pixels go down from the top."""
+    x, y = (exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2 for at, by in (("x", "width"), ("y", "height")))
+    point = float(x * scale), float(top - y * scale)
+    exactly = said.get("x", math.inf), said.get("y", math.inf)
+    moved = max(abs(now - then) for now, then in zip(point, exactly, strict=True))
+    return point if moved > _MOVED * float(scale) else exactly
+
+
+def write_tiled(world: World, destination: Destination) -> Exported:
+    """A map of one layer of tiles and one of objects; beside it the picture of its one tile.
+
+    Args:
+        world: The world.
+        destination: Where the map goes.
+    """
+    picture = destination.companion("-tile.png")
+    made = {
+        "compressionlevel": -1, "height": world.height, "infinite": False,
+        "layers": [_wall_layer(world), _object_layer(world)],
+        "nextlayerid": 3, "nextobjectid": 3, "orientation": "orthogonal",
+        "properties": _properties(
+            cell_size=world.cell_size, origin_x=destination.origin[0], origin_y=destination.origin[1],
+            robot_radius=world.robot_radius, robot_speed=world.robot_speed,
+        ),
+        "renderorder": "right-down", "tiledversion": "1.8.2", "tileheight": _PIXELS,
+        "tilesets": [{
+            "columns": 1, "firstgid": 1, "image": picture, "imageheight": _PIXELS, "imagewidth": _PIXELS, "margin": 0,
+            "name": "walls", "spacing": 0, "tilecount": 1, "tileheight": _PIXELS, "tilewidth": _PIXELS,
+        }],
+        "tilewidth": _PIXELS, "type": "map", "version": "1.8", "width": world.width,
+    }  # fmt: skip
+    text = json.dumps(made, indent=1, allow_nan=False)
+    rows = flip_rows(world.walls).astype(int).tolist() if world.walls.size <= _MOST_LISTED else []
+    text = text.replace('"@rows"', "[" + ",\n".join(json.dumps(row)[1:-1] for row in rows) + "]", 1)
+    files = {destination.name: (text + "\n").encode()}
+    files[picture] = png_bytes(np.full((_PIXELS, _PIXELS), 60, np.uint8))
+    return Exported(files)
+
+
+def _wall_layer(world: World) -> dict[str, object]:
+    data: dict[str, object] = {"data": "@rows"}
+    if world.walls.size > _MOST_LISTED:
+        packed = zlib.compress(flip_rows(world.walls).astype("<u4").tobytes())
+        data = {"compression": "zlib", "data": base64.b64encode(packed).decode(), "encoding": "base64"}
+    return {
+        **data, "height": world.height, "id": 1, "name": "walls", "opacity": 1, "type": "tilelayer",
+        "visible": True, "width": world.width, "x": 0, "y": 0,
+    }  # fmt: skip
+
+
+def _object_layer(world: World) -> dict[str, object]:
+    start, target = world.start, world.target
+    places = (start.x, start.y, target.x, target.y, target.radius)
+    x, y, tx, ty, radius = (float(_PIXELS * in_cells(value, world.cell_size)) for value in places)
+    top = _PIXELS * world.height
+    common = {"name": "start", "type": "start", "visible": True}
+    objects = [
+        {
+            "height": 0, "id": 1, **common, "point": True, "rotation": 0.0 - math.degrees(start.heading), "width": 0,
+            "x": x, "y": top - y, "properties": _properties(heading=start.heading, x=start.x, y=start.y),
+        },
+        {
+            "ellipse": True, "height": 2 * radius, "id": 2, **common, "name": "target", "type": "target", "rotation": 0,
+            "width": 2 * radius, "x": tx - radius, "y": top - ty - radius,
+            "properties": _properties(radius=target.radius, x=target.x, y=target.y),
+        },
+    ]  # fmt: skip
+    return {
+        "draworder": "topdown", "id": 2, "name": "places", "objects": objects, "opacity": 1, "type": "objectgroup",
+        "visible": True, "x": 0, "y": 0,
+    }  # fmt: skip
+
+
+def _properties(**values: float) -> list[dict[str, object]]:
+    return [{"name": name, "type": "float", "value": value} for name, value in values.items()]
+
+
+tiled = Format(
+    "tiled",
+    "map of the editor Tiled, .tmj",
+    (".tmj", ".json"),
+    re.compile(rb"(?s)\s*\{(?=.*\"(?:compressionlevel|infinite|tiledversion|tilewidth|nextlayerid|renderorder)\"\s*:)"),
+    read_tiled,
+    write_tiled,
+    holds=frozenset(HELD),
+    client="Tiled",
+    most_bytes=_MOST_BYTES,
+    usual_robot=GRID_AGENT,
+)

@@ -1,0 +1,131 @@
+"""A world as a stage of Universal Scene Description, in its text form: a cube that collides for every wall.
+
+The text is written here, so that no library is needed and the bytes are the same everywhere; Pixar's own library reads
+and validates it in the tests.
+
+Source: Pixar, "Usda File Format Specification"; "UsdPhysics: USD Physics", OpenUSD 25.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
+from worldgen.interop.geometry.degrees import degrees_text
+from worldgen.interop.geometry.placed_boxes import Box, solid_boxes
+from worldgen.lattice import exact
+from worldgen.world import World
+
+__all__ = ["usd", "write_usd"]
+
+_HALF = Fraction(1, 2)
+_COLOURS = {"wall": (0.034, 0.042, 0.056), "start": (0.0, 0.342, 0.171), "target": (0.0, 0.168, 0.445)}  # linear
+_CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
+
+
+def write_usd(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+    """A stage in metres, z up.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        height: Of the walls, m.
+        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+
+    Raises:
+        InvalidParameter: If the height is no length.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    boxes = solid_boxes(world, destination, height=height, floor=floor)
+    lines = [
+        "#usda 1.0",
+        "(",
+        '    defaultPrim = "World"',
+        f'    doc = "A world of {world.width} x {world.height} cells, by worldgen; the rest is customData of /World."',
+        "    kilogramsPerUnit = 1",
+        "    metersPerUnit = 1",
+        '    upAxis = "Z"',
+        ")",
+        "",
+        'def Xform "World" (',
+        *_custom_data(world, destination),
+        ")",
+        "{",
+        '    def Scope "walls"',
+        "    {",
+    ]
+    for box in boxes:
+        lines += _cube(box)
+    lines += ["    }", *_place("start", world, destination), *_place("target", world, destination), "}"]
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode()})
+
+
+usd = Format(
+    "usd",
+    "walls as a stage, text form, .usda",
+    (".usda", ".usd"),
+    write=write_usd,
+    holds=frozenset(HELD),
+    client="Isaac Sim, Omniverse, Blender",
+)
+
+
+def _custom_data(world: World, destination: Destination) -> Iterator[str]:
+    yield "    customData = {"
+    yield "        dictionary worldgen = {"
+    yield f"            int2 size = ({world.width}, {world.height})"
+    for name, value in held_values(world, destination).items():
+        if isinstance(value, list):
+            yield f"            double2 {name} = ({', '.join(map(repr, value))})"
+        else:
+            yield f"            double {name} = {value!r}"
+    yield "        }"
+    yield "    }"
+    yield '    kind = "component"'
+
+
+def _cube(box: Box) -> Iterator[str]:
+    yield f'        def Cube "{box.name}" ('
+    yield '            prepend apiSchemas = ["PhysicsCollisionAPI"]'
+    yield "        )"
+    yield "        {"
+    yield f"            float3[] extent = [{_tuple(_CUBE[0])}, {_tuple(_CUBE[1])}]"
+    yield f"            color3f[] primvars:displayColor = [{_COLOURS['wall']}]"
+    yield "            double size = 1"
+    yield f"            double3 xformOp:scale = {_tuple(box.size)}"
+    yield f"            double3 xformOp:translate = {_tuple(box.centre)}"
+    yield '            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]'
+    yield "        }"
+
+
+def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
+    """Start or target: a frame on the floor, with a disc that is a guide and does not collide."""
+    start, target = world.start, world.target
+    point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
+    height = radius if name == "start" else radius / 16.0  # the robot stands, the target lies flat
+    turn = degrees_text(start.heading) if name == "start" else "0"
+    middle = exact(height) / 2
+    low, high = (tuple(sign * exact(value) for value in (radius, radius)) for sign in (-1, 1))
+    yield f'    def Xform "{name}"'
+    yield "    {"
+    yield f"        double xformOp:rotateZ = {turn}"
+    yield f"        double3 xformOp:translate = ({destination.x(point.x)}, {destination.y(point.y)}, 0)"
+    yield '        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]'
+    yield ""
+    yield '        def Cylinder "disc"'
+    yield "        {"
+    yield '            uniform token axis = "Z"'
+    yield f"            float3[] extent = [{_tuple((*low, -middle))}, {_tuple((*high, middle))}]"
+    yield f"            double height = {decimal_text(exact(height))}"
+    yield f"            color3f[] primvars:displayColor = [{_COLOURS[name]}]"
+    yield '            uniform token purpose = "guide"'
+    yield f"            double radius = {decimal_text(exact(radius))}"
+    yield f"            double3 xformOp:translate = (0, 0, {decimal_text(middle)})"
+    yield '            uniform token[] xformOpOrder = ["xformOp:translate"]'
+    yield "        }"
+    yield "    }"
+
+
+def _tuple(values: Sequence[Fraction]) -> str:
+    return f"({', '.join(map(decimal_text, values))})"

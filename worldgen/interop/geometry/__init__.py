@@ -1,0 +1,1 @@
+"""Walls as boxes, polygons and rasters, for the formats that need them."""

@@ -1,0 +1,94 @@
+"""Walls as boxes in the coordinates of a file: what meshes, stages and the worlds of simulators are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.interop.foreign_map import CELL_SIZES
+from worldgen.interop.format import Destination
+from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
+from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.lattice import exact
+from worldgen.parameters import check_between
+from worldgen.world import World
+
+__all__ = ["BOX_CORNERS", "BOX_QUADS", "Box", "placed_box", "solid_boxes"]
+
+BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
+"""Corners of a box: 0 the low end, 1 the high one, of x, y and z."""
+
+BOX_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+"""Faces of a box, as numbers of corners, counter-clockwise seen from outside: -z, +z, -y, +y, -x, +x."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box whose sides run along the axes.
+
+    Args:
+        name: ``wall_1``, ``border_1``, ``floor``; no two are the same.
+        low: x, y and z, m, of its lowest corner.
+        high: x, y and z, m, of its highest corner.
+    """
+
+    name: str
+    low: tuple[Fraction, Fraction, Fraction]
+    high: tuple[Fraction, Fraction, Fraction]
+
+    @property
+    def size(self) -> tuple[Fraction, Fraction, Fraction]:
+        """Lengths of its sides, m."""
+        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        return bx - ax, by - ay, bz - az
+
+    @property
+    def centre(self) -> tuple[Fraction, Fraction, Fraction]:
+        """x, y and z, m, of its middle."""
+        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        return (ax + bx) / 2, (ay + by) / 2, (az + bz) / 2
+
+
+def solid_boxes(world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53) -> list[Box]:
+    """The walls, a wall round the grid where its border is open, and a floor if wanted.
+
+    Args:
+        world: What is solid at all times counts.
+        destination: Says the frame; z is 0 at the walls' foot.
+        height: Of the walls, m.
+        floor: Whether there is a box as thick as a cell below it all.
+        bits: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` takes them.
+
+    Raises:
+        InvalidParameter: If the height is below 1e-6 or above 1e6 m.
+        InvalidWorld: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` does.
+    """
+    check_between("height", height, *CELL_SIZES, "m")
+    lines, ring, top = GridLines(world, destination, bits=bits), closing_boxes(world), exact(height)
+    boxes = [*_named("wall", merged_boxes(always_solid(world)), lines, top), *_named("border", ring, lines, top)]
+    if floor:
+        more = 1 if len(ring) else 0
+        low = (lines.x[-more], lines.y[-more], -exact(world.cell_size))
+        boxes.append(Box("floor", low, (lines.x[world.width + more], lines.y[world.height + more], Fraction(0))))
+    return boxes
+
+
+def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> Box:
+    """A box on the floor.
+
+    Args:
+        name: Of the box.
+        cells: Four numbers, as a row of :func:`~worldgen.interop.geometry.boxes.merged_boxes`.
+        lines: Where the lines between cells lie.
+        top: z of its upper side, m.
+    """
+    left, bottom, right, upper = cells
+    return Box(name, (lines.x[left], lines.y[bottom], Fraction(0)), (lines.x[right], lines.y[upper], top))
+
+
+def _named(kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction) -> list[Box]:
+    return [placed_box(f"{kind}_{number}", row, lines, top) for number, row in enumerate(cells.tolist(), 1)]

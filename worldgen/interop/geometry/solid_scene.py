@@ -1,0 +1,129 @@
+"""A world as physics engines build it: boxes in m, bodies that come and go, a floor, all as exact decimals."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from worldgen.interop.format import Destination, decimal_text
+from worldgen.interop.geometry.boxes import always_solid
+from worldgen.interop.geometry.grid_lines import GridLines
+from worldgen.interop.geometry.placed_boxes import Box, placed_box, solid_boxes
+from worldgen.lattice import exact
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["TIMESTEPS", "Body", "Scene", "events_file", "plain_name", "scene"]
+
+TIMESTEPS = (1e-6, 1e3)  # s
+_LONGEST_NAME = 60  # characters; names become parts of topics and file paths in other programs
+
+
+@dataclass(frozen=True)
+class Body:
+    """A cell that is there at some times: solid ones are ``cell_IX_IY``, burning ones ``fire_IX_IY``.
+
+    Args:
+        name: Of the body.
+        box: Where it stands when it is there.
+        burning: Whether it is fire, which stops nothing.
+        shown: Whether it is there at time 0.
+        changes: Times, s, and whether it is there from then on.
+    """
+
+    name: str
+    box: Box
+    burning: bool
+    shown: bool
+    changes: tuple[tuple[float, bool], ...]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stands in a world.
+
+    Args:
+        still: What is always solid, with a wall round the grid where its border is open.
+        bodies: What comes and goes.
+        floor: The ground below it all.
+    """
+
+    still: tuple[Box, ...]
+    bodies: tuple[Body, ...]
+    floor: Box
+
+
+def scene(world: World, destination: Destination, height: float) -> Scene:
+    """The world in the file's frame.
+
+    Args:
+        world: The world.
+        destination: Says where the grid's lower-left corner lies.
+        height: Of the walls, m.
+
+    Raises:
+        InvalidParameter: If the height is below 1e-6 or above 1e6 m.
+        InvalidWorld: If 64 bits are too few for the coordinates.
+    """
+    *still, floor = solid_boxes(world, destination, height=height, floor=True)
+    lines, always, top = GridLines(world, destination), always_solid(world), exact(height)
+    bodies = [
+        body
+        for (iy, ix), by_time in sorted(_states(world).items())
+        if not always[iy, ix]
+        for body in _bodies(by_time, placed_box(f"{ix}_{iy}", (ix, iy, ix + 1, iy + 1), lines, top))
+    ]
+    return Scene(tuple(still), tuple(bodies), floor)
+
+
+def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
+    """Of every cell that the timeline names, by row and column, its states from a time on; of one time the last."""
+    states: dict[tuple[int, int], dict[float, CellState]] = {}
+    for time, ix, iy, state in world.timeline:
+        start = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
+        states.setdefault((iy, ix), {0.0: start})[time + 0.0] = state
+    return states
+
+
+def _bodies(by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
+    """What a cell is at some times, but not at all."""
+    for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
+        there = [(time, state == kind) for time, state in by_time.items()]
+        changes = tuple(now for before, now in itertools.pairwise(there) if before[1] != now[1])
+        if there[0][1] or changes:
+            yield Body(f"{word}_{box.name}", box, kind == CellState.BURNING, there[0][1], changes)
+
+
+def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
+    """What a player script plays: where bodies stand, and the height of their centres from a time on.
+
+    Args:
+        model: Name of the file that has the bodies.
+        bodies: As in :class:`Scene`.
+        height: Of the walls, m; what is not there is parked with its upper side half of that below the floor.
+        world: Name of the world in that file, if it has one.
+
+    Returns:
+        JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s, name, z, m, in order
+        of time; those of time 0 come first, one a body.
+    """
+    heights = {True: exact(height) / 2, False: -exact(height)}
+    events = [(0.0, body.name, body.shown) for body in bodies]
+    later = [(time, body.name, shown) for body in bodies for time, shown in body.changes]
+    events += sorted(later, key=lambda event: event[0])
+    places = [f"    {json.dumps(body.name)}: [{', '.join(map(decimal_text, body.box.centre[:2]))}]" for body in bodies]
+    rows = [f"    [{time!r}, {json.dumps(name)}, {decimal_text(heights[shown])}]" for time, name, shown in events]
+    named = f'  "world": {json.dumps(world)},\n' if world else ""
+    head = f'{{\n  "model": {json.dumps(model)},\n{named}  "bodies": {{\n'
+    return "".join((head, ",\n".join(places), '\n  },\n  "events": [\n', ",\n".join(rows), "\n  ]\n}\n")).encode()
+
+
+def plain_name(destination: Destination) -> str:
+    """The file's stem in letters, digits, ``_`` and ``-``: what every program takes as a name, in XML and in topics."""
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", PurePath(destination.name).stem)[:_LONGEST_NAME].strip("_")
+    usual = re.match("[A-Za-z]", name) and name != "world"  # which Gazebo keeps for itself
+    return name if usual else f"worldgen_{name}".rstrip("_")

@@ -1,0 +1,251 @@
+"""Grey pictures of maps: PGM by our own reader, exact in every depth, PNG and BMP by Pillow.
+
+A picture is untrusted: its header's sizes are checked before anything is allocated for them.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, PngImagePlugin, UnidentifiedImageError
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import check_sides
+from worldgen.support.plain_text import quote
+from worldgen.support.rows import flip_rows
+
+__all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image", "walls_png"]
+
+_PILLOW_FORMATS = ("PNG", "BMP")
+# One header field of a PGM: white space and comments (from # to the end of the line), then digits.
+_FIELD = re.compile(rb"(?:\s|#[^\r\n]*+[\r\n])++([0-9]{1,9})")
+_COMMENT = re.compile(rb"#[^\r\n]*+")
+_MAX_DIGITS = 5  # 65535
+
+
+@dataclass(frozen=True, eq=False)
+class GreyImage:
+    """A grey picture.
+
+    Args:
+        values: (height, width) uint8 or uint16, top row first, 0 black to ``maximum`` white.
+        maximum: The value of white.
+        alpha: (height, width) uint8 where the picture has transparency: 0 clear to 255 opaque.
+        text: What a PNG says beside its pixels, by keyword.
+    """
+
+    values: npt.NDArray[np.uint8 | np.uint16]
+    maximum: int = 255
+    alpha: npt.NDArray[np.uint8] | None = None
+    text: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def opaque(self) -> npt.NDArray[np.bool_] | None:
+        """Where the picture has transparency: False where not fully opaque."""
+        return None if self.alpha is None else self.alpha == 255
+
+
+def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
+    """A binary PGM of greys, top row first; its maximum is 255, for some loaders misread any other."""
+    height, width = values.shape
+    return b"P5\n%d %d\n255\n" % (width, height) + values.tobytes()
+
+
+def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = None) -> bytes:
+    """A grey PNG.
+
+    Args:
+        values: (height, width), top row first.
+        text: What it says beside its pixels, by keyword; written in this order, before the pixels.
+    """
+    said = PngImagePlugin.PngInfo()
+    for keyword, words in (text or {}).items():
+        said.add_text(keyword, words)
+    stream = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(values)).save(stream, "PNG", pnginfo=said)
+    return stream.getvalue()
+
+
+def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = None) -> bytes:
+    """A PNG of cells: solid black, free white.
+
+    Args:
+        solid: (height, width), row 0 the lowest y.
+        text: As of :func:`png_bytes`.
+    """
+    return png_bytes(np.where(flip_rows(solid), np.uint8(0), np.uint8(255)), text)
+
+
+def read_grey_image(data: bytes, source: str) -> GreyImage:
+    """A picture of a map.
+
+    Args:
+        data: PGM (P2 or P5), PNG or BMP; colours become grey by their luma (ITU-R BT.601).
+        source: The file's name for messages.
+
+    Raises:
+        FormatError: If it is none of these, damaged, or too large.
+    """
+    if data[:2] in (b"P2", b"P5"):
+        return _read_pgm(data, source)
+    return _read_with_pillow(data, source)
+
+
+def _read_pgm(data: bytes, source: str) -> GreyImage:
+    at, fields = 2, []
+    for name in ("width", "height", "maximum"):
+        match = _FIELD.match(data, at)
+        if match is None:
+            came = quote((data[at : at + 40].split() or [b""])[0])
+            raise FormatError(
+                "wrong-form",
+                "the PGM header has {came} where the {name} belongs; after {magic!q} it "
+                "has width, height and maximum as whole numbers",
+                came=came,
+                name=name,
+                magic=data[:2],
+                line=_line(data, at),
+                source=source,
+            )
+        fields.append(int(match[1]))
+        at = match.end()
+    width, height, maximum = fields
+    check_sides(width, height, line=_line(data, at), source=source)
+    if not 0 < maximum < 65536:
+        raise FormatError(
+            "out-of-range",
+            "maximum {maximum}; a PGM has 1 to 65535",
+            "save it anew",
+            maximum=maximum,
+            line=_line(data, at),
+            source=source,
+        )
+    if data[:2] == b"P2":
+        values = _plain_raster(data, at, width * height, source)
+    else:
+        values = _binary_raster(data, at, width * height, 1 if maximum < 256 else 2, source)
+    if int(values.max()) > maximum:
+        raise FormatError(
+            "above-maximum",
+            "a pixel is {pixel}, above the maximum {maximum}",
+            "the file is damaged, save it anew",
+            pixel=int(values.max()),
+            maximum=maximum,
+            source=source,
+        )
+    grey = values.astype(np.uint8) if maximum < 256 else values.astype(np.uint16)
+    return GreyImage(grey.reshape(height, width), maximum)
+
+
+def _binary_raster(data: bytes, at: int, count: int, width: int, source: str) -> npt.NDArray[np.integer[Any]]:
+    """Pixels of ``width`` bytes, high byte first, behind the one white space that ends the header."""
+    size = count * width
+    rest = len(data) - at - 1
+    if rest < size or not data[at : at + 1].isspace():
+        raise FormatError(
+            "wrong-length",
+            "{bytes} bytes of pixels; the header's sizes need {needed}; the file is cut off, copy it again",
+            bytes=max(rest, 0),
+            needed=size,
+            source=source,
+        )
+    if data[at + 1 + size :].strip():
+        raise FormatError(
+            "wrong-length",
+            "{excess} bytes more than the header's sizes need ({needed}); the file was changed, perhaps copied as text",
+            "copy it as binary",
+            excess=rest - size,
+            needed=size,
+            source=source,
+        )
+    return np.frombuffer(data, ">u1" if width == 1 else ">u2", count, at + 1)
+
+
+def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[np.integer[Any]]:
+    """Pixels as decimal words, converted at once: as Python objects they take 30 times the file."""
+    text = _COMMENT.sub(b"", data[at:]) if data.find(b"#", at) >= 0 else data[at:]
+    raw = np.frombuffer(text, np.uint8)
+    is_digit = (raw >= ord("0")) & (raw <= ord("9"))
+    is_space = (raw == ord(" ")) | ((raw >= 9) & (raw <= 13))
+    if not (is_digit | is_space).all():
+        _wrong_word(data, text, int(np.argmin(is_digit | is_space)), source)
+    edges = np.flatnonzero(np.diff(is_digit.astype(np.int8), prepend=np.int8(0), append=np.int8(0)))
+    begin, end = edges[::2], edges[1::2]
+    if len(begin) != count:
+        raise FormatError(
+            "wrong-length",
+            "{pixels} pixels; the header's sizes need {needed}; the file is damaged, save it anew",
+            pixels=len(begin),
+            needed=count,
+            source=source,
+        )
+    lengths = end - begin
+    if int(lengths.max()) > _MAX_DIGITS:
+        _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]), source)
+    values = np.zeros(count, np.int32)
+    for digit in range(int(lengths.max())):
+        here = lengths > digit
+        values[here] = values[here] * 10 + (raw[begin[here] + digit] - ord("0"))
+    return values
+
+
+def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
+    # Comments were taken out, line ends were not: lines count from the end of both.
+    line = data.count(b"\n") - text.count(b"\n", at) + 1
+    word = quote(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
+    raise FormatError(
+        "not-a-pixel",
+        "{word} is no pixel; a plain PGM holds whole numbers up to its maximum",
+        word=word,
+        line=line,
+        source=source,
+    )
+
+
+def _line(data: bytes, at: int) -> int:
+    return data.count(b"\n", 0, at) + 1
+
+
+def _read_with_pillow(data: bytes, source: str) -> GreyImage:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a bomb is refused by check_sides below, before it is unpacked
+            with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
+                check_sides(*image.size, source=source)
+                return _to_grey(image)
+    except (FormatError, MemoryError):
+        raise
+    except Image.DecompressionBombError as error:
+        raise FormatError(
+            "too-large", "has more pixels than any map needs", "cut or shrink it", source=source
+        ) from error
+    except UnidentifiedImageError as error:
+        raise FormatError("unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source) from error
+    except Exception as error:  # Pillow's decoders raise whatever a damaged file leads them to
+        raise FormatError(
+            "damaged-file",
+            "is a damaged picture: {reason}",
+            "save it anew",
+            reason=error or type(error).__name__,
+            source=source,
+        ) from error
+
+
+def _to_grey(image: Image.Image) -> GreyImage:
+    image.load()
+    text = {str(keyword): str(words) for keyword, words in getattr(image, "text", {}).items()}
+    if image.mode.startswith("I"):  # 16-bit grey; convert("L") would cut it off at 255
+        wide = np.asarray(image).astype(np.int64)
+        return GreyImage(np.clip(wide, 0, 65535).astype(np.uint16), 65535, text=text)
+    alpha = None
+    if "transparency" in image.info or image.mode.endswith(("A", "a")):
+        image = image.convert("RGBA")
+        alpha = np.asarray(image.getchannel("A"))
+    return GreyImage(np.asarray(image.convert("L")), 255, alpha, text)

@@ -1,0 +1,377 @@
+"""Reading worlds of IR-SIM: what its YAML files say of walls, robot and goal.
+
+Source: IR-SIM 2.12, ``world/world.py``, ``object_factory.py``, ``geometry_handler.py`` and ``image_map_generator.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.interop.geometry.raster import Box, Raster, natural_cell_size
+from worldgen.interop.geometry.shapes import Shapes, turned
+from worldgen.interop.readers.grey_image import read_grey_image
+from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
+
+__all__ = ["MAX_YAML_BYTES", "read_irsim"]
+
+MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
+_MOST_OBJECTS = 1_000_000
+_SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
+_STATE, _GOAL = [Fraction(1), Fraction(1), Fraction(0)], [Fraction(1), Fraction(9), Fraction(0)]
+
+
+@dataclass
+class _Scene:
+    """What the file has, m, from the world's corner."""
+
+    width: Fraction
+    height: Fraction
+    corner: tuple[Fraction, Fraction]
+    shapes: Shapes = field(default_factory=Shapes)
+    image: tuple[npt.NDArray[np.bool_], str, str] | None = None
+    notes: list[str] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
+
+
+def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) -> ForeignMap:
+    """A world file of IR-SIM.
+
+    Args:
+        path: The YAML file.
+        cell_size: Side of a cell, m; 0: that of the obstacle map, or on whose lines all walls lie, or 0.1.
+        threshold: How dark a pixel of the obstacle map must at least be to be solid, 0 white to 1 black.
+
+    Raises:
+        FormatError: If the file breaks a rule, with the line where there is one.
+    """
+    check_between("threshold", threshold, 0.0, 1.0)
+    data, source = read_bounded(path, MAX_YAML_BYTES), str(path)
+    top = read_yaml(data, source, "an IR-SIM world has `world:` with width and height")
+    if "world" not in top:
+        raise FormatError(
+            "missing-key", "world is missing; an IR-SIM world has `world:` with width and height", source=source
+        )
+    world = top.tables("world")[0] if not top.is_null("world") else None
+    scene = _Scene(_length(world, "width"), _length(world, "height"), _corner(world))
+    if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
+        scene.image = _picture(world, path, threshold)
+    for table in _tables(top, "obstacle"):
+        _add_obstacles(scene, table)
+    walls, size = _cells(scene, cell_size, source)
+    params: dict[str, Value] = {"format": "irsim", "source": path.name, "sha256": digest(data)}
+    if scene.image is not None:
+        params |= {"image": scene.image[1], "image_sha256": scene.image[2]}
+    robot = _robot(top, scene)
+    origin = (float(scene.corner[0]), float(scene.corner[1]))
+    return ForeignMap(
+        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), (), None, *robot,
+        origin=origin, unread=tuple(scene.unread),
+    )  # fmt: skip
+
+
+def _tables(table: YamlTable, key: str) -> list[YamlTable]:
+    return table.tables(key) if key in table and not table.is_null(key) else []
+
+
+def _word(table: YamlTable | None, key: str, default: str) -> str:
+    return default if table is None or key not in table or table.is_null(key) else table.word(key)
+
+
+def _fraction(table: YamlTable | None, key: str, default: Fraction) -> Fraction:
+    return default if table is None or key not in table else table.fraction(key)
+
+
+def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fraction:
+    value = _fraction(table, key, default)
+    if table is not None and key in table and not 0 < value < 10**9:
+        raise table.fault(
+            key, Message("not-positive", "{key} is {value:g}; it is a length above 0 m", key=key, value=float(value))
+        )
+    return value
+
+
+def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
+    if world is None or "offset" not in world:
+        return Fraction(0), Fraction(0)
+    rows = world.rows("offset")
+    if len(rows) != 1 or len(rows[0]) != 2:
+        raise world.fault("offset", Message("wrong-type", "offset must be two numbers, [x m, y m]"))
+    return rows[0][0], rows[0][1]
+
+
+def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[npt.NDArray[np.bool_], str, str]:
+    """Solid cells, lowest row first, of the obstacle map, its name and digest."""
+    word = _picture_name(world)
+    try:
+        image = companion(path, "obstacle_map", word)
+    except InvalidParameter as error:
+        raise world.fault("obstacle_map", error.message) from error
+    data = read_bounded(image)
+    grey = read_grey_image(data, str(image))
+    dark = (grey.maximum - grey.values.astype(np.float64)) / grey.maximum
+    step = int(_fraction(world, "mdownsample", Fraction(1)))
+    if not 1 <= step <= min(dark.shape):
+        raise world.fault(
+            "mdownsample", Message("wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step)
+        )
+    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is just as dark counts too.
+    solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
+    return flip_rows(solid)[::step, ::step], image.name, digest(data)
+
+
+def _picture_name(world: YamlTable) -> str:
+    """The obstacle map's file: a word, or a table with ``name: image`` and ``path``."""
+    try:
+        return world.word("obstacle_map")
+    except FormatError:
+        table = world.tables("obstacle_map")[0]
+    kind = _word(table, "name", "none")
+    if kind != "image" or "path" not in table:
+        raise world.fault(
+            "obstacle_map",
+            Message(
+                "unsupported",
+                "obstacle_map {kind!q} is drawn by IR-SIM itself",
+                "save what it draws as a picture and name that",
+                kind=kind,
+            ),
+        )
+    return table.word("path")
+
+
+def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
+    """The obstacles of one entry: ``number`` of them, with a shape and a state each, the last for the rest."""
+    number = int(_fraction(table, "number", Fraction(1)))
+    if not 0 <= number <= _MOST_OBJECTS:
+        raise table.fault(
+            "number",
+            Message(
+                "out-of-range",
+                "number is {number}; it is a whole number of obstacles, up to {most_objects}",
+                number=number,
+                most_objects=_MOST_OBJECTS,
+            ),
+        )
+    count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
+    kinematics = _tables(table, "kinematics")
+    if kinematics and _word(kinematics[0], "name", "static") != "static":
+        scene.unread.append(f"{count} that can move; a world of ours has no bodies that drive")
+        return
+    if _word(table, "unobstructed", "false").lower() == "true":
+        scene.notes.append(f"{count} stop nobody in IR-SIM and are left out")
+        return
+    if _placing(table) != "manual":
+        scene.unread.append(f"{count} placed by chance; write their states into the file")
+        return
+    states = table.rows("state") if "state" in table else [_STATE]
+    shapes: list[YamlTable | None] = [*_tables(table, "shape")] or [None]
+    flat = len(states) == 1
+    for index in range(min(number, max(len(states), len(shapes)))):
+        state = states[0] if flat else states[min(index, len(states) - 1)]
+        if len(state) < 2:
+            raise table.fault("state", Message("wrong-type", "state must have x and y, [1.5, 2, 0]"))
+        _add_shape(scene, table, shapes[min(index, len(shapes) - 1)], state)
+
+
+def _placing(table: YamlTable) -> str:
+    found = _tables(table, "distribution")
+    return _word(found[0], "name", "manual") if found else "manual"
+
+
+def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]) -> None:
+    """One shape at a state; the parts of a compound one after the other."""
+    x, y, heading = (*state, Fraction(0))[:3]
+    at = (x - scene.corner[0], y - scene.corner[1])
+    name = "circle" if shape is None else _word(shape, "name", "circle")
+    if shape is not None and _word(shape, "random_shape", "false").lower() == "true":
+        scene.unread.append(f"the obstacle at line {shape.line}, shaped by chance")
+    elif name == "circle":
+        radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
+        middle = _middle(shape)
+        scene.shapes.disc(middle, radius, at, heading)
+    elif shape is not None and name == "rectangle":
+        half = _length(shape, "length", Fraction(1)) / 2, _length(shape, "width", Fraction(1)) / 2
+        back = half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
+        scene.shapes.outline(_corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
+    elif shape is not None and name in ("polygon", "linestring") and "vertices" in shape:
+        scene.shapes.outline(_vertices(shape), at, heading, closed=name == "polygon")
+    elif shape is not None and name == "compound":
+        _add_parts(scene, owner, shape, (x, y, heading))
+    else:
+        raise owner.fault(
+            "shape",
+            Message(
+                "unsupported", "shape {shape!q} is not read; circle, rectangle, polygon and linestring are", shape=name
+            ),
+        )
+
+
+def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
+    rows = shape.rows("center") if shape is not None and "center" in shape else [[Fraction(0), Fraction(0)]]
+    if shape is not None and len(rows[0]) != 2:
+        raise shape.fault("center", Message("wrong-type", "center must be two numbers, [x m, y m]"))
+    return rows[0][0], rows[0][1]
+
+
+def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:
+    rows = shape.rows("vertices")
+    least = 2 if _word(shape, "name", "") == "linestring" else 3
+    if len(rows) < least or any(len(row) != 2 for row in rows):
+        raise shape.fault(
+            "vertices",
+            Message("wrong-count", "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]", least=least),
+        )
+    return [(row[0], row[1]) for row in rows]
+
+
+def _corners(left: Fraction, low: Fraction, right: Fraction, high: Fraction) -> list[tuple[Fraction, Fraction]]:
+    return [(left, low), (right, low), (right, high), (left, high)]
+
+
+def _add_parts(scene: _Scene, owner: YamlTable, shape: YamlTable, pose: tuple[Fraction, Fraction, Fraction]) -> None:
+    x, y, heading = pose
+    for part in _tables(shape, "parts"):
+        if _word(part, "name", "circle") == "compound":
+            raise part.fault(
+                "name",
+                Message("unsupported", "a compound in a compound is not read", "put its parts into the outer one"),
+            )
+        own = [*part.rows("pose")[0], Fraction(0), Fraction(0)] if "pose" in part else [Fraction(0)] * 3
+        turned_point = turned(np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading))[0]
+        moved = own[:2] if heading == 0 else [Fraction(float(value)) for value in turned_point]
+        _add_shape(scene, owner, part, [x + moved[0], y + moved[1], heading + own[2]])
+
+
+def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
+    """The walls, and the side of a cell, m."""
+    size = _cell_size(scene, wanted)
+    if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
+        raise FormatError(
+            "out-of-range",
+            "cells of {cell_size:g} m",
+            "give {low:g} to {high:g} m",
+            cell_size=float(size),
+            low=CELL_SIZES[0],
+            high=CELL_SIZES[1],
+            source=source,
+        )
+    across, along = scene.width / size, scene.height / size
+    width, height = math.ceil(across), math.ceil(along)
+    if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
+        message = Message(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give a larger cell_size",
+            width=width,
+            height=height,
+            cell_size=float(size),
+        )
+        raise FormatError.of(message, source=source)
+    raster = Raster(width, height, size)
+    try:
+        _paint(raster, scene, size)
+    except InvalidWorld as error:
+        raise FormatError.of(error.message, source=source) from error
+    if raster.partly:
+        scene.notes.append(
+            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "
+            "covered; a smaller cell_size comes closer"
+        )
+    return raster.solid, float(size)
+
+
+def _cell_size(scene: _Scene, wanted: float) -> Fraction:
+    if wanted:
+        return Fraction(repr(wanted))
+    if scene.image is not None:
+        rows, columns = scene.image[0].shape
+        return min(scene.width / int(columns), scene.height / int(rows))
+    usual = Fraction(repr(DEFAULT_CELL_SIZE))
+    return natural_cell_size(scene.width, scene.height, scene.shapes.boxes) or usual
+
+
+def _paint(raster: Raster, scene: _Scene, size: Fraction) -> None:
+    height, width = raster.solid.shape
+    if scene.image is not None:
+        rows, columns = scene.image[0].shape
+        raster.picture(scene.image[0], scene.width / int(columns), scene.height / int(rows))
+    scene.shapes.paint(raster)
+    raster.box(Box(scene.width, Fraction(0), width * size, height * size))  # where the last cells stick out
+    raster.box(Box(Fraction(0), scene.height, width * size, height * size))
+
+
+_Point = tuple[float, ...] | None
+
+
+def _robot(top: YamlTable, scene: _Scene) -> tuple[_Point, _Point, float | None, float | None]:
+    """Start, target, radius and speed of the first robot."""
+    tables = _tables(top, "robot")
+    if not tables:
+        scene.notes.append("there is no robot in the file")
+        return None, None, None, None
+    first = tables[0]
+    number = sum(int(_fraction(table, "number", Fraction(1))) for table in tables)
+    if number > 1:
+        scene.notes.append(f"the file has {number} robots; the first was taken, the others left out")
+    start: _Point = None
+    target: _Point = None
+    reach = float(_length(first, "goal_threshold", Fraction(1, 10)))
+    if _placing(first) == "manual":
+        state = first.rows("state")[0] if "state" in first else _STATE
+        goals = first.rows("goal") if "goal" in first and not first.is_null("goal") else [_GOAL]
+        if len(goals) > 1:
+            scene.notes.append(f"the robot has {len(goals)} goals; the last is the target")
+        start = (*_from_corner(scene, first, "state", state), float((*state, Fraction(0))[2]))
+        target = (*_from_corner(scene, first, "goal", goals[-1]), reach)
+    else:
+        scene.notes.append(f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed here")
+    speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
+    if speeds[0] <= 0:
+        raise first.fault(
+            "vel_max",
+            Message("not-positive", "vel_max begins with {speed:g}; it is a speed above 0 m/s", speed=float(speeds[0])),
+        )
+    return start, target, _radius(first, scene), float(speeds[0])
+
+
+def _from_corner(scene: _Scene, table: YamlTable, key: str, point: list[Fraction]) -> tuple[float, float]:
+    if len(point) < 2:
+        raise table.fault(key, Message("wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key))
+    return float(point[0] - scene.corner[0]), float(point[1] - scene.corner[1])
+
+
+def _radius(robot: YamlTable, scene: _Scene) -> float:
+    """Of the disc round the robot's own point that covers it."""
+    shapes = _tables(robot, "shape")
+    if not shapes:
+        return 1.0
+    shape, name = shapes[0], _word(shapes[0], "name", "circle")
+    if name == "circle":
+        return float(_length(shape, "radius", Fraction(1, 5)))
+    around = _Scene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
+    _add_shape(around, robot, shape, [Fraction(0)] * 3)
+    boxes = [corner for box in around.shapes.boxes for corner in _corners(*box)]
+    points = [*boxes, *(point for polygon in around.shapes.polygons for point in polygon.tolist())]
+    radius = max((math.sqrt(float(x) ** 2 + float(y) ** 2) for x, y in points), default=0.0)
+    radius = max([radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)])
+    if radius <= 0.0:
+        raise robot.fault(
+            "shape",
+            Message(
+                "unsupported", "the robot's shape {shape!q} is not read", "give it a circle with a radius", shape=name
+            ),
+        )
+    scene.notes.append(f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m")
+    return radius

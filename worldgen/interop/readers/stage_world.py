@@ -1,0 +1,306 @@
+"""Reading worlds of Stage: the floor plan's picture, a robot, and what we call its target.
+
+Stage stretches the bounding box of the black pixels, not the picture, over the floor plan's size.
+Source: rtv/Stage 4.3, ``blockgroup.cc``, ``stage.cc`` and ``model.cc``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.interop.geometry.degrees import radians
+from worldgen.interop.geometry.raster import Raster
+from worldgen.interop.readers.grey_image import read_grey_image
+from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.stage_file import Entity, read_stage_file
+from worldgen.support.rows import flip_rows
+from worldgen.world import MAX_SIDE, Value
+
+__all__ = ["RINGED", "TARGET", "read_stage"]
+
+RINGED = "walls-in-a-ring"  # name of a floor plan whose outermost pixels are not the world's
+TARGET = "target"
+_MAX_BYTES = 1 << 20
+_MOST_INCLUDES = 100
+_BLACK = 127  # up to here, of 255, a pixel is a wall
+_ROBOTS = (
+    "position",
+    "pioneer",
+    "turtlebot",
+    "roomba",
+    "erratic",
+    "amigobot",
+    "robot",
+)  # as names of included things begin
+_UNITS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
+
+_Point = tuple[Fraction, Fraction]
+
+
+@dataclass
+class _Includes:
+    """Files that a world file includes: those beside it are read, the others said."""
+
+    path: Path
+    notes: list[str] = field(default_factory=list)
+    read: int = 0
+
+    def __call__(self, name: str, line: int) -> tuple[str, str] | None:
+        self.read += 1
+        if self.read > _MOST_INCLUDES:
+            message = Message(
+                "too-large", "more than {most} files are included", "does one include itself?", most=_MOST_INCLUDES
+            )
+            raise FormatError.of(message, line=line, source=str(self.path))
+        try:
+            file = companion(self.path, "include", name)
+        except InvalidParameter as error:
+            self.notes.append(f"{error}; what it defines is not known")
+            return None
+        return _text(file), str(file)
+
+
+def _text(path: Path) -> str:
+    return read_bounded(path, _MAX_BYTES).decode("utf-8", "surrogateescape").removeprefix("\ufeff")
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The floor plan: its picture, the size of a pixel, and where its lower-left corner lies, m."""
+
+    solid: npt.NDArray[np.bool_]
+    across: Fraction
+    along: Fraction
+    corner: _Point
+
+
+def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
+    """A world file of Stage.
+
+    Args:
+        path: The ``.world`` file; it names the picture.
+        cell_size: Side of a cell, m; 0: that of the picture's pixels.
+
+    Raises:
+        FormatError: If a file breaks a rule, with the line where there is one.
+    """
+    source, includes = str(path), _Includes(path)
+    data = read_bounded(path, _MAX_BYTES)
+    world = read_stage_file(_text(path), source, includes)
+    unit, turn = _units(world)
+    floor = _floor_plan(world, source, includes.notes)
+    image = _picture(floor, path)
+    plan = _plan(floor, image, unit, includes.notes)
+    walls, size = _cells(plan, cell_size, includes.notes, source)
+    params: dict[str, Value] = {
+        "format": "stage", "source": path.name, "sha256": digest(data), "image": image.name,
+        "image_sha256": digest(read_bounded(image)),
+    }  # fmt: skip
+    robot = _robot(world, includes.notes)
+    start = _pose(robot, plan, unit, turn) if robot is not None else None
+    speeds = robot.numbers("velocity_bounds") if robot is not None else []
+    speed = float(speeds[1] * unit) if len(speeds) > 1 and speeds[1] > 0 else None
+    radius = _radius(robot, unit, includes.notes) if robot is not None else None
+    origin = (float(plan.corner[0]), float(plan.corner[1]))
+    target = _target(world, plan, unit, turn)
+    return ForeignMap(
+        walls, size, params, tuple(includes.notes), (), None, start, target, radius, speed, origin,
+        unread=tuple(_unread(world, floor)),
+    )  # fmt: skip
+
+
+def _units(world: Entity) -> tuple[Fraction, bool]:
+    """A unit of length in m, and whether angles are in degrees."""
+    length, angle = world.text("unit_length", "m"), world.text("unit_angle", "degrees")
+    if length not in _UNITS:
+        raise world.fault(
+            "unit_length", Message("unknown-name", "unit_length is {name!q}; Stage knows m, cm and mm", name=length)
+        )
+    if angle not in ("degrees", "radians"):
+        raise world.fault(
+            "unit_angle", Message("unknown-name", "unit_angle is {name!q}; Stage knows degrees and radians", name=angle)
+        )
+    return _UNITS[length], angle == "degrees"
+
+
+def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
+    """The one thing with a picture; of several the largest."""
+    found = [entity for entity in world.parts if "bitmap" in entity]
+    if not found:
+        message = Message(
+            "no-map-found",
+            'has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( bitmap "map.png" )`',
+        )
+        raise FormatError.of(message, source=source)
+    if len(found) > 1:
+        notes.append(f"{len(found)} models have pictures; the largest was taken, the others left out")
+    return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
+
+
+def _picture(floor: Entity, path: Path) -> Path:
+    """The picture lies beside the world file, also where an included file names it."""
+    try:
+        return companion(path, "bitmap", floor.text("bitmap"))
+    except InvalidParameter as error:
+        raise floor.fault("bitmap", error.message) from error
+
+
+def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan:
+    grey = read_grey_image(read_bounded(image), str(image))
+    solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
+    rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        raise FormatError(
+            "empty", "has no black pixel, so Stage has no walls to stretch", "draw some", source=str(image)
+        )
+    size, pose = floor.numbers("size"), [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
+    if len(size) < 2 or min(size[:2]) <= 0:
+        raise floor.fault(
+            "size", Message("wrong-type", "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]")
+        )
+    if pose[3] != 0 or any(floor.numbers("origin")):
+        raise floor.fault(
+            "pose",
+            Message(
+                "unsupported",
+                "the floor plan is turned or has an origin; only upright ones are read",
+                "turn the picture",
+            ),
+        )
+    if floor.numbers("obstacle_return") == [0]:
+        notes.append("obstacle_return is 0: Stage's own robots drive through these walls")
+    (low, high), (left, right) = ((int(index[0]), int(index[-1]) + 1) for index in (rows, columns))
+    if (right - left, high - low) != solid.shape[::-1]:
+        notes.append(
+            f"black takes {right - left} x {high - low} of the picture's {solid.shape[1]} x {solid.shape[0]} pixels; "
+            "Stage stretches this part over the size, not the picture"
+        )
+    across, along = size[0] * unit / (right - left), size[1] * unit / (high - low)
+    corner = (pose[0] * unit - size[0] * unit / 2 - left * across, pose[1] * unit - size[1] * unit / 2 - low * along)
+    if floor.text("name") == RINGED and min(solid.shape) > 2:
+        return _Plan(solid[1:-1, 1:-1], across, along, (corner[0] + across, corner[1] + along))
+    return _Plan(solid, across, along, corner)
+
+
+def _cells(plan: _Plan, wanted: float, notes: list[str], source: str) -> tuple[npt.NDArray[np.bool_], float]:
+    """The walls, and the side of a cell, m."""
+    size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
+    if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
+        message = Message(
+            "out-of-range",
+            "a pixel is {cell_size:g} m; {low:g} to {high:g} m are read",
+            "correct the size",
+            cell_size=float(size),
+            low=CELL_SIZES[0],
+            high=CELL_SIZES[1],
+        )
+        raise FormatError.of(message, source=source)
+    height, width = (
+        math.ceil(count * side / size) for count, side in zip(plan.solid.shape, (plan.along, plan.across), strict=True)
+    )
+    if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
+        message = Message(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give a larger cell_size",
+            width=width,
+            height=height,
+            cell_size=float(size),
+        )
+        raise FormatError.of(message, source=source)
+    raster = Raster(width, height, size)
+    try:
+        raster.picture(plan.solid, plan.across, plan.along)
+    except InvalidWorld as error:
+        raise FormatError.of(error.message, source=source) from error
+    if raster.partly:
+        notes.append(
+            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "
+            f"black, for pixels are {float(plan.across):g} x {float(plan.along):g} m; a smaller cell_size comes closer"
+        )
+    return raster.solid, float(size)
+
+
+def _is_robot(entity: Entity) -> bool:
+    return entity.kind == "position" or entity.kind.lower().startswith(_ROBOTS)
+
+
+def _robot(world: Entity, notes: list[str]) -> Entity | None:
+    robots = [entity for entity in world.parts if _is_robot(entity)]
+    if len(robots) > 1:
+        notes.append(f"the file has {len(robots)} robots; the first was taken, the others left out")
+    return robots[0] if robots else None
+
+
+def _target(world: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[float, ...] | None:
+    found = [entity for entity in world.parts if entity.text("name") == TARGET and "pose" in entity]
+    if not found:
+        return None
+    size = found[0].numbers("size")
+    reach = () if not size or size[0] <= 0 else (float(size[0] * unit / 2),)
+    return (*_pose(found[0], plan, unit, turn)[:2], *reach)
+
+
+def _pose(entity: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[float, ...]:
+    """X and y from the grid's corner, m, and heading, rad."""
+    pose = [*entity.numbers("pose"), *[Fraction(0)] * 4][:4]
+    x, y = (float(value * unit - corner) for value, corner in zip(pose[:2], plan.corner, strict=True))
+    return x, y, radians(pose[3]) if turn else float(pose[3])
+
+
+def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
+    """Of the disc round the robot's own point that covers its blocks; None where its size is not known."""
+    size, shift = robot.numbers("size"), [*robot.numbers("origin"), Fraction(0), Fraction(0)]
+    if len(size) < 2 or min(size[:2]) <= 0:
+        notes.append("the robot's size is not in the file")
+        return None
+    points = _outline(robot) or [(Fraction(x), Fraction(y)) for x in (-1, 1) for y in (-1, 1)]
+    spans = [(min(values), max(values)) for values in zip(*points, strict=True)]
+    squared = Fraction(0)
+    for point in points:
+        at = [
+            ((value - (low + high) / 2) / (high - low) * length + move) * unit if high > low else Fraction(0)
+            for value, (low, high), length, move in zip(point, spans, size, shift, strict=False)
+        ]
+        squared = max(squared, at[0] ** 2 + at[1] ** 2)
+    return float(_root(squared))
+
+
+def _root(squared: Fraction) -> Fraction | float:
+    above, below = math.isqrt(squared.numerator), math.isqrt(squared.denominator)
+    if above**2 == squared.numerator and below**2 == squared.denominator:
+        return Fraction(above, below)
+    return math.sqrt(squared)
+
+
+def _outline(robot: Entity) -> list[_Point]:
+    """Corners of all its blocks, in their own units: Stage stretches them over the size."""
+    found = []
+    for block in robot.parts:
+        if block.kind == "block":
+            for key in block.properties:
+                numbers = block.numbers(key) if key.startswith("point[") else []
+                if len(numbers) == 2:
+                    found.append((numbers[0], numbers[1]))
+    return found
+
+
+def _unread(world: Entity, floor: Entity) -> Iterator[str]:
+    """What else stands in the world and stops a robot, such as a second picture."""
+    others = [
+        entity for entity in world.parts
+        if entity is not floor and not _is_robot(entity) and entity.kind not in ("window", "speech", "camera")
+        and entity.text("name") != TARGET and entity.numbers("obstacle_return") != [0]
+    ]  # fmt: skip
+    if others:
+        names = ", ".join(sorted({entity.names[0] for entity in others})[:5])
+        yield f"{len(others)} thing{'s' * (len(others) != 1)} beside the floor plan: {names}"

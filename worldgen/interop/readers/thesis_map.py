@@ -1,0 +1,246 @@
+"""Map files of the thesis's simulator (``.gex``, ``.map``): the signal of every cell, row by row.
+
+A cell holds -2 for a wall, 0 for the target, and else its squared distance to the target in cells, which the
+map editor's noise filter may have changed. The file has no header: the map is a square, y down.
+
+Source: the thesis's listing, ``fileOps.saveFile``, ``loadFile``, ``Grid.lightGridGenrtr`` and
+``simWorldCreator.noiseMapGen``; bytes as in files that its save routine wrote.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, Note
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.readers.java_stream import Ints, read_ints, stream_bytes
+from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.support.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Pose, Value
+
+__all__ = [
+    "MAX_SIZE",
+    "MIN_SIZE",
+    "WALL",
+    "filtered",
+    "program_start",
+    "read_thesis_map",
+    "signal",
+    "unloadable",
+]
+
+WALL = -2
+MIN_SIZE = 3  # cells a side: a border of walls round one cell
+MAX_SIZE = 2000  # cells a side; the program itself goes up to 100
+_LOADABLE = (10, 100)  # cells a side, even
+_REACH = 2  # cells round a wall whose signal the noise filter changes
+_START_CELLS = 3.5  # from the left and from the top: 35 px
+_START_HEADING = 4.5  # rad, clockwise from -x
+
+
+def signal(walls: npt.NDArray[np.bool_], target: tuple[int, int]) -> Ints:
+    """What the program's map editor holds for walls drawn with the noise filter off.
+
+    Args:
+        walls: (n, n) bool, top row first.
+        target: Column and row, from the top.
+
+    Returns:
+        (n, n) int32, top row first.
+    """
+    values = _light(walls.shape[0], target)
+    values[walls] = WALL
+    return values
+
+
+def _light(size: int, target: tuple[int, int]) -> Ints:
+    """The undisturbed signal inside the border, which is walls."""
+    index = np.arange(size, dtype=np.int32)
+    values: Ints = (index - target[0])[np.newaxis, :] ** 2 + (index - target[1])[:, np.newaxis] ** 2
+    values[[0, -1], :] = WALL
+    values[:, [0, -1]] = WALL
+    return values
+
+
+def filtered(values: Ints, target: tuple[int, int]) -> Ints:
+    """The signal after the noise filter went once over all inner walls, in the program's order.
+
+    A wall changes the cells within two of it: one that now holds more than the wall's own distance gets one
+    and a half times its undisturbed value, any other nine tenths, unless that is 0. What a cell ends with
+    depends on the order of the walls round it, and on no other cell; so all cells take their turns at once.
+
+    Args:
+        values: As :func:`signal` gives them.
+        target: Column and row, from the top.
+    """
+    light = _light(values.shape[0], target)
+    inner = np.zeros(values.shape, np.bool_)
+    inner[1:-1, 1:-1] = values[1:-1, 1:-1] == WALL
+    walls = np.pad(inner, _REACH)
+    at_wall = np.pad(light, _REACH)
+    raised, lowered = (1.5 * light).astype(np.int32), (0.9 * light).astype(np.int32)
+    result = values.copy()
+    size = values.shape[0]
+    for down in range(2 * _REACH + 1):  # the wall's row and column, as seen from the cell, in scan order
+        for right in range(2 * _REACH + 1):
+            there = np.s_[down : down + size, right : right + size]
+            struck = walls[there] & (result > 0)
+            farther = result > at_wall[there]
+            result = np.where(struck & farther, raised, result)
+            result = np.where(struck & ~farther & (lowered != 0), lowered, result)
+    return result
+
+
+def program_start(size: int, cell_size: float) -> Pose:
+    """Where the program starts its robot: 35 px from the left and from the top, of 10 px a cell."""
+    halves = round(2 * _START_CELLS)
+    x, y = (lattice_to_metres(cells * UNIT // 2, cell_size) for cells in (halves, 2 * size - halves))
+    return Pose(x, y, math.pi - _START_HEADING)
+
+
+def unloadable(size: int) -> str | None:
+    """Why the program would not load a map of this size; None if it would."""
+    low, high = _LOADABLE
+    if low <= size <= high and size % 2 == 0:
+        return None
+    return f"the thesis's program does not load {size} x {size} cells: it takes even sizes of {low} to {high}"
+
+
+def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """A map that the thesis's program saved.
+
+    Args:
+        path: The file; the program's own ending is ``.gex``.
+        cell_size: Side of a cell, m: the format has pixels, 10 a cell.
+
+    Raises:
+        FormatError: If it is no Java stream of bare numbers, or the numbers are no map.
+    """
+    source = str(path)
+    data = read_bounded(path, stream_bytes(MAX_SIZE**2))
+    values = _square(read_ints(data, source), source)
+    _check_values(values, source)
+    target = _target(values, source)
+    params: dict[str, Value] = {"format": "thesis", "source": path.name, "sha256": digest(data)}
+    notes, warnings = _explain(values, target, params)
+    size = values.shape[0]
+    start = program_start(size, cell_size)
+    halves = (2 * target[0] + 1, 2 * (size - target[1]) - 1, 1)
+    x, y, radius = (lattice_to_metres(count * UNIT // 2, cell_size) for count in halves)
+    return ForeignMap(
+        flip_rows(values == WALL), cell_size, params, notes, warnings,
+        start=(start.x, start.y, start.heading), target=(x, y, radius),
+    )  # fmt: skip
+
+
+def _explain(
+    values: Ints, target: tuple[int, int], params: dict[str, Value]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Notes and warnings about size and values; ``params`` learns of the noise filter."""
+    why = unloadable(values.shape[0])
+    notes = (why,) if why else ()
+    plain = signal(values == WALL, target)
+    if np.array_equal(values, plain):
+        return notes, ()
+    noisy = filtered(plain, target)
+    if np.array_equal(values, noisy):
+        params["noise"] = True
+        return (*notes, _THROUGH_NOISE), ()
+    neither = int(np.count_nonzero((values != plain) & (values != noisy)))
+    return notes, (
+        Note(
+            "signal-unknown",
+            "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
+            "({cells} cells fit neither)",
+            "walls and target are kept, and export --to thesis will write the plain map",
+            at_terminal=True,
+            cells=neither,
+        ),
+    )
+
+
+_THROUGH_NOISE = Note(
+    "noise-filtered",
+    "the map has been through the noise filter, which a world has no room for: run it with thesis-1+noise",
+    "export --to thesis filters it again",
+    at_terminal=True,
+)
+
+
+def _square(values: Ints, source: str) -> Ints:
+    if not len(values):
+        raise FormatError(
+            "empty",
+            "the stream holds no numbers; a map of n x n cells has n * n",
+            "fetch the file again",
+            source=source,
+        )
+    size = math.isqrt(len(values))
+    if size * size != len(values):
+        raise FormatError(
+            "not-square",
+            "{numbers} numbers are no square; a map of n x n cells has n * n",
+            "fetch the file again",
+            numbers=len(values),
+            source=source,
+        )
+    if not MIN_SIZE <= size <= MAX_SIZE:
+        raise FormatError(
+            "wrong-size",
+            "{size} x {size} cells; a map has {min_size} to {max_size} a side",
+            "give another file",
+            size=size,
+            min_size=MIN_SIZE,
+            max_size=MAX_SIZE,
+            source=source,
+        )
+    return values.reshape(size, size)
+
+
+def _check_values(values: Ints, source: str) -> None:
+    below = values < WALL
+    if below.any():
+        row, column = (int(index) for index in np.argwhere(below)[0])
+        raise FormatError(
+            "wrong-values",
+            "{value} in column {column}, row {row} from the top; a cell holds a squared "
+            "distance, 0 for the target, or {wall} for a wall; this is no map, or a "
+            "damaged one",
+            value=values[row, column],
+            column=column,
+            row=row,
+            wall=WALL,
+            source=source,
+        )
+    rim = np.ones(values.shape, np.bool_)
+    rim[1:-1, 1:-1] = False
+    opened = np.argwhere(rim & (values != WALL))
+    if len(opened):
+        row, column = (int(index) for index in opened[0])
+        raise FormatError(
+            "open-border",
+            "the border is open in column {column}, row {row} from the top; a map has walls all round",
+            "close it in the program's map editor",
+            column=column,
+            row=row,
+            source=source,
+        )
+
+
+def _target(values: Ints, source: str) -> tuple[int, int]:
+    """Column and row of the only target."""
+    found = np.argwhere(values == 0)
+    if len(found) != 1:
+        raise FormatError(
+            "wrong-count",
+            "{targets} cells hold 0; a map has exactly one target (moving it onto a wall loses it)",
+            "place one in the program's map editor",
+            targets=len(found),
+            source=source,
+        )
+    row, column = found[0]
+    return int(column), int(row)

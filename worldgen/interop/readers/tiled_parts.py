@@ -1,0 +1,282 @@
+"""Parts of a Tiled map: layers, tiles, objects and properties, none of them believed before it is checked."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import contextlib
+import json
+import math
+import zlib
+from collections.abc import Collection, Iterator
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, Message
+from worldgen.support.plain_text import quote
+
+__all__ = [
+    "Part",
+    "all_layers",
+    "checked_number",
+    "first_object",
+    "numbers_of",
+    "parse_tiled",
+    "tile_layer",
+    "tile_numbers",
+]
+
+Part: TypeAlias = dict[str, Any]
+_TILE = 0x0FFFFFFF  # the upper bits say how a tile is flipped and turned
+_MOST_LAYERS = 10_000
+_WINDOW = 47  # zlib and gzip, told by their header
+_COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
+
+
+def parse_tiled(data: bytes, source: str) -> Part:
+    """The map, its kind checked.
+
+    Raises:
+        FormatError: If it is no JSON, no map, endless, or not of square tiles in rows and columns.
+    """
+    try:
+        parsed = json.loads(data)
+    except UnicodeDecodeError as error:
+        raise FormatError("not-utf8", "is no UTF-8 text", "save it from Tiled as JSON", source=source) from error
+    except json.JSONDecodeError as error:
+        message = Message("not-json", "is no JSON: {reason}", "save it from Tiled as JSON (.tmj)", reason=error.msg)
+        raise FormatError.of(message, line=error.lineno, source=source) from error
+    except (RecursionError, ValueError) as error:  # nested too deep; a number of thousands of digits
+        raise FormatError(
+            "wrong-form", "is no map that Tiled would write", "save it from Tiled anew", source=source
+        ) from error
+    if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
+        raise FormatError(
+            "unknown-format",
+            "is JSON without layers, and of JSON only Tiled's maps are read",
+            "give a map that Tiled saved, not a tileset or world",
+            source=source,
+        )
+    if parsed.get("infinite") is True:
+        raise FormatError(
+            "endless-map", "is endless", "take the tick off Infinite in Tiled's Map Properties", source=source
+        )
+    kind = parsed.get("orientation", "orthogonal")
+    if kind != "orthogonal":
+        raise FormatError(
+            "unsupported",
+            "its orientation is {orientation!q}; only orthogonal maps are worlds",
+            "draw it anew as one",
+            orientation=str(kind),
+            source=source,
+        )
+    tile = [checked_number(parsed, key, source) for key in ("tilewidth", "tileheight")]
+    if tile[0] != tile[1] or tile[0] < 1:
+        raise FormatError(
+            "not-square",
+            "tiles of {width} x {height} pixels; a cell is a square",
+            "set both sides alike in Map Properties",
+            width=tile[0],
+            height=tile[1],
+            source=source,
+        )
+    return parsed
+
+
+def checked_number(part: Part, key: str, source: str) -> int:
+    """A whole number from 0 to a million.
+
+    Raises:
+        FormatError: If it is missing or another thing.
+    """
+    value = part.get(key)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
+        raise FormatError(
+            "not-a-number",
+            "{key} is {value!q}, no whole number of 0 or more",
+            "save it anew",
+            key=key,
+            value=json.dumps(value),
+            source=source,
+        )
+    return value
+
+
+def all_layers(parsed: Part, source: str) -> list[Part]:
+    """Layers in drawing order, those in groups too.
+
+    Raises:
+        FormatError: If there are too many, or one is no layer.
+    """
+    waiting: list[Any] = list(reversed(parsed["layers"]))
+    found: list[Part] = []
+    while waiting:
+        layer = waiting.pop()
+        if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
+            raise FormatError(
+                "too-many-layers",
+                "a layer is none, or there are more than {most}",
+                "save it anew",
+                most=_MOST_LAYERS,
+                source=source,
+            )
+        found.append(layer)
+        inner = layer.get("layers")
+        if isinstance(inner, list):
+            waiting.extend(reversed(inner))
+    return found
+
+
+def tile_layer(layers: list[Part], name: str, source: str) -> Part:
+    """The layer of walls: as named, else one called walls or the like, else the only one that has tiles.
+
+    Raises:
+        FormatError: If there is none, or it cannot be told.
+    """
+    tiles = [layer for layer in layers if layer.get("type") == "tilelayer"]
+    for layer in tiles:
+        layer["name"] = str(layer.get("name", ""))
+    if name:
+        found = [layer for layer in tiles if layer["name"] == name]
+    else:
+        found = [layer for layer in tiles if layer["name"].lower() in _COMMON_NAMES][:1] or tiles
+    if len(found) != 1:
+        raise FormatError(
+            "layer-missing" if name else "ambiguous-layer",
+            "there is no layer {name!q}; layers of tiles: {known!l:none}"
+            if name
+            else "the layer of walls cannot be told; layers of tiles: {known!l:none}",
+            "say one with --from tiled+layer=NAME",
+            at_terminal=True,
+            name=name,
+            known=[quote(layer["name"]) for layer in tiles[:20]],
+            source=source,
+        )
+    return found[0]
+
+
+def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
+    """Numbers of tiles, (height, width), top row first, 0 where there is none; how they are flipped is left out.
+
+    Raises:
+        FormatError: If the layer has another size, or its data cannot be unpacked to that many numbers.
+    """
+    name = f"layer {quote(layer['name'])}"
+    size = layer.get("width", width), layer.get("height", height)
+    if size != (width, height):
+        raise FormatError(
+            "wrong-size",
+            "{name} has {layer_width} x {layer_height} cells, the map {width} x {height}",
+            "save it anew",
+            name=name,
+            layer_width=size[0],
+            layer_height=size[1],
+            width=width,
+            height=height,
+            source=source,
+        )
+    data = layer.get("data")
+    if isinstance(data, str):
+        numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name, source), "<u4")
+    else:
+        numbers = _listed(data, name, source)
+    if len(numbers) != width * height:
+        raise FormatError(
+            "wrong-length",
+            "{name} has {cells} cells; {width} x {height} are {needed}",
+            "save it anew",
+            name=name,
+            cells=len(numbers),
+            width=width,
+            height=height,
+            needed=width * height,
+            source=source,
+        )
+    return (numbers & _TILE).astype(np.uint32).reshape(height, width)
+
+
+def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
+    numbers = np.array([])
+    if isinstance(data, list) and not any(isinstance(value, list) for value in data[:1]):
+        with contextlib.suppress(ValueError, OverflowError):
+            numbers = np.array(data)
+    if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or (len(numbers) and int(numbers.min()) < 0):
+        raise FormatError(
+            "wrong-type", "{name} has no list of tile numbers as its data", "save it anew", name=name, source=source
+        )
+    return numbers.astype(np.int64)
+
+
+def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> bytes:
+    if layer.get("encoding", "base64") != "base64":
+        raise FormatError(
+            "unsupported",
+            "{name} has the encoding {encoding!q}",
+            "save it as CSV",
+            name=name,
+            encoding=str(layer["encoding"]),
+            source=source,
+        )
+    kind = layer.get("compression") or "none"
+    if kind not in ("none", "zlib", "gzip"):
+        raise FormatError(
+            "unsupported",
+            "{name} is packed by {compression!q}",
+            "save it in Tiled as CSV or zlib",
+            name=name,
+            compression=str(kind),
+            source=source,
+        )
+    try:
+        packed = base64.b64decode(text, validate=True)
+        if kind == "none":
+            return packed[: size + 4]
+        unpacker = zlib.decompressobj(_WINDOW)
+        data = unpacker.decompress(packed, size + 1)  # never more than a map of that size has
+    except (binascii.Error, zlib.error, ValueError) as error:
+        raise FormatError(
+            "damaged-file",
+            "{name} cannot be unpacked: {reason}",
+            "save it anew",
+            name=name,
+            reason=str(error),
+            source=source,
+        ) from error
+    if len(data) > size or not unpacker.eof:
+        raise FormatError(
+            "damaged-file",
+            "{name} does not unpack to {size} bytes; it is damaged, save it anew",
+            name=name,
+            size=size,
+            source=source,
+        )
+    return data[: len(data) // 4 * 4]
+
+
+def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
+    """The first object whose name, class or type is one of these, whatever its case."""
+    for part in _objects(layers):
+        if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
+            return part
+    return None
+
+
+def _objects(layers: list[Part]) -> Iterator[Part]:
+    for layer in layers:
+        objects = layer.get("objects")
+        if layer.get("type") == "objectgroup" and isinstance(objects, list):
+            yield from (part for part in objects if isinstance(part, dict))
+
+
+def numbers_of(part: Part, *keys: str) -> dict[str, float]:
+    """Finite numbers of a part by those keys; without any, of its custom properties by their names."""
+    if keys:
+        pairs = [(key, part.get(key)) for key in keys]
+    else:
+        properties = part.get("properties")
+        named = [each for each in properties if isinstance(each, dict)] if isinstance(properties, list) else []
+        pairs = [(str(each.get("name")), each.get("value")) for each in named]
+    plain = [(key, value) for key, value in pairs if isinstance(value, int | float) and not isinstance(value, bool)]
+    return {key: float(value) for key, value in plain if abs(value) < 1e300 and math.isfinite(value)}

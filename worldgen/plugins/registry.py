@@ -1,0 +1,306 @@
+"""Named things that plug-ins can add: families, controllers, motion models."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import importlib
+import importlib.util
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from worldgen.errors import InvalidParameter, Message
+from worldgen.plugins.entry_points import points_of
+from worldgen.plugins.user_modules import forget_folder, import_in, package_of
+
+__all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
+
+T = TypeVar("T")
+
+_LENT: dict[str, Path] = {}
+_LOADS_IN = 60.0  # s: ten times what the largest frameworks take; a module that waits or computes for ever has no more
+_LONGEST_LOAD = 1e6  # s: what every system's clock can be set to
+_AGAIN = 1.0  # s, between two rings of the clock
+LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
+"""The variable that gives modules another time to load, s."""
+ONLY_CODE = "WORLDGEN_ONLY_CODE"
+"""The variable that holds, as a JSON list, what :func:`only_code` was given; processes inherit it."""
+
+
+def only_code(names: Iterable[str]) -> None:
+    """From now on no code is run but the registered and this, here and in processes that this one starts.
+
+    Files from elsewhere may name any code, as their controller, motion model or oracle; reading one then runs nothing.
+
+    Args:
+        names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
+    """
+    os.environ[ONLY_CODE] = json.dumps(sorted({_identity(name) for name in names}))
+
+
+def check_code(name: str) -> None:
+    """Refuses code that :func:`only_code` was not given.
+
+    Raises:
+        InvalidParameter: If it is none of that.
+    """
+    said = os.environ.get(ONLY_CODE)
+    if said is not None and _identity(name) not in json.loads(said):
+        raise InvalidParameter(
+            "code-not-allowed",
+            "{name!r} is code that was not named at the start and is not run",
+            "name it there",
+            name=name[:60],
+        )
+
+
+def lend(place: str, copy: Path) -> None:
+    """From now on the file that is called ``place`` is this copy of it, from another machine."""
+    _LENT[place] = copy
+
+
+def _file(place: str) -> Path:
+    return _LENT.get(place, Path(place))
+
+
+@contextlib.contextmanager
+def user_code(doing: str) -> Iterator[None]:
+    """Code of a user's, run inside, may raise anything, its exit from Python included; only Ctrl-C is let through.
+
+    Args:
+        doing: What failed if it raises, to begin the message with.
+
+    Raises:
+        InvalidParameter: If it raises.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except SystemExit as error:
+        raise InvalidParameter(
+            "code-failed",
+            "{doing} ends Python (SystemExit: {reason})",
+            "take that exit out, or put it under if __name__ == '__main__'",
+            doing=doing,
+            reason=str(error),
+        ) from error
+    except BaseException as error:
+        raise InvalidParameter(
+            "code-failed", "{doing} failed: {kind}: {reason}", doing=doing, kind=type(error).__name__, reason=str(error)
+        ) from error
+
+
+class _TakesTooLongError(BaseException):
+    """A module is not loaded in time; no ``except Exception`` of its own is to catch that."""
+
+
+@contextlib.contextmanager
+def _loading(doing: str) -> Iterator[None]:
+    """Like :func:`user_code`, with an end: a module may compute or wait for ever.
+
+    Only the main thread can be interrupted, on Unix, and only while no other clock of its kind runs.
+    """
+    seconds = _load_seconds()
+    try:
+        with user_code(doing), _alarm(seconds):
+            yield
+    except InvalidParameter as error:
+        if not isinstance(error.__cause__, _TakesTooLongError):
+            raise
+        raise InvalidParameter(
+            "load-timeout",
+            "{doing} takes longer than {seconds:g} s",
+            "put what waits for input or runs on under if __name__ == '__main__', or give it more time with {variable}",
+            doing=doing,
+            seconds=seconds,
+            variable=LOAD_SECONDS,
+        ) from error
+
+
+def _load_seconds() -> float:
+    said = os.environ.get(LOAD_SECONDS, "")
+    try:
+        seconds = float(said or _LOADS_IN)
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds <= _LONGEST_LOAD:
+        raise InvalidParameter(
+            "not-a-number",
+            "{variable}={text!r} is no time",
+            "give seconds, such as 120, up to {most:.0f}",
+            variable=LOAD_SECONDS,
+            text=said[:40],
+            most=_LONGEST_LOAD,
+        )
+    return seconds
+
+
+@contextlib.contextmanager
+def _alarm(seconds: float) -> Iterator[None]:
+    is_main = threading.current_thread() is threading.main_thread()
+    if not (is_main and hasattr(signal, "setitimer")) or signal.getitimer(signal.ITIMER_REAL)[0] > 0.0:
+        yield
+        return
+
+    def ring(*_: object) -> None:
+        raise _TakesTooLongError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)  # again and again, for the first may be caught
+        yield
+    finally:
+        ours = signal.getsignal(signal.SIGALRM) is ring  # and not the module's own meanwhile, which stays
+        if ours or signal.getitimer(signal.ITIMER_REAL)[1] == _AGAIN:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        if ours:
+            signal.signal(signal.SIGALRM, before)
+
+
+class Registry(Generic[T]):
+    """Finds a thing by its entry-point name, as ``package.module:name``, or as ``./file.py:name``.
+
+    Nothing is imported before it is asked for, so listing names costs no start-up time.
+
+    Args:
+        group: Entry-point group, for example ``worldgen.families``.
+        noun: What the things are called in messages.
+        accept: Turns what the entry point names into a ``T``; raises :class:`InvalidParameter` if it can't.
+    """
+
+    def __init__(self, group: str, noun: str, accept: Callable[[str, Any], T]) -> None:
+        self.group, self.noun, self._accept = group, noun, accept
+        self._loaded: dict[str, T] = {}
+
+    def entry_points(self) -> dict[str, EntryPoint]:
+        """All entry points of the group by name; a name that two packages claim is refused."""
+        found: dict[str, EntryPoint] = {}
+        for point in points_of(self.group):
+            other = found.get(point.name)
+            if other is not None and other.value != point.value:
+                raise InvalidParameter(
+                    "twice",
+                    "{noun} {name!r} is registered twice ({value} and {other})",
+                    "uninstall one of the packages",
+                    noun=self.noun,
+                    name=point.name,
+                    value=other.value,
+                    other=point.value,
+                )
+            found[point.name] = point
+        return found
+
+    def names(self) -> list[str]:
+        """Registered names, sorted."""
+        return sorted(self.entry_points())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names())
+
+    def get(self, name: str) -> T:
+        """The thing called ``name``.
+
+        Raises:
+            InvalidParameter: If nothing is called so, or what is found is no such thing.
+        """
+        key = _identity(name)
+        if key not in self._loaded:
+            point = self.entry_points().get(name)
+            if point is not None:
+                with _loading(f"{self.noun} {name!r}: loading {point.value}"):
+                    thing = point.load()
+            elif ":" in name:
+                check_code(name)
+                thing = self._load_path(name)
+            else:
+                raise InvalidParameter.of(self._unknown(name))
+            self._loaded[key] = self._accept(name, thing)
+        return self._loaded[key]
+
+    def forget(self, place: str) -> None:
+        """Load what is in this file, and the files next to it, again when it is next asked for."""
+        file = _identity(f"{place}:").rpartition(":")[0]
+        for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
+            del self._loaded[key]
+        if file.endswith(".py"):
+            forget_folder(Path(file).parent)
+
+    def source(self, name: str) -> Path | None:
+        """The file that defines what is called so; ``None`` where none does, or a whole package."""
+        point = self.entry_points().get(name)
+        if point is None and ":" in name:
+            check_code(name)
+        place = name.rpartition(":")[0] if point is None else point.module
+        if place.endswith(".py"):
+            return _file(place)
+        with user_code(f"{self.noun} {name!r}: looking for {place}"):
+            found = importlib.util.find_spec(place) if place else None
+        return Path(found.origin) if found is not None and found.has_location and found.origin else None
+
+    def _unknown(self, name: str) -> Message:
+        names = self.names()
+        near = "".join(difflib.get_close_matches(name, names, n=1))
+        return Message(
+            "unknown-name",
+            "no {noun} is called {name!r}",
+            ("did you mean {near!r}? known: {known!l}; " if near else "known: {known!l}; ")
+            + "your own: package.module:name or ./file.py:name",
+            noun=self.noun,
+            name=name,
+            near=near,
+            known=names,
+        )
+
+    def _load_path(self, name: str) -> Any:
+        place, _, attribute = name.rpartition(":")
+        with _loading(f"{self.noun} {name!r}: loading {place}"):
+            module = _load_file(_file(place)) if place.endswith(".py") else importlib.import_module(place)
+            if hasattr(module, attribute):
+                return getattr(module, attribute)
+        public = [key for key in vars(module) if not key.startswith("_")]
+        own = [key for key in public if getattr(vars(module)[key], "__module__", None) == module.__name__]
+        near = "".join(difflib.get_close_matches(attribute, public, n=1))
+        raise InvalidParameter(
+            "unknown-name",
+            "{noun} {name!r}: {place} has no {attribute!r}",
+            "did you mean {near!r}? it has {known!l:nothing}" if near else "it has {known!l:nothing}",
+            noun=self.noun,
+            name=name,
+            place=place,
+            attribute=attribute,
+            near=near,
+            known=own or public,
+        )
+
+
+def _identity(name: str) -> str:
+    """The name, with the whole path of a file: what ``./mine.py:Robot`` is hangs on the folder that one is in."""
+    place, colon, attribute = name.rpartition(":")
+    return f"{_file(place).expanduser().resolve()}{colon}{attribute}" if place.endswith(".py") else name
+
+
+def _load_file(path: Path) -> Any:
+    path = path.expanduser().resolve()
+    if not path.is_file():
+        raise FileNotFoundError(f"no such file: {path}")
+    module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{path} is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    import_in(module, package_of(path.parent))
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[module_name]
+        raise
+    return module

@@ -1,0 +1,1 @@
+"""Independent checkers of certificates; they share no code with the prover."""

@@ -1,0 +1,355 @@
+"""Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
+
+A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A cut's gaps
+and its winding are whole numbers of cells and halves, so they are checked exactly; of a target's disc that reaches
+over the chain, the poses that count are worked out to 160 digits, and what is doubtful goes against the certificate.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from worldgen.reach.check.target import TooMuch, poses_to_part
+from worldgen.timeline import CellState
+from worldgen.world import Certificate, Cut, Witness, World
+
+__all__ = [
+    "TOLERANCE",
+    "BlockedSpans",
+    "CheckReport",
+    "Floats",
+    "Path",
+    "blocked_spans",
+    "check_certificate",
+    "path_of",
+]
+
+TOLERANCE = 1e-8  # cells; a path may come this much nearer to a wall than the radius
+SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
+
+Cells: TypeAlias = npt.NDArray[np.int64]
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """What the check found.
+
+    Args:
+        valid: Whether the certificate proves what it claims, for the radius asked.
+        reason: One sentence: what does not hold, or what does.
+        clearance: m. Of a witness, the largest disc that it lets through, as measured; of a cut, half its
+            widest gap. 0 where the certificate broke before it was measured.
+    """
+
+    valid: bool
+    reason: str
+    clearance: float
+
+
+class _Refused(Exception):
+    """The certificate does not hold; the message says why."""
+
+
+def check_certificate(
+    world: World, certificate: Certificate | None = None, *, radius: float | None = None
+) -> CheckReport:
+    """Whether a certificate proves that a disc can, or cannot, get from start to target.
+
+    Args:
+        world: The world.
+        certificate: The proof; the world's own where left out.
+        radius: Radius of the disc, m; the robot's where left out.
+    """
+    certificate = world.certificate if certificate is None else certificate
+    radius = world.robot_radius if radius is None else radius
+    if certificate is None:
+        return CheckReport(False, "the world carries no certificate", 0.0)
+    measured = [0.0]
+    try:
+        with np.errstate(all="ignore"):  # a hostile file may hold times whose difference overflows
+            if isinstance(certificate, Witness):
+                _check_witness(world, certificate, radius, measured)
+                reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
+            else:
+                reason = _check_cut(world, certificate, radius, measured)
+    except _Refused as refusal:
+        return CheckReport(False, str(refusal), measured[0])
+    return CheckReport(True, reason, measured[0])
+
+
+def _require(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise _Refused(otherwise)
+
+
+@dataclass(frozen=True)
+class BlockedSpans:
+    """When the cells that change are blocked (solid or burning): from ``begin`` to before ``end``, s."""
+
+    ix: Cells
+    iy: Cells
+    begin: Floats
+    end: Floats
+
+
+def blocked_spans(world: World) -> BlockedSpans:
+    """One row per uninterrupted state of each cell that changes."""
+    line = world.timeline
+    order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
+    ix, iy = line.ix[order], line.iy[order]
+    begin, state = line.times[order], line.states[order].astype(np.int64)
+    changes = (np.diff(ix) != 0) | (np.diff(iy) != 0)
+    first, last = np.ones(len(ix), np.bool_), np.ones(len(ix), np.bool_)
+    first[1:], last[:-1] = changes, changes
+    end = np.full(len(ix), math.inf)
+    end[:-1][~changes] = begin[1:][~changes]
+    ix, iy = np.concatenate([ix, ix[first]]), np.concatenate([iy, iy[first]])
+    begin, end = np.concatenate([begin, np.zeros(int(first.sum()))]), np.concatenate([end, begin[first]])
+    wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
+    state = np.concatenate([state, wall])
+    kept = (state != int(CellState.FREE)) & (begin < end)
+    return BlockedSpans(ix[kept], iy[kept], begin[kept], end[kept])
+
+
+def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
+    """(height, width) bool: solid or burning at every time from 0 on."""
+    blocked = world.walls.copy()
+    blocked[world.timeline.iy, world.timeline.ix] = False
+    order = np.lexsort((spans.begin, spans.iy, spans.ix))
+    until: dict[tuple[int, int], float] = {}
+    for ix, iy, begin, end in zip(
+        spans.ix[order].tolist(),
+        spans.iy[order].tolist(),
+        spans.begin[order].tolist(),
+        spans.end[order].tolist(),
+        strict=True,
+    ):
+        if begin <= until.get((ix, iy), 0.0):
+            until[ix, iy] = end
+    for (ix, iy), end in until.items():
+        blocked[iy, ix] = end == math.inf
+    return blocked
+
+
+@dataclass(frozen=True)
+class Path:
+    """A witness in cells and seconds; of two points at least."""
+
+    times: Floats
+    x: Floats
+    y: Floats
+
+    def shapes(self) -> npt.NDArray[np.object_]:
+        """One shape per piece: a line, or a point where the robot stands still."""
+        points = np.stack([self.x, self.y], axis=1)
+        return _lines(points[:-1], points[1:])
+
+    def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
+        """What the robot drives of each piece between the times ``low`` and ``high``."""
+        begin, length = self.times[piece], np.diff(self.times)[piece]
+        length = np.where(length > 0, length, 1.0)
+        ends = []
+        for share in ((low - begin) / length, (high - begin) / length):
+            ends.append(np.stack([v[piece] + share * np.diff(v)[piece] for v in (self.x, self.y)], axis=1))
+        return _lines(ends[0], ends[1])
+
+
+def _lines(a: Floats, b: Floats) -> npt.NDArray[np.object_]:
+    shapes = np.asarray(shapely.linestrings(np.stack([a, b], axis=1)))
+    still = np.abs(a - b).max(axis=1) < 1e-12  # lines of almost no length trip GEOS
+    shapes[still] = shapely.points(a[still])
+    return shapes
+
+
+def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
+    size = world.cell_size
+    path = path_of(world, witness)
+    clearance, where = _static_clearance(world, path)
+    if world.is_dynamic:
+        clearance, where = _timed_clearance(world, path, clearance, where, max(radius, witness.clearance) / size)
+    measured[0] = max(clearance * size, 0.0)
+    _require(
+        clearance >= radius / size - TOLERANCE,
+        f"the witness comes within {clearance * size:.9g} m of {where}; the radius is {radius} m",
+    )
+    _require(
+        clearance >= witness.clearance / size - TOLERANCE,
+        f"the witness claims {witness.clearance} m of clearance and has {clearance * size:.9g} m, at {where}",
+    )
+
+
+def path_of(world: World, witness: Witness) -> Path:
+    """The witness, once it starts and ends where it must, stays in the grid and keeps to the speed."""
+    times, x, y, size = witness.times, witness.x, witness.y, world.cell_size
+    finite = all(np.isfinite(values).all() for values in (times, x, y))
+    _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
+    _require(bool(times[0] == 0.0), f"the witness starts at {times[0]} s, not at 0 s")
+    falls = np.nonzero(times[1:] < times[:-1])[0]
+    _require(not len(falls), f"the witness goes back in time after point {_first(falls)}")
+    x, y = x / size, y / size
+    inside = (x >= 0) & (y >= 0) & (x <= world.width + TOLERANCE) & (y <= world.height + TOLERANCE)
+    _require(bool(inside.all()), f"the witness leaves the grid at point {_first(np.nonzero(~inside)[0])}")
+    off = math.dist((x[0], y[0]), (world.start.x / size, world.start.y / size))
+    _require(off <= TOLERANCE, f"the witness starts {off * size:.3g} m from the start")
+    missed = math.dist((x[-1], y[-1]), (world.target.x / size, world.target.y / size)) - world.target.radius / size
+    _require(missed <= TOLERANCE, f"the witness ends {missed * size:.3g} m outside the target's disc")
+    steps, waits = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2), np.diff(times)
+    fast = np.nonzero(steps > world.robot_speed / size * waits * (1 + SPEED_TOLERANCE) + 1e-11)[0]
+    _require(not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {_first(fast)}")
+    if len(times) == 1:
+        return Path(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
+    return Path(times, x, y)
+
+
+def _first(found: npt.NDArray[np.intp]) -> int:
+    return int(found[0]) if len(found) else 0
+
+
+def _static_clearance(world: World, path: Path) -> tuple[float, str]:
+    """Distance, cells, from a path to the nearest cell that is solid and never changes, or to the outside."""
+    # The outside is the complement of a convex box: the path is nearest to it at one of its points.
+    rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
+    clearance, where = float(rim), "the outside of the grid"
+    fixed = world.walls.copy()
+    fixed[world.timeline.iy, world.timeline.ix] = False
+    runs = np.diff(np.pad(fixed, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    iy, begin = np.nonzero(runs == 1)
+    end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
+    if len(iy):
+        tree = shapely.STRtree(shapely.box(begin, iy, end, iy + 1))
+        (_, boxes), distances = tree.query_nearest(path.shapes(), all_matches=False, return_distance=True)
+        nearest = int(np.argmin(distances))
+        if distances[nearest] < clearance:
+            box = boxes[nearest]
+            clearance, where = float(distances[nearest]), f"cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
+    return clearance, where
+
+
+def _timed_clearance(world: World, path: Path, clearance: float, where: str, claim: float) -> tuple[float, str]:
+    """The same with the cells that change, each while it is solid or burning; at most the claim and a cell."""
+    spans, begin, end = blocked_spans(world), path.times[:-1], path.times[1:]
+    early = spans.begin <= end[-1]
+    ix, iy, since, until = spans.ix[early], spans.iy[early], spans.begin[early], spans.end[early]
+    reach = max(0.0, min(clearance, claim + 1.0))
+    boxes = shapely.box(ix, iy, ix + 1, iy + 1)
+    cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
+    meet = (since[cell] <= end[piece]) & (until[cell] > begin[piece])
+    cell, piece = cell[meet], piece[meet]
+    if not len(cell):
+        return reach, where
+    low, high = np.maximum(since[cell], begin[piece]), np.minimum(until[cell], end[piece])
+    distances = shapely.distance(path.parts(piece, low, high), boxes[cell])
+    at = int(np.argmin(distances))
+    if distances[at] >= reach:
+        return reach, where
+    named = f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked meanwhile, between {low[at]:.6g} s and {high[at]:.6g} s"
+    return float(distances[at]), named
+
+
+def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> str:
+    cells = [(int(ix), int(iy)) for ix, iy in cut.cells]
+    _require(len(cells) > 0, "the cut has no cells")
+    gaps = [_gap_sq(a, b) for a, b in zip(cells, [*cells[1:], cells[0]], strict=True)]
+    wide = max(gaps)
+    measured[0] = math.sqrt(wide) / 2 * world.cell_size
+    _require(cut.clearance < radius, f"the cut stops discs above {cut.clearance} m; the radius is {radius} m")
+    _require(
+        cut.clearance * (1 + 1e-12) >= measured[0],
+        f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m",
+    )
+    for ix, iy in cells:
+        near = -1 <= ix <= world.width and -1 <= iy <= world.height
+        _require(near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells round the grid")
+    in_cells = _decimal(radius) / _decimal(world.cell_size)
+    at = gaps.index(wide)
+    _require(
+        wide < (2 * in_cells) ** 2,
+        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower than the disc",
+    )
+    spans = blocked_spans(world)
+    if _start_is_covered(world, cells, in_cells, spans):
+        return "the start is nearer to a solid cell than the radius"
+    if 2 * in_cells > min(world.width, world.height):
+        return "the disc is wider than the grid"
+    blocked = _always_blocked(world, spans)
+    for ix, iy in cells:
+        outside = not (0 <= ix < world.width and 0 <= iy < world.height)
+        _require(outside or bool(blocked[iy, ix]), f"cell ({ix}, {iy}) of the cut is free at some time")
+    return _check_sides(world, cells, in_cells, blocked)
+
+
+def _decimal(value: float) -> Fraction:
+    """The number that the shortest decimal of a float says."""
+    return Fraction(repr(float(value)))
+
+
+def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
+    return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
+
+
+def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans) -> bool:
+    """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
+    now = world.walls.copy()
+    now[world.timeline.iy, world.timeline.ix] = False
+    at_once = spans.begin == 0.0
+    now[spans.iy[at_once], spans.ix[at_once]] = True
+    x, y = (_decimal(value) / _decimal(world.cell_size) for value in (world.start.x, world.start.y))
+    for ix, iy in cells:
+        solid = not (0 <= ix < world.width and 0 <= iy < world.height) or bool(now[iy, ix])
+        dx = max(ix - x, Fraction(0), x - ix - 1)
+        dy = max(iy - y, Fraction(0), y - iy - 1)
+        if solid and dx * dx + dy * dy < radius * radius:
+            return True
+    return False
+
+
+def _check_sides(world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]) -> str:
+    """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
+    size = _decimal(world.cell_size)
+    start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
+    target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
+    line, reach = _closed_line(cells), _decimal(world.target.radius) / size
+    home = _winds_round(line, start)
+    if home != _winds_round(line, target) and len(cells) > 1:
+        ring = shapely.LineString([(float(px), float(py)) for px, py in line])
+        if shapely.Point(float(target[0]), float(target[1])).distance(ring) > float(reach) + TOLERANCE:
+            return "the chain parts the start from the whole target"
+    try:
+        poses = poses_to_part(blocked, radius, target, reach)
+    except TooMuch:
+        raise _Refused("the target's disc is too large to look at all of its poses") from None
+    left = sum(_winds_round(line, pose) == home for pose in poses)
+    _require(left == 0, "the chain does not part the start from every clear pose of the target")
+    if not poses:
+        return "no pose in the target's disc is clear"
+    return "the chain parts the start from every clear pose of the target"
+
+
+def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
+    """Centre of each cell, closest points of it and the next, and so on, back to the first; in cells."""
+    half, line = Fraction(1, 2), []
+    for a, b in zip(cells, [*cells[1:], cells[0]], strict=True):
+        toward = [(b[k] > a[k]) - (b[k] < a[k]) for k in (0, 1)]
+        line.append((a[0] + half, a[1] + half))
+        line.append((a[0] + half + half * toward[0], a[1] + half + half * toward[1]))
+        line.append((b[0] + half - half * toward[0], b[1] + half - half * toward[1]))
+    return [*line, line[0]]
+
+
+def _winds_round(line: list[tuple[Fraction, Fraction]], point: tuple[Fraction, Fraction]) -> bool:
+    """Whether a closed line winds round a point an odd number of times: even-odd rule, exact."""
+    x, y = point
+    odd = False
+    for (ax, ay), (bx, by) in itertools.pairwise(line):
+        if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+            odd = not odd
+    return odd

@@ -1,0 +1,92 @@
+"""How much later a witness may begin: measured, like all that checks, without any of the code that made it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from worldgen.reach.check.certificate import TOLERANCE, Floats, Path, blocked_spans, path_of
+from worldgen.world import Witness, World
+
+__all__ = ["delayed", "witness_margin"]
+
+
+def delayed(world: World, witness: Witness, delay: float) -> Witness:
+    """The witness of a robot that first waits at the start, and then does everything ``delay`` seconds later.
+
+    It claims to let the world's robot through, and no larger disc.
+    """
+    times = np.concatenate([[0.0], witness.times + delay])
+    x, y = (np.concatenate([values[:1], values]) for values in (witness.x, witness.y))
+    return Witness(times, x, y, min(witness.clearance, world.robot_radius))
+
+
+def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
+    """The delay, s, below which every delay of a witness that holds leaves it one that holds; may be infinite.
+
+    The robot waits at the start meanwhile, and must be safe there. A cell that the disc is nearer to than the radius
+    from time u to time v, and that is blocked from b to e, is met at a delay between b - v and e - u.
+
+    Args:
+        world: The world.
+        witness: One that :func:`check_certificate` accepts for this radius.
+        radius: Radius of the disc, m; the robot's where left out.
+    """
+    radius = world.robot_radius if radius is None else radius
+    path = path_of(world, witness)
+    spans = blocked_spans(world)
+    reach = radius / world.cell_size - TOLERANCE / 2  # half, so that what is found holds within the checker's own
+    boxes = shapely.box(spans.ix, spans.iy, spans.ix + 1, spans.iy + 1)
+    cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
+    first, last = _near(path, piece, spans.ix[cell], spans.iy[cell], reach)
+    met = first < last
+    begin, length = path.times[piece], np.diff(path.times)[piece]
+    since, until = begin + first * length, begin + last * length
+    ahead = met & (spans.end[cell] > (since + until) / 2)  # those behind were over before the disc came near
+    left = spans.begin[cell][ahead] - until[ahead]
+    return float(max(left.min(initial=np.inf), 0.0))
+
+
+def _near(
+    path: Path, piece: npt.NDArray[np.intp], ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64], reach: float
+) -> tuple[Floats, Floats]:
+    """From which share to which share of each piece it is nearer than ``reach`` to a cell; from 1 to 0 if nowhere.
+
+    The points nearer than that to a square are those in two rectangles and in four discs round its corners. They are a
+    convex set, so the shares are an interval.
+    """
+    x, y = path.x[piece], path.y[piece]
+    dx, dy = np.diff(path.x)[piece], np.diff(path.y)[piece]
+    first, last = np.ones(len(piece)), np.zeros(len(piece))
+    parts = [_in_box(x - ix, y - iy, dx, dy, wide, high) for wide, high in ((reach, 0.0), (0.0, reach))]
+    parts += [_in_disc(x - ix - right, y - iy - up, dx, dy, reach) for right in (0, 1) for up in (0, 1)]
+    for low, high in parts:
+        some = low < high
+        first, last = np.where(some, np.minimum(first, low), first), np.where(some, np.maximum(last, high), last)
+    return first, last
+
+
+def _in_box(x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: float) -> tuple[Floats, Floats]:
+    """Shares between which a piece is in the unit square, made wider by ``wide`` and higher by ``high`` all round."""
+    first, last = np.zeros(len(x)), np.ones(len(x))
+    with np.errstate(all="ignore"):
+        for at, step, more in ((x, dx, wide), (y, dy, high)):
+            ends = np.stack([(-more - at) / step, (1.0 + more - at) / step])
+            inside = (at > -more) & (at < 1.0 + more)
+            stands = np.abs(step) < 1e-12
+            low = np.where(stands, np.where(inside, 0.0, 1.0), ends.min(axis=0))
+            high_ = np.where(stands, np.where(inside, 1.0, 0.0), ends.max(axis=0))
+            first, last = np.maximum(first, low), np.minimum(last, high_)
+    return first, last
+
+
+def _in_disc(x: Floats, y: Floats, dx: Floats, dy: Floats, reach: float) -> tuple[Floats, Floats]:
+    """Shares between which a piece is nearer than ``reach`` to the origin."""
+    length_sq, half, apart = dx * dx + dy * dy, x * dx + y * dy, x * x + y * y - reach * reach
+    stands = length_sq < 1e-24
+    with np.errstate(all="ignore"):
+        root = np.sqrt(half * half - length_sq * apart)  # nan where the line passes by
+        low, high = np.maximum((-half - root) / length_sq, 0.0), np.minimum((-half + root) / length_sq, 1.0)
+    low, high = np.where(np.isnan(low), 1.0, low), np.where(np.isnan(high), 0.0, high)
+    return np.where(stands, np.where(apart < 0, 0.0, 1.0), low), np.where(stands, np.where(apart < 0, 1.0, 0.0), high)

@@ -1,0 +1,1 @@
+"""Decide worlds that do not change: a witness, or a cut."""

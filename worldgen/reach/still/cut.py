@@ -1,0 +1,116 @@
+"""Finds a cut: a closed chain of solid cells, gaps below 2 r, that winds round start or target but not both.
+
+Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre, closest
+point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A cycle
+whose bits add up to an odd number parts start from target, and there is one exactly if the two lie in
+different components of the clear poses (docs/reachability.md). A breadth-first search over (cell, bit) in C tells
+whether there is one, and then finds a short one.
+
+Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from them all.
+
+Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and a link passes it
+closely, so every crossing is decided exactly.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen._core import ffi, lib
+from worldgen.lattice import UNIT
+from worldgen.reach.still.walls import ExactPoint
+from worldgen.support.ccall import check, pointer, writable
+
+__all__ = ["MOST_TARGETS", "Chain", "find_chain", "link_limit", "refinement", "rim_cells"]
+
+MOST_TARGETS = 6
+"""Poses that a chain is sought for at once."""
+
+_PORTION = 20_000_000  # looks between two looks at Ctrl-C
+_HALF_BITS = 9  # half a cell is so many doublings of 1/1024 cell
+_LIMB_BITS = 32
+
+Chain = npt.NDArray[np.int64]
+"""(n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for the cells just outside."""
+
+
+def find_chain(
+    solid: npt.NDArray[np.bool_],
+    radius: Fraction,
+    start: ExactPoint,
+    targets: Sequence[ExactPoint],
+) -> Chain | None:
+    """Return a chain of cells that parts one clear pose from others, or None if there is none.
+
+    Args:
+        solid: (height, width) bool.
+        radius: Of the disc, cells.
+        start: A clear pose, 1/1024 cell.
+        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
+    """
+    whole, limbs, rest = _digits(radius, (start, *targets))
+    held = np.ascontiguousarray(solid)
+    walls = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), *held.shape))
+    made = ffi.new("WgCutSearch **")
+    progress = ffi.new("WgProgress *")
+    check(lib.wg_cut_search_new(walls, link_limit(radius), len(targets), whole, limbs, rest, made))
+    try:
+        while True:
+            check(lib.wg_cut_search_advance(made[0], _PORTION, progress))
+            if progress[0] != lib.WG_GOING:
+                break
+        if progress[0] != lib.WG_FOUND:
+            return None
+        cells = np.empty((lib.wg_cut_length(made[0]), 2), np.int64)
+        lib.wg_cut_cells(made[0], writable(ffi, cells, np.int64))
+    finally:
+        lib.wg_cut_search_free(made[0])
+    return cells
+
+
+def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], int, list[int]]:
+    """Return points in half cells, rounded down; and the number and the digits of what that left off."""
+    values = [value for point in points for value in point]
+    finer = 0 if all(value == int(value) for value in values) else refinement(radius)
+    bits = _HALF_BITS + finer
+    limbs = -(-bits // _LIMB_BITS)
+    whole = []
+    rest = []
+    for value in values:
+        units = round(value * (1 << finer))
+        whole.append(units >> bits)
+        left = (units & ((1 << bits) - 1)) << (limbs * _LIMB_BITS - bits)
+        rest += [left >> (_LIMB_BITS * place) & 0xFFFFFFFF for place in reversed(range(limbs))]
+    return whole, limbs, rest
+
+
+@functools.lru_cache(maxsize=256)
+def link_limit(radius: Fraction) -> int:
+    """Return the least squared gap, cells, at which a disc passes: gaps squared are whole."""
+    return math.ceil((2 * radius) ** 2)
+
+
+@functools.lru_cache(maxsize=256)
+def refinement(radius: Fraction) -> int:
+    """Return how often 1/1024 cell has to be halved for a rounded clear pose to stay on its side of each link.
+
+    A clear pose is farther from a link than the radius less half its gap.
+    """
+    widest_sq = link_limit(radius) - 1
+    least = (radius**2 - Fraction(widest_sq, 4)) / (2 * radius)
+    return max(0, math.ceil(1 / (least * UNIT)) - 1).bit_length()
+
+
+def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """(height + 2, width + 2) bool: solid cells with a free one among their eight neighbours."""
+    wide = np.pad(solid, 2, constant_values=True)
+    free = ~wide
+    rows = free[:-2] | free[1:-1] | free[2:]
+    rim: npt.NDArray[np.bool_] = wide[1:-1, 1:-1] & (rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:])
+    return rim

@@ -1,0 +1,431 @@
+"""Decides whether the disc can get from the start to the target, with a proof either way."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from worldgen._core import lib
+from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
+from worldgen.reach.still.coarse import FROM_CELLS, coarse_way
+from worldgen.reach.still.core_calls import ROUNDING, ask_still, points_of, witness_of
+from worldgen.reach.still.cut import MOST_TARGETS, Chain, find_chain
+from worldgen.reach.still.disc import Disc, beyond, lattice_centre, target_disc, widest_gap_sq
+from worldgen.reach.still.lattice_graph import Graph, build_graph, find_path, nodes_within
+from worldgen.reach.still.path import make_witness, root_up, shorten
+from worldgen.reach.still.pinch import bridges
+from worldgen.reach.still.target_poses import deciding_poses
+from worldgen.reach.still.walls import Cell, ExactPoint, Walls
+from worldgen.reach.timed.earliest import find_timed_path, make_timed_witness, shorten_timed
+from worldgen.reach.timed.spans import ChangingWalls, Spans
+from worldgen.support.ccall import check
+from worldgen.timeline import Timeline
+from worldgen.world import Cut, Witness, World
+
+__all__ = ["decide", "decide_many"]
+
+_FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
+_MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
+_MOST_TIMED_NODES = 4_000_000  # likewise in time
+_NOT_ASKED = "a path was found; its witness was not asked for"
+_CUT_NOT_ASKED = "the start is covered, or chains of cells part it from the target; the cut was not asked for"
+_NONE = np.zeros(0, np.int64)
+
+
+def decide(
+    world: World,
+    *,
+    radius: float | None = None,
+    margin: float = 0.0,
+    certificate: bool = True,
+    cut: bool = True,
+) -> Decision:
+    """Whether a disc can get from the start to the target.
+
+    Args:
+        world: The world; its own certificate is not looked at.
+        radius: Radius of the disc, m; the robot's where left out.
+        margin: s. The witness of a world that changes holds too when the robot first waits at the start for any time
+            up to this long, and then does everything so much later.
+        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds take a fraction of
+            the time: that there is a path or a cut is shown all the same, but neither is made.
+        cut: Whether the proof is wanted if it is a cut, too.
+
+    Raises:
+        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
+    """
+    radius = world.robot_radius if radius is None else radius
+    check_radius(radius)
+    check_margin(margin)
+    try:
+        with np.errstate(all="ignore"):  # event times near the largest float
+            if world.is_dynamic:
+                return _decide_changing(world, radius, margin)
+            return _Question(world, radius).answer(certificate=certificate, cut=certificate and cut)
+    except OverflowError:
+        return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
+
+
+def decide_many(worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True) -> list[Decision]:
+    """Return what :func:`decide` says of each of many worlds.
+
+    Args:
+        worlds: Any worlds.
+        radius: Radius of the disc, m; each world's robot's where left out.
+        certificate: Whether the proofs of still worlds are wanted.
+
+    Raises:
+        InvalidParameter: If the radius is not a finite number above 0.
+    """
+    return [decide(world, radius=radius, certificate=certificate) for world in worlds]
+
+
+def _decide_changing(world: World, radius: float, margin: float) -> Decision:
+    spans = Spans(world, margin)
+    still = replace(world, timeline=Timeline(), certificate=None)
+    at_once = _Question(replace(still, walls=spans.at_start), radius)
+    bad_start = at_once.judge_start()
+    if bad_start is not None:
+        return bad_start
+    walls = ChangingWalls(world, spans, at_once.walls.radius)
+    for k in (2, *_FINER):
+        if k > 2 and k * k * world.walls.size > _MOST_TIMED_NODES:
+            break
+        path = find_timed_path(world, walls, k, at_once.exact_start, at_once.disc)
+        if path is not None:
+            witness = make_timed_witness(world, walls, shorten_timed(walls, path))
+            reason = f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
+            return Decision(REACHABLE, witness, reason)
+        if k == 2:
+            for_ever = _Question(replace(still, walls=spans.always), radius).answer(certificate=False)
+            if for_ever.result == BLOCKED:
+                return for_ever
+    untouched = _Question(replace(still, walls=spans.ever), radius).answer()
+    if untouched.result == REACHABLE:  # by a way between nodes, which the timed graphs lack
+        return untouched
+    late = f" that may begin {margin:g} s late" if margin else ""
+    reason = f"no timed path{late} was found, and the cells that never open leave no cut"
+    return Decision(UNDECIDED, None, reason)
+
+
+@dataclass
+class _Question:
+    """One world and one disc.
+
+    Attributes:
+        walls: Solid cells and radius.
+        start: The start on the pose lattice, lu, if the robot may be there.
+        exact_start: The start as the world's decimals say it, lu.
+        disc: The target.
+        goal: A clear pose in the target's disc, if one is known.
+        wants_cut: Whether a cut is to be made.
+    """
+
+    world: World
+    radius: float
+
+    def __post_init__(self) -> None:
+        world = self.world
+        self.walls = Walls(world.walls, in_cells(self.radius, world.cell_size))
+        self.start: ExactPoint = (
+            metres_to_lattice(world.start.x, world.cell_size),
+            metres_to_lattice(world.start.y, world.cell_size),
+        )
+        self.exact_start: ExactPoint = (
+            lattice_units(world.start.x, world.cell_size),
+            lattice_units(world.start.y, world.cell_size),
+        )
+        self.disc: Disc = target_disc(world)
+        self.goal: ExactPoint | None = None
+        self.wants_cut = True
+
+    @functools.cached_property
+    def goal_walls(self) -> Walls:
+        """The walls for a disc smaller by what the goal may be rounded."""
+        return Walls(self.world.walls, self.walls.radius * (1 - ROUNDING))
+
+    @functools.cached_property
+    def _halves(self) -> Graph:
+        """The graph over half cells."""
+        return build_graph(self.world.walls, self.walls.radius, 2)
+
+    def _is_clear(self, point: ExactPoint) -> bool:
+        """Whether the disc may be at a point."""
+        x, y = point
+        if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
+            column, row = int(x) // (UNIT // 2), int(y) // (UNIT // 2)  # the graph knows, and is needed anyway
+            rows, columns = self._halves.clear.shape
+            return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
+        return self.walls.is_clear(point, point)
+
+    def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
+        """Return the decision, with its witness or its cut where that is wanted."""
+        self.wants_cut = cut
+        answer, has_path = self._at_once(certificate)
+        if answer is not None:
+            return answer
+        if has_path is None:
+            bad_start = self.judge_start()
+            if bad_start is not None:
+                return bad_start
+            centre = lattice_centre(self.disc)
+            if centre is not None and self._is_clear(centre):
+                self.goal = centre
+        found = [] if has_path is False else self._coarse_way() or self._path(2)
+        if not found:
+            blocked = self._cut()
+            if blocked is not None:
+                return blocked
+            found = self._path_off_graph() or self._path_through_pinches()
+        if not found:
+            reason = "there is a way, only just wide enough for the disc, and no path along it was found"
+            return Decision(UNDECIDED, None, reason)
+        if not certificate:
+            return Decision(REACHABLE, None, _NOT_ASKED)
+        points: list[ExactPoint] = [*shorten(self.walls, found)]
+        if self.exact_start != points[0]:
+            points.insert(0, self.exact_start)
+        return _reached(make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed))
+
+    def _at_once(self, certificate: bool) -> tuple[Decision | None, bool | None]:
+        """Return the decision about a small world, in one call of C.
+
+        If that leaves it open, return instead whether half cells have a path; None if nothing is known.
+        """
+        world = self.world
+        if world.walls.size > FROM_CELLS:
+            return None, None
+        rounded = self.start != self.exact_start
+        asked = ask_still(world, self.radius, rounded=rounded)
+        if asked is None:
+            return None, None
+        asked.start_x, asked.start_y = self.start
+        asked.wants_path = certificate
+        asked.wants_cut = self.wants_cut
+        check(lib.wg_still_decide(self.walls.described, asked))
+        outcome = asked.outcome
+        if outcome == lib.WG_REACHED:
+            if not certificate:
+                return Decision(REACHABLE, None, _NOT_ASKED), True
+            try:
+                if not rounded:
+                    return _reached(witness_of(asked, world.cell_size)), True
+                points = [self.exact_start, *points_of(asked)]
+                return _reached(make_witness(self.walls, points, world.cell_size, world.robot_speed)), True
+            finally:
+                lib.wg_still_free(asked)
+        if outcome == lib.WG_PARTED:
+            return Decision(BLOCKED, None, _CUT_NOT_ASKED), False
+        if outcome == lib.WG_START_COVERED:
+            return self._covered_start(), False
+        if asked.goal_clear:
+            self.goal = (asked.goal_x, asked.goal_y)
+        return None, False if outcome == lib.WG_NO_PATH else None
+
+    def _coarse_way(self) -> list[ExactPoint]:
+        if self.goal is None or self.world.walls.size <= FROM_CELLS:
+            return []
+        return coarse_way(self.walls, self.start, self.goal)
+
+    def judge_start(self) -> Decision | None:
+        """The decision, if the start settles it."""
+        if not self._is_clear(self.exact_start):
+            return self._covered_start()
+        if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
+            self.start = self.exact_start  # it touches a wall, and would not once it is rounded
+        return None
+
+    def _covered_start(self) -> Decision:
+        """Return the decision where a cell is too near to the start."""
+        if not self.wants_cut:
+            return Decision(BLOCKED, None, _CUT_NOT_ASKED)
+        cell, distance_sq = self.walls.nearest(self.exact_start)
+        reason = f"the start is nearer than the radius to cell {cell}"
+        return self._blocked(cell, Fraction(distance_sq) / UNIT**2, reason)
+
+    def _path(self, k: int, *, pinched: bool = False, cornered: bool = False) -> list[ExactPoint]:
+        """Points from the start to the target over one graph; empty if it has no such path.
+
+        Args:
+            k: Nodes a cell side.
+            pinched: Whether to go over bridges too.
+            cornered: Whether to go on and off the graph round a corner too.
+        """
+        graph = self._halves
+        if k > 2:
+            graph = build_graph(self.world.walls, self.walls.radius, k)
+        unit = UNIT // k
+        sources = _links(self.walls, graph, self.start)
+        ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
+        onto, off = self._links_round_corners(graph) if cornered else ({}, {})
+        sources, ends = [*sources, *onto], [*ends, *off]
+        if not sources:
+            return []
+        toward = _nearest_node(self.disc, unit)
+        nodes: list[int] = []
+        if ends and not pinched:  # mostly there is no need to look for other ends
+            nodes = find_path(graph, sources, ends, _NONE, toward)
+        if not nodes:
+            spare = nodes_within(self.disc, graph)
+            if not (ends or len(spare)):
+                return []
+            extra = bridges(self.walls, graph) if pinched else []
+            nodes = find_path(graph, sources, ends, spare, toward, extra)
+        if not nodes:
+            return []
+        stride = graph.stride
+        points: list[ExactPoint] = [(node % stride * unit, node // stride * unit) for node in nodes]
+        points = [self.start, onto.get(nodes[0], self.start), *points]
+        if self.goal is not None and nodes[-1] in ends:
+            points += [off.get(nodes[-1], self.goal), self.goal]
+        return points
+
+    def _links_round_corners(self, graph: Graph) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
+        """Nodes with the corners on the way from the start, and on the way to the goal."""
+        off = _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
+        return _links_round_corners(self.walls, graph, self.start), off
+
+    def _path_off_graph(self) -> list[ExactPoint]:
+        """The start, if the target's disc holds it; or a way to the goal with one corner at most, and no node."""
+        if self.disc.holds(self.exact_start):
+            return [self.exact_start]
+        if self.goal is None:
+            return []
+        start, goal = self.start, self.goal
+        for corner in (start, (start[0], goal[1]), (goal[0], start[1])):
+            if self.goal_walls.is_clear(start, corner) and self.goal_walls.is_clear(corner, goal):
+                return [start, corner, goal]
+        return []
+
+    def _path_through_pinches(self) -> list[ExactPoint]:
+        for cornered, k in itertools.product((False, True), (2, *_FINER)):
+            if k == 2 or k * k * self.world.walls.size <= _MOST_NODES:
+                found = self._path(k, pinched=True, cornered=cornered)
+                if found:
+                    return found
+        return []
+
+    def _cut(self) -> Decision | None:
+        """A proof that no pose of the target can be reached; without one, ``goal`` is a pose that can."""
+        if self.goal is not None:
+            chain = self._chain([self.goal])
+            if chain is None:
+                return None  # nothing parts it from the start, so there is a way to it
+            # Most rings are around the whole disc, and then there is no need to look at each of its poses.
+            if self.goal == (self.disc.x, self.disc.y) and beyond(chain, self.start, self.disc):
+                return self._ringed(chain)
+        poses = deciding_poses(self.walls, self.disc)
+        if poses is None:
+            reason = "the target's disc is too large to look at all of its poses; give a smaller one"
+            return Decision(UNDECIDED, None, reason)
+        if not len(poses):
+            cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
+            return self._blocked(cell, None, "no pose in the target's disc is clear")
+        parted = [poses[0]]
+        while len(parted) <= MOST_TARGETS:
+            chain = self._chain(parted)
+            if chain is None:
+                break
+            first = poses.first_unparted(chain, self.start)
+            if first == len(poses):
+                return self._ringed(chain)
+            left = poses[first]
+            if self._chain([left]) is None:
+                self.goal = left
+                return None
+            parted.append(left)
+        if len(parted) == 1:
+            self.goal = parted[0]
+            return None
+        return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
+
+    def _ringed(self, chain: Chain) -> Decision:
+        reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
+        return self._blocked(chain, self._stopped_sq(chain), reason)
+
+    def _chain(self, poses: Sequence[ExactPoint]) -> Chain | None:
+        return find_chain(self.world.walls, self.walls.radius, self.start, poses)
+
+    def _stopped_sq(self, chain: Chain) -> Fraction | None:
+        """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""
+        return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
+
+    def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
+        """Return the decision, and the cut with what it stops if that is wanted.
+
+        Args:
+            chain: The chain, or the only cell.
+            stopped_sq: Every disc is stopped whose squared radius, in cells, is above it.
+            reason: What the decision says.
+        """
+        if not self.wants_cut:
+            return Decision(BLOCKED, None, reason)
+        clearance = math.nextafter(self.radius, 0.0)
+        if stopped_sq is not None:
+            clearance = min(clearance, _root_in_metres(stopped_sq, self.world.cell_size))
+        cells = np.array([chain], np.int64) if isinstance(chain, tuple) else chain
+        return Decision(BLOCKED, Cut(cells, clearance), reason)
+
+
+@functools.lru_cache(maxsize=1024)
+def _root_in_metres(square: Fraction, cell_size: float) -> float:
+    return root_up(square * exact(cell_size) ** 2)
+
+
+def _reached(witness: Witness) -> Decision:
+    reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
+    return Decision(REACHABLE, witness, reason)
+
+
+@functools.lru_cache(maxsize=1024)
+def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
+    return round(disc.x / unit), round(disc.y / unit)
+
+
+def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
+    """Clear nodes near a point to which the disc may go straight; the node itself where the point is one."""
+    unit = UNIT // graph.k
+    x, y = point
+    if x % unit == 0 and y % unit == 0:
+        columns, rows = range(int(x // unit), int(x // unit) + 1), range(int(y // unit), int(y // unit) + 1)
+    else:
+        columns, rows = (range(int(value // unit) - 1, int(value // unit) + 3) for value in point)
+    nodes = []
+    for j in rows:
+        for i in columns:
+            inside = 0 <= i < graph.clear.shape[1] and 0 <= j < graph.clear.shape[0]
+            if not (inside and graph.clear[j, i]):
+                continue
+            if point == (i * unit, j * unit) or walls.is_clear(point, (i * unit, j * unit)):
+                nodes.append(j * graph.stride + i)
+    return nodes
+
+
+def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[int, ExactPoint]:
+    """Clear nodes to which the disc may go from a point along one axis and then along the other, and the corner there.
+
+    Where it touches a wall's side and a cell's corner, it may have to go along the wall at first: the room beside it
+    widens as slowly as a circle leaves its tangent, so the first node may be far along and is near across.
+    """
+    unit = UNIT // graph.k
+    links: dict[int, ExactPoint] = {}
+    wide = 2 + math.isqrt(math.ceil(8 * graph.k * walls.radius))
+    for along in (0, 1):
+        columns, rows = (
+            range(int(value // unit) - reach, int(value // unit) + reach + 2)
+            for value, reach in zip(point, (wide, 1) if along == 0 else (1, wide), strict=True)
+        )
+        for j, i in itertools.product(rows, columns):
+            if 0 <= i < graph.clear.shape[1] and 0 <= j < graph.clear.shape[0] and graph.clear[j, i]:
+                node: ExactPoint = (i * unit, j * unit)
+                corner: ExactPoint = (node[0], point[1]) if along == 0 else (point[0], node[1])
+                if walls.is_clear(point, corner) and walls.is_clear(corner, node):
+                    links.setdefault(j * graph.stride + i, corner)
+    return links

@@ -1,0 +1,314 @@
+"""The clear poses of the target's disc that decide for all of them: finitely many, each exact.
+
+Every connected part of the clear poses in the disc has one that is nearest to the disc's centre. That one is the
+centre itself, or the foot of a perpendicular from it on the edge of one cell's neighbourhood, or it lies on the edges
+of two neighbourhoods at once (docs/reachability.md). Such edges are straight lines and arcs, so each coordinate is
+a + b * sqrt(m) with fractions a, b and m, and every comparison is exact. C makes them; fractions do
+where lengths have so many digits that C has no room for their products.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen._core import ffi, lib
+from worldgen.lattice import UNIT
+from worldgen.reach.still.cut import Chain, rim_cells
+from worldgen.reach.still.disc import Disc, winds_around
+from worldgen.reach.still.walls import Cell, ExactPoint, Walls
+from worldgen.support.ccall import check, pointer
+
+__all__ = ["DecidingPoses", "deciding_poses", "described_target"]
+
+_SLACK = 1e-6  # cells; floats are wrong by far less where they choose what is looked at exactly
+_BITS = 160  # after the point, of a root: far finer than the distance of any clear pose from any cut
+_MOST = 3_000  # corners of cells near the disc; with more it is too large to look at each pose
+_WORK = 100_000_000  # likewise, pairs of a pose and a cell
+
+_LONGEST = 2**61  # parts of a cell, and lengths in these; C has room for no more
+_LARGEST = 20_000  # cells; so is any grid that C takes
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+class _Pose(NamedTuple):
+    """The point (ax + bx * root, ay + by * root), root being the square root of ``square``; cells."""
+
+    ax: Fraction
+    ay: Fraction
+    bx: Fraction = Fraction(0)
+    by: Fraction = Fraction(0)
+    square: Fraction = Fraction(0)
+
+
+class _Edges(NamedTuple):
+    """What the edges of neighbourhoods are made of: lines x = ..., lines y = ..., circles round corners; cells."""
+
+    columns: list[Fraction]
+    rows: list[Fraction]
+    corners: list[Cell]
+
+
+class DecidingPoses(Protocol):
+    """Clear poses in a disc, at least one in each connected part of its clear poses."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> ExactPoint:
+        """Return a pose, lu; what is irrational is wrong by less than 2**-140."""
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        """Return the first pose, from an index on, that a chain does not part from the start; their number if none."""
+
+
+def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
+    """Return the poses of a disc that decide for all of it; None if there is too much to look at.
+
+    Args:
+        walls: The walls with the robot's radius.
+        disc: The target's disc.
+    """
+    target = described_target(walls.radius, disc)
+    if target is None or not target.scale:
+        return plain_poses(walls, disc)
+    made = ffi.new("WgPoses **")
+    listed = ffi.new("WgListed *")
+    check(lib.wg_poses_new(walls.described, target, made, listed))
+    if listed[0] == lib.WG_TOO_LONG:
+        return plain_poses(walls, disc)
+    return None if listed[0] == lib.WG_TOO_MANY else _PosesOfC(made[0], target.scale, walls.radius, disc)
+
+
+@functools.lru_cache(maxsize=1024)
+def described_target(radius: Fraction, disc: Disc) -> Any:
+    """Return a robot's radius, cells, and a target's disc as C reads them; None if they are too large.
+
+    Its scale is 0 if the numbers have too many digits.
+    """
+    x, y, reach = (value / UNIT for value in disc)
+    if radius > _LARGEST or reach > _LARGEST or max(abs(x), abs(y)) > _LARGEST:
+        return None
+    floats = (float(x), float(y), float(radius), float(reach))
+    made = ffi.new("WgTarget *", (0, 0, 0, 0, -1, *floats))
+    for values in ((x, y, radius, reach), (x, y, radius)):
+        scale = math.lcm(*(value.denominator for value in values))
+        whole = [value.numerator * (scale // value.denominator) for value in values]
+        if max(scale, *whole) < _LONGEST:
+            # Without the last one, C takes the disc's radius as a float.
+            made.x, made.y, made.reach, made.radius = whole if len(whole) == len(floats) else (*whole, -1)
+            made.scale = scale
+            break
+    return made
+
+
+class _PosesOfC:
+    """Poses that C holds."""
+
+    def __init__(self, poses: Any, scale: int, radius: Fraction, disc: Disc) -> None:
+        self._poses = ffi.gc(poses, lib.wg_poses_free)
+        self._scale, self._radius, self._disc = scale, radius, disc
+
+    def __len__(self) -> int:
+        return int(lib.wg_poses_count(self._poses))
+
+    def __getitem__(self, index: int) -> ExactPoint:
+        if not 0 <= index < len(self):
+            raise IndexError(f"there are {len(self)} poses, and {index} is none of them")
+        found = ffi.new("WgPoseOf *")
+        lib.wg_poses_describe(self._poses, index, found)
+        return _point(self._pose(found))
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        cells = pointer(ffi, chain, np.int64)
+        return int(lib.wg_poses_next(self._poses, cells, len(chain), winds_around(chain, start), begin))
+
+    def _pose(self, found: Any) -> _Pose:
+        """Return the pose in fractions of a cell."""
+        corner = (found.x, found.y)
+        if found.kind == lib.WG_PLAIN:
+            return _Pose(Fraction(found.x, self._scale), Fraction(found.y, self._scale))
+        if found.kind == lib.WG_ON_RAY:
+            return _on_ray((self._disc.x / UNIT, self._disc.y / UNIT), corner, self._radius)
+        if found.kind == lib.WG_BETWEEN:
+            return _between(corner, found.dx, found.dy, found.side, self._radius)
+        meet = _on_row if found.kind == lib.WG_ON_ROW else _on_column
+        return meet(corner, Fraction(found.level, self._scale), found.side, self._radius)
+
+
+class _PlainPoses(list[ExactPoint]):
+    """Poses in fractions."""
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        odd = winds_around(chain, start)
+        return next((i for i in range(begin, len(self)) if winds_around(chain, self[i]) == odd), len(self))
+
+
+def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
+    """Return what :func:`deciding_poses` does, in fractions however long."""
+    x, y, radius = disc.x / UNIT, disc.y / UNIT, disc.radius / UNIT
+    edges = _edges(walls, float(x), float(y), float(radius))
+    if len(edges.corners) > _MOST:
+        return None
+    poses = list(_candidates(edges, (x, y), walls.radius))
+    at = np.array([_approximate(pose) for pose in poses])
+    inside = np.sqrt(((at - (float(x), float(y))) ** 2).sum(axis=1)) <= float(radius) + _SLACK
+    kept = np.flatnonzero(inside)
+    if len(kept) * (2 * math.ceil(walls.radius) + 5) ** 2 > _WORK:
+        return None
+    kept = kept[_almost_clear(walls, at[kept])]
+    exact = (poses[index] for index in kept.tolist())
+    return _PlainPoses(_point(pose) for pose in exact if _in_disc(pose, x, y, radius) and _is_clear(walls, pose))
+
+
+def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
+    """The edges near a disc; cells all of whose neighbours are solid add none."""
+    iy, ix = np.nonzero(rim_cells(walls.solid))
+    ix, iy = ix - 1, iy - 1
+    dx = np.maximum(np.maximum(ix - x, x - ix - 1), 0.0)
+    dy = np.maximum(np.maximum(iy - y, y - iy - 1), 0.0)
+    near = np.sqrt(dx * dx + dy * dy) <= radius + float(walls.radius) + _SLACK
+    cells = list(zip(ix[near].tolist(), iy[near].tolist(), strict=True))
+    reach = walls.radius
+    return _Edges(
+        sorted({line for ix, _ in cells for line in (ix - reach, ix + 1 + reach)}),
+        sorted({line for _, iy in cells for line in (iy - reach, iy + 1 + reach)}),
+        sorted({(ix + i, iy + j) for ix, iy in cells for i in (0, 1) for j in (0, 1)}),
+    )
+
+
+def _candidates(edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fraction) -> Iterator[_Pose]:
+    """The centre, its feet on the edges, and where two edges meet; also points that lie beyond an edge's end."""
+    x, y = centre
+    yield _Pose(x, y)
+    yield from (_Pose(x, row) for row in edges.rows)
+    yield from (_Pose(column, y) for column in edges.columns)
+    yield from (_Pose(column, row) for column in edges.columns for row in edges.rows)
+    for qx, qy in edges.corners:
+        if x != qx or y != qy:
+            yield _on_ray(centre, (qx, qy), radius)
+        for row in edges.rows:
+            if (row - qy) ** 2 <= radius**2:
+                yield from (_on_row((qx, qy), row, side, radius) for side in _SIDES)
+        for column in edges.columns:
+            if (column - qx) ** 2 <= radius**2:
+                yield from (_on_column((qx, qy), column, side, radius) for side in _SIDES)
+    yield from _between_corners(edges.corners, radius)
+
+
+_SIDES = (1, -1)
+
+
+def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _Pose:
+    """The point of the circle round a corner that is nearest to a centre."""
+    qx, qy = corner
+    dx, dy = centre[0] - qx, centre[1] - qy
+    away_sq = dx**2 + dy**2
+    share = radius / away_sq
+    return _Pose(Fraction(qx), Fraction(qy), share * dx, share * dy, away_sq)
+
+
+def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _Pose:
+    """Where a line y = row meets the circle round a corner, on one side."""
+    return _Pose(Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2)
+
+
+def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _Pose:
+    """Where a line x = column meets the circle round a corner, on one side."""
+    return _Pose(column, Fraction(corner[1]), Fraction(0), Fraction(side), radius**2 - (column - corner[0]) ** 2)
+
+
+def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _Pose:
+    """Where the circles round two corners meet, on one side."""
+    square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
+    middle = (corner[0] + Fraction(dx, 2), corner[1] + Fraction(dy, 2))
+    return _Pose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
+
+
+def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_Pose]:
+    """Where the circles round two corners meet."""
+    known = set(corners)
+    widest_sq = math.floor(4 * radius**2)
+    reach = math.isqrt(widest_sq)
+    offsets = [
+        (dx, dy)
+        for dx, dy in itertools.product(range(reach + 1), range(-reach, reach + 1))
+        if 0 < dx * dx + dy * dy <= widest_sq and (dx > 0 or dy > 0)
+    ]
+    for px, py in corners:
+        for dx, dy in offsets:
+            if (px + dx, py + dy) in known:
+                yield from (_between((px, py), dx, dy, side, radius) for side in _SIDES)
+
+
+def _approximate(pose: _Pose) -> tuple[float, float]:
+    root = math.sqrt(pose.square)
+    return float(pose.ax) + float(pose.bx) * root, float(pose.ay) + float(pose.by) * root
+
+
+def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
+    """(n,) whether points (n, 2) are clear, or nearly; in floats."""
+    reach, limit = math.ceil(walls.radius) + 1, max(0.0, float(walls.radius) - _SLACK)
+    pad = reach + 1
+    solid = np.pad(walls.solid, pad, constant_values=True)
+    inside = ((at >= 0.0) & (at <= (walls.width, walls.height))).all(axis=1)
+    column, row = np.clip(np.floor(at), 0, (walls.width, walls.height)).astype(np.int64).T
+    clear = np.asarray(inside)
+    for dy, dx in itertools.product(range(-reach, reach + 1), repeat=2):
+        there = solid[np.minimum(row + dy + pad, len(solid) - 1), np.minimum(column + dx + pad, solid.shape[1] - 1)]
+        across = np.maximum(np.maximum(column + dx - at[:, 0], at[:, 0] - column - dx - 1), 0.0)
+        along = np.maximum(np.maximum(row + dy - at[:, 1], at[:, 1] - row - dy - 1), 0.0)
+        clear = clear & ~(there & (across**2 + along**2 < limit**2))
+    return clear
+
+
+def _sign(whole: Fraction, factor: Fraction, square: Fraction) -> int:
+    """Sign of whole + factor * sqrt(square), exactly."""
+    a, b = (whole > 0) - (whole < 0), ((factor > 0) - (factor < 0)) * (square > 0)
+    if a * b >= 0:
+        return a or b
+    larger = whole**2 - factor**2 * square
+    return a * ((larger > 0) - (larger < 0))
+
+
+def _in_disc(pose: _Pose, x: Fraction, y: Fraction, radius: Fraction) -> bool:
+    return _compared(pose, (pose.ax - x, pose.bx), (pose.ay - y, pose.by), radius) <= 0
+
+
+def _compared(pose: _Pose, dx: tuple[Fraction, Fraction], dy: tuple[Fraction, Fraction], radius: Fraction) -> int:
+    """Sign of dx**2 + dy**2 - radius**2, each d being d[0] + d[1] * root."""
+    whole = dx[0] ** 2 + dy[0] ** 2 + (dx[1] ** 2 + dy[1] ** 2) * pose.square - radius**2
+    return _sign(whole, 2 * (dx[0] * dx[1] + dy[0] * dy[1]), pose.square)
+
+
+def _is_clear(walls: Walls, pose: _Pose) -> bool:
+    """Whether a pose is at least the radius from every solid cell."""
+    point = _point(pose)
+    for ix, iy in walls.near(point, point, math.ceil(walls.radius * UNIT) + 1):
+        dx, dy = _beyond(pose.ax, pose.bx, pose.square, ix), _beyond(pose.ay, pose.by, pose.square, iy)
+        if _compared(pose, dx, dy, walls.radius) < 0:
+            return False
+    return True
+
+
+def _beyond(whole: Fraction, factor: Fraction, square: Fraction, low: int) -> tuple[Fraction, Fraction]:
+    """How far a coordinate is from the interval [low, low + 1]; as itself, it has a root."""
+    if _sign(whole - low, factor, square) < 0:
+        return low - whole, -factor
+    if _sign(whole - low - 1, factor, square) > 0:
+        return whole - low - 1, factor
+    return Fraction(0), Fraction(0)
+
+
+def _point(pose: _Pose) -> ExactPoint:
+    """The pose, lu."""
+    over = pose.square.denominator
+    root = Fraction(math.isqrt(pose.square.numerator * over << (2 * _BITS)), over << _BITS)
+    return (pose.ax + pose.bx * root) * UNIT, (pose.ay + pose.by * root) * UNIT

@@ -1,0 +1,203 @@
+"""Exact distances between points, segments and solid cells.
+
+Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are Python
+integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen._core import ffi
+from worldgen.lattice import UNIT
+from worldgen.support.ccall import pointer
+
+__all__ = [
+    "Cell",
+    "ExactPoint",
+    "Number",
+    "Point",
+    "Walls",
+    "described_disc",
+    "point_box_sq",
+    "segment_box_sq",
+    "segment_meets_box",
+]
+
+_MOST_BYTES = 4_000_000  # cells of a grid that are kept as bytes too, in which the next solid one is found quickest
+
+Number: TypeAlias = int | Fraction
+Point: TypeAlias = tuple[int, int]
+ExactPoint: TypeAlias = tuple[Number, Number]
+Cell: TypeAlias = tuple[int, int]
+
+
+@functools.lru_cache(maxsize=256)
+def _in_units_sq(radius: Fraction) -> Fraction:
+    return (radius * UNIT) ** 2
+
+
+@functools.lru_cache(maxsize=256)
+def described_disc(radius: Fraction) -> Any:
+    """Return a disc of ``radius`` cells as C compares with it."""
+    square = _in_units_sq(radius)
+    return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
+
+
+class Walls:
+    """The solid cells with the ring of cells round the grid, for exact questions.
+
+    Args:
+        solid: (height, width) bool, True is solid.
+        radius: Radius of the disc, cells.
+    """
+
+    def __init__(self, solid: npt.NDArray[np.bool_], radius: Fraction) -> None:
+        self.solid = solid
+        self.height, self.width = solid.shape
+        self.radius = radius
+        self._stride = self.width + 2
+
+    @functools.cached_property
+    def radius_sq(self) -> Fraction:
+        """Square of the radius, lu."""
+        return _in_units_sq(self.radius)
+
+    @functools.cached_property
+    def described(self) -> Any:
+        """The cells as C reads them."""
+        held = np.ascontiguousarray(self.solid)
+        made = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), self.height, self.width))
+        self._held = held  # C has its address only
+        return made
+
+    @functools.cached_property
+    def disc(self) -> Any:
+        """The radius as C compares with it."""
+        return described_disc(self.radius)
+
+    @functools.cached_property
+    def cells(self) -> npt.NDArray[np.uint8]:
+        """(height + 2, width + 2) uint8, 1 is solid: the grid and the ring round it."""
+        cells = np.ones((self.height + 2, self.width + 2), np.uint8)
+        cells[1:-1, 1:-1] = self.solid
+        return cells
+
+    @functools.cached_property
+    def _bytes(self) -> bytes:
+        return self.cells.tobytes()
+
+    def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
+        """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq; none nearer is left out.
+
+        Of the outside, only the ring next to the grid is listed: the rest is never nearer.
+        """
+        (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)
+        first = max(-1, (py - reach) // UNIT - 1)
+        last = min(self.height, (qy + reach) // UNIT + 1)
+        rise = qy - py
+        for iy in range(first, last + 1):
+            low, high = px, qx
+            if rise > 0:  # x of the part of pq that lies level with the row
+                below = min(max(iy * UNIT - reach - py, 0), rise)
+                above = min(max((iy + 1) * UNIT + reach - py, 0), rise)
+                low, high = px + (qx - px) * below // rise, px + (qx - px) * above // rise
+            if low > high:
+                low, high = high, low
+            begin = max(-1, (low - 1 - reach) // UNIT - 1)
+            end = min(self.width, (high + 1 + reach) // UNIT + 1) + 1
+            if self.solid.size > _MOST_BYTES:  # row by row, or there would be one more copy of all
+                row = self.cells[iy + 1, begin + 1 : end + 1]
+                yield from ((begin + ix, iy) for ix in np.flatnonzero(row).tolist())
+                continue
+            base = (iy + 1) * self._stride + 1
+            at, end = base + begin, base + end
+            while (at := self._bytes.find(1, at, end)) >= 0:
+                yield at - base, iy
+                at += 1
+
+    def blocker(self, p: ExactPoint, q: ExactPoint) -> Cell | None:
+        """A solid cell nearer than the radius to segment pq, or None when the disc may sweep it."""
+        numerator, denominator = self.radius_sq.numerator, self.radius_sq.denominator
+        for cell in self.near(p, q, math.ceil(self.radius * UNIT)):
+            distance, over = segment_box_sq(p, q, cell)
+            if distance * denominator < numerator * over:
+                return cell
+        return None
+
+    def is_clear(self, p: ExactPoint, q: ExactPoint) -> bool:
+        """Whether the disc may sweep from p to q."""
+        return self.blocker(p, q) is None
+
+    def nearest(self, p: ExactPoint) -> tuple[Cell, Number]:
+        """The solid cell nearest to a point, and its squared distance in lu squared."""
+        reach = UNIT
+        while True:
+            found = [(point_box_sq(p, cell), cell) for cell in self.near(p, p, reach)]
+            if found and min(found)[0] <= reach * reach:
+                return min(found)[1], min(found)[0]
+            reach *= 2
+
+
+def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
+    """Squared distance from a point to a closed cell, lu squared."""
+    x0, y0 = cell[0] * UNIT, cell[1] * UNIT
+    dx = max(x0 - p[0], 0, p[0] - x0 - UNIT)
+    dy = max(y0 - p[1], 0, p[1] - y0 - UNIT)
+    return dx * dx + dy * dy
+
+
+def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Number]:
+    """Squared distance from segment pq to a closed cell as (numerator, denominator), lu squared.
+
+    The least distance between two disjoint convex polygons is attained at a vertex of one of them.
+    """
+    ex, ey = q[0] - p[0], q[1] - p[1]
+    if ex == 0 or ey == 0:  # a box itself, and most pieces are: three times as fast
+        return _boxes_apart_sq(p, q, cell), 1
+    best, over = min(point_box_sq(p, cell), point_box_sq(q, cell)), 1
+    length_sq: Number = ex * ex + ey * ey
+    if best == 0:
+        return best, 1
+    x0, y0 = cell[0] * UNIT, cell[1] * UNIT
+    if segment_meets_box(p, q, x0, y0, UNIT):
+        return 0, 1
+    divisor: Number = over
+    for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
+        ux, uy = cx - p[0], cy - p[1]
+        side = ex * uy - ey * ux
+        if 0 < ex * ux + ey * uy < length_sq and side * side * divisor < best * length_sq:
+            best, divisor = side * side, length_sq
+    return best, divisor
+
+
+def _boxes_apart_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> Number:
+    squared: Number = 0
+    for axis in (0, 1):
+        low, high = (p[axis], q[axis]) if p[axis] < q[axis] else (q[axis], p[axis])
+        base = cell[axis] * UNIT
+        apart = base - high if high < base else low - base - UNIT
+        if apart > 0:
+            squared += apart * apart
+    return squared
+
+
+def segment_meets_box(p: ExactPoint, q: ExactPoint, x0: Number, y0: Number, side: Number) -> bool:
+    """Whether segment pq touches the closed square [x0, x0 + side] x [y0, y0 + side].
+
+    Two convex shapes are apart exactly if some edge normal of one of them parts them.
+    """
+    if max(p[0], q[0]) < x0 or min(p[0], q[0]) > x0 + side or max(p[1], q[1]) < y0 or min(p[1], q[1]) > y0 + side:
+        return False
+    ex, ey = q[0] - p[0], q[1] - p[1]
+    base = ex * (y0 - p[1]) - ey * (x0 - p[0])
+    across, up = -ey * side, ex * side
+    sides = (base, base + across, base + up, base + across + up)
+    return min(sides) <= 0 <= max(sides)

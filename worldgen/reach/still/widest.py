@@ -1,0 +1,39 @@
+"""The largest disc that could get from the start to the target at all."""
+
+from __future__ import annotations
+
+from worldgen.errors import InvalidParameter
+from worldgen.reach.decision import REACHABLE
+from worldgen.reach.still.prove import decide
+from worldgen.world import World
+
+__all__ = ["widest_disc"]
+
+_LEAST = 1e-12  # cells; smaller discs are not asked for
+
+
+def widest_disc(world: World) -> float:
+    """The largest radius, m, with which a disc can get from the start to the target; 0 if none can.
+
+    Found by halving: a smaller disc gets wherever a larger one does. The answer is right to the last bit, that is,
+    the next larger float is too large.
+
+    Args:
+        world: One that stands still.
+
+    Raises:
+        InvalidParameter: If the world changes.
+    """
+    if world.is_dynamic:
+        raise InvalidParameter(
+            "world-changes", "the world changes, and the largest disc that could pass is known of still ones only"
+        )
+    low, high = 0.0, min(world.width, world.height) * world.cell_size
+    while True:
+        middle = low + (high - low) / 2
+        if middle in (low, high) or high < _LEAST * world.cell_size:
+            return low
+        if decide(world, radius=middle, certificate=False).result == REACHABLE:
+            low = middle
+        else:
+            high = middle

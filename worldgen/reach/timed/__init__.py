@@ -1,0 +1,1 @@
+"""Decide worlds that change with time: a timed witness, or a confinement."""

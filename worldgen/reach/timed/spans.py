@@ -1,0 +1,167 @@
+"""When cells are solid or burning, as the prover sees it: whole ticks, each span a little too long."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.lattice import UNIT, exact
+from worldgen.reach.still.path import ticks_per_second
+from worldgen.reach.still.walls import Cell, ExactPoint, Number, Walls, segment_box_sq
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["FOREVER", "MARGIN", "ChangingWalls", "Spans"]
+
+FOREVER = 2**60  # tick after everything
+MARGIN = 2  # ticks by which a span begins earlier and ends later, so that decimals may round
+_LAST = 2.0**50  # ticks up to which a float holds an event's time to a fraction of a tick
+
+Ints = npt.NDArray[np.int64]
+
+
+class Spans:
+    """The cells that change, and when they are blocked: solid or burning.
+
+    What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so much later: for some
+    delay up to ``early``, t + delay is b or later exactly if t is b - early or later.
+
+    Args:
+        world: The world.
+        early: s by which every span begins earlier than the cell is blocked; it moves ``begin`` alone.
+
+    Attributes:
+        ticks: Ticks per second.
+        fixed: (height, width) bool, solid and never changed.
+        changing: (height, width) bool, cells with an event.
+        at_start: (height, width) bool, blocked at time 0.
+        always: (height, width) bool, blocked at every time.
+        ever: (height, width) bool, blocked at some time.
+        first: (height * width + 1,) int64; cell c = iy * width + ix has spans first[c] to first[c + 1] - 1.
+        begin: (n,) int64, tick from which on the cell counts as blocked.
+        end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
+        since: (n,) float64, s, from when on it is blocked.
+        until: (n,) float64, s, until when it is; infinite if it stays so.
+    """
+
+    def __init__(self, world: World, early: float = 0.0) -> None:
+        line, size = world.timeline, world.walls.size
+        self.width = world.width
+        self.ticks = ticks_per_second(world.cell_size, world.robot_speed)
+        last = max(float(line.times.max(initial=0.0)), early)
+        while self.ticks > 1 and last * self.ticks > _LAST:
+            self.ticks //= 10
+        place = line.iy * world.width + line.ix
+        changed = np.unique(place)
+        # One more event per cell that changes: its state before, from time 0 on.
+        place = np.concatenate([changed, place])
+        state = np.concatenate([world.walls.ravel()[changed], line.states])
+        since = np.concatenate([np.zeros(len(changed)), line.times])
+        order = np.lexsort((np.arange(len(place)), since, place))
+        place, state, since = place[order], state[order], since[order]
+        until = np.full(len(place), math.inf)
+        same = place[1:] == place[:-1]
+        until[:-1][same] = since[1:][same]
+        # Neighbouring spans of one cell (solid, then burning) become one: a gap of no length is no gap.
+        blocked = (state != int(CellState.FREE)) & (since < until)
+        lasting = since < until
+        place, since, until, blocked = place[lasting], since[lasting], until[lasting], blocked[lasting]
+        goes_on = np.zeros(len(place), np.bool_)
+        goes_on[1:] = blocked[1:] & blocked[:-1] & (place[1:] == place[:-1])
+        heads = np.nonzero(blocked & ~goes_on)[0]
+        ends_here = blocked.copy()
+        ends_here[:-1] &= ~goes_on[1:]
+        tails = np.nonzero(ends_here)[0]
+        cell, since, until = place[heads], since[heads], until[tails]
+        self.since, self.until = since, until
+        self.first: Ints = np.searchsorted(cell, np.arange(size + 1)).astype(np.int64)
+        self.begin: Ints = np.floor(np.minimum(since * self.ticks, 2 * _LAST)).astype(np.int64) - MARGIN
+        self.begin -= min(math.ceil(exact(early) * self.ticks), int(2 * _LAST))
+        late = until * self.ticks > 2 * _LAST
+        self.end: Ints = np.where(late, FOREVER, np.ceil(np.where(late, 0.0, until) * self.ticks) + MARGIN)
+        self.end = self.end.astype(np.int64)
+        self.changing = self._raster(world, changed)
+        self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
+        self.at_start = self.fixed | self._raster(world, cell[since == 0])
+        self.always = self.fixed | self._raster(world, cell[(since == 0) & (until == math.inf)])
+        self.ever = self.fixed | self._raster(world, cell)
+
+    @staticmethod
+    def _raster(world: World, places: Ints) -> npt.NDArray[np.bool_]:
+        raster = np.zeros(world.walls.size, np.bool_)
+        raster[places] = True
+        return raster.reshape(world.walls.shape)
+
+    def of(self, cell: Cell) -> list[tuple[int, int]]:
+        """The spans of one cell."""
+        place = cell[1] * self.width + cell[0]
+        low, high = int(self.first[place]), int(self.first[place + 1])
+        return list(zip(self.begin[low:high].tolist(), self.end[low:high].tolist(), strict=True))
+
+
+class ChangingWalls:
+    """Walls for exact questions about pieces of a timed path."""
+
+    def __init__(self, world: World, spans: Spans, radius: Fraction) -> None:
+        self.spans, self.radius = spans, radius
+        self._ever = Walls(spans.fixed | spans.changing, radius)
+
+    def _blocked(self, cell: Cell, since: int, until: int) -> list[tuple[int, int]]:
+        """Parts of a time span in which a cell is blocked."""
+        ix, iy = cell
+        inside = 0 <= ix < self._ever.width and 0 <= iy < self._ever.height
+        if not inside or not self.spans.changing[iy, ix]:
+            return [(since, until)]
+        return [
+            (max(since, begin), min(until, end))
+            for begin, end in self.spans.of(cell)
+            if begin <= until and end >= since
+        ]
+
+    def spans_near(self, p: ExactPoint, q: ExactPoint) -> list[tuple[int, int]]:
+        """Spans in which some cell is blocked that is nearer to segment pq than the radius, sorted."""
+        found = set()
+        for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
+            distance, over = segment_box_sq(p, q, cell)
+            if distance < self._ever.radius_sq * over:
+                found.update(self._blocked(cell, 0, FOREVER))
+        return sorted(found)
+
+    def is_clear(self, p: ExactPoint, q: ExactPoint, since: int, until: int) -> bool:
+        """Whether the disc may sweep pq with every cell in the way that is blocked at any of these ticks."""
+        limit = self._ever.radius_sq
+        for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
+            if self._blocked(cell, since, until):
+                distance, over = segment_box_sq(p, q, cell)
+                if distance < limit * over:
+                    return False
+        return True
+
+    def clearance_sq(self, points: list[ExactPoint], times: list[int]) -> Fraction:
+        """Squared distance, lu squared, from a timed path to what is blocked at each of its times."""
+        pieces = list(zip(points[:-1], points[1:], times[:-1], times[1:], strict=True))
+        pieces = pieces or [(points[0], points[0], 0, 0)]
+        reach = 2 * math.ceil(self.radius * UNIT)
+        while True:
+            best = Fraction(reach * reach)
+            for p, q, since, until in pieces:
+                for cell in self._ever.near(p, q, math.isqrt(math.ceil(best)) + 1):
+                    for begin, end in self._blocked(cell, since, until):
+                        a, b = _at(p, q, since, until, begin), _at(p, q, since, until, end)
+                        distance, over = segment_box_sq(a, b, cell)
+                        best = min(best, Fraction(distance) / over)
+            if best < reach * reach:
+                return best
+            reach *= 2
+
+
+def _at(p: ExactPoint, q: ExactPoint, since: int, until: int, tick: int) -> ExactPoint:
+    if tick <= since:
+        return p
+    if tick >= until:
+        return q
+    share: Number = Fraction(tick - since, until - since)
+    return p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share

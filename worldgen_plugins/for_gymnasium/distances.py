@@ -1,0 +1,60 @@
+"""How long the shortest way to the target is, from everywhere: what progress can be measured by."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import radius_in_cells
+from worldgen.reach.still.lattice_graph import build_graph
+from worldgen.world import World
+
+__all__ = ["ways_to_target"]
+
+_NEAR = 1.5  # half cells: from the target's centre to nodes that it is joined to, if its radius is less
+
+
+def ways_to_target(world: World) -> npt.NDArray[np.float32]:
+    """Length of the disc's shortest way over points at multiples of half a cell, m; inf where there is none.
+
+    Args:
+        world: One that does not change.
+
+    Returns:
+        ((2 height + 1) * (2 width + 1),) float32, row by row.
+
+    Raises:
+        InvalidParameter: If the world changes.
+
+    Source: Dijkstra, "A note on two problems in connexion with graphs", 1959; SciPy's.
+    """
+    if world.is_dynamic:
+        raise InvalidParameter(
+            "world-changes", "distance='way' needs worlds that do not change", "take distance='straight' for this one"
+        )
+    graph = build_graph(world.walls, radius_in_cells(world), 2)
+    clear, middle = graph.clear, graph.middle[:-1, :-1]
+    numbers = np.arange(clear.size).reshape(clear.shape)
+    slanted = math.sqrt(2.0)
+    steps = [
+        (numbers[:, :-1], numbers[:, 1:], clear[:, :-1] & clear[:, 1:], 1.0),
+        (numbers[:-1], numbers[1:], clear[:-1] & clear[1:], 1.0),
+        (numbers[:-1, :-1], numbers[1:, 1:], clear[:-1, :-1] & clear[1:, 1:] & middle, slanted),
+        (numbers[:-1, 1:], numbers[1:, :-1], clear[:-1, 1:] & clear[1:, :-1] & middle, slanted),
+    ]
+    side = 0.5 * world.cell_size
+    rows, columns = np.indices(clear.shape)
+    away = np.hypot(columns - world.target.x / side, rows - world.target.y / side)
+    home = np.flatnonzero(clear & (away <= max(world.target.radius / side, _NEAR)))
+    begins = [*(one[there] for one, _, there, _ in steps), np.full(len(home), clear.size)]
+    ends = [*(other[there] for _, other, there, _ in steps), home]
+    costs = [*(np.full(np.count_nonzero(there), cost) for *_, there, cost in steps), np.maximum(away.flat[home], 1e-9)]
+    places = (np.concatenate(begins), np.concatenate(ends))
+    matrix = coo_array((np.concatenate(costs), places), shape=(clear.size + 1, clear.size + 1)).tocsr()
+    lengths = dijkstra(matrix, directed=False, indices=[clear.size])[0][:-1]
+    return np.asarray(lengths * side, np.float32)
