@@ -467,7 +467,10 @@ def test_a_second_writer_is_refused(copied):
 
 @pytest.mark.gate
 def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
-    script = f"import time; from pathlib import Path; from fuzz.campaign.store import CampaignFolder\nheld = CampaignFolder(Path({str(copied)!r}))"
+    script = (
+        "import time; from pathlib import Path; from fuzz.campaign.store import CampaignFolder\n"
+        f"held = CampaignFolder(Path({str(copied)!r}))"
+    )
     process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
     process.stdout.readline()
     with raises(OutputError, "campaign-is-running", out=str(copied)):

@@ -1,6 +1,7 @@
 """Controllers in shared libraries: ``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator.
 
-In a campaign whole runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a verdict and not the end.
+In a campaign whole runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a
+verdict and does not end the campaign.
 """
 
 from __future__ import annotations
