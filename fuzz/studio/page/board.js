@@ -1,26 +1,29 @@
 // The drawing board: a canvas that shows the world, what is being done to it, and its proof.
 
-import { numbersOf } from "#player/decode.js";
+import { UNIT, numbersOf } from "#player/decode.js";
 import { drawScene } from "#player/map.js";
 import { line, penFor, ring, stroke } from "#player/pen.js";
 import { pictureOf } from "./pattern_picture.js";
 
-const UNIT = 1024; // lattice units a cell
 const NEAREST = 200; // pixels a cell
 const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
 
-/* A board.
-     canvas   where
-     model    what
-     show     { grid, ruler, proof, signal }: which of them */
+/**
+ * A board.
+ * @param {HTMLCanvasElement} canvas
+ * @param {import("./model.js").Model} model
+ * @param {Record<string, boolean>} show - Which of grid, ruler, proof and signal
+ * @returns {Board}
+ */
 export function makeBoard(canvas, model, show) {
-  const board = {
+  /** @type {Omit<Board, "now" | "pointAt" | "zoom" | "pan" | "reveal" | "fit">} */
+  const own = {
     canvas,
     model,
     show,
     view: null, // null: the whole world
     proof: null, // of the server, for this very world
-    signal: null, // likewise: { values, most }
+    signal: null, // what the robot reads in each cell of it
     ghost: null, // { pattern, at }: what would be put down
     marks: [], // boxes of cells that would be changed
     selection: null, // a rectangle of cells
@@ -28,6 +31,7 @@ export function makeBoard(canvas, model, show) {
     cursor: null, // the cell that keys draw at
     draw: () => drawBoard(board),
   };
+  const board = /** @type {Board} */ (own);
   return Object.assign(board, cameraOf(board));
 }
 
@@ -41,7 +45,10 @@ function cameraOf(board) {
   const now = () => board.view || whole();
   return {
     now,
-    /** The point of the world under a place in the window, in cells. */
+    /**
+     * The point of the world under a place in the window, in cells.
+     * @returns {CellPlace}
+     */
     pointAt({ clientX, clientY }) {
       const box = canvas.getBoundingClientRect(),
         { x, y, scale } = now();
@@ -83,19 +90,23 @@ function cameraOf(board) {
   };
 }
 
-/** A world as the player draws it, without a copy of its cells. */
+/**
+ * A world as the player draws it, without a copy of its cells.
+ * @param {import("./model.js").Model} model
+ * @param {Proof | null} proof
+ * @returns {SceneWorld}
+ */
 function sceneWorld(model, proof) {
   const { world, version } = model;
   const side = world.cell_size;
-  const inCells = ([x, y, rest]) => [x / side, y / side, rest];
-  const target = inCells(world.target);
-  target[2] /= side;
+  const [startX, startY, heading] = world.start;
+  const [targetX, targetY, radius] = world.target;
   return {
     width: world.width,
     height: world.height,
     radius: world.robot_radius / side,
-    start: inCells(world.start),
-    target,
+    start: [startX / side, startY / side, heading],
+    target: [targetX / side, targetY / side, radius / side],
     witness: proof && proof.witness,
     cut: proof && proof.cut,
     open: {
@@ -117,6 +128,7 @@ function openWitness(proof) {
   return proof.opened;
 }
 
+/** @param {Board} board */
 function drawBoard(board) {
   const { canvas, model, show } = board;
   const world = sceneWorld(model, show.proof ? board.proof : null),
@@ -131,7 +143,7 @@ function drawBoard(board) {
   drawMarks(pen, board);
   if (board.ghost) drawGhost(pen, board.ghost);
   if (board.selection) drawSelection(pen, board.selection);
-  if (board.measure) drawMeasure(pen, board);
+  if (board.measure) drawMeasure(pen, board.measure, model);
   if (board.cursor) frame(pen, { x: board.cursor[0], y: board.cursor[1], width: 1, height: 1 }, pen.colours.focus, []);
   if (show.ruler) drawRulers(pen, board);
 }
@@ -231,7 +243,7 @@ function drawSelection(pen, selection) {
   frame(pen, selection, pen.colours.focus, [6, 4]);
 }
 
-function drawMeasure(pen, { measure: [from, to], model }) {
+function drawMeasure(pen, [from, to], model) {
   const { context, px, py, colours } = pen;
   context.beginPath();
   context.moveTo(px(from[0]), py(from[1]));
@@ -284,14 +296,23 @@ function drawRulers(pen, { model }) {
   context.restore();
 }
 
+/**
+ * @param {number} length
+ * @param {number} metres
+ * @returns {[number, string][]}
+ */
 function ticks(length, metres) {
   const digits = Math.max(0, -Math.floor(Math.log10(metres) + 1e-9));
   const count = Math.floor(length / metres + 1e-9) + 1;
   return Array.from({ length: count }, (_, k) => [k * metres, (k * metres).toFixed(digits)]);
 }
 
-// 1, 2 or 5 times a power of ten, at least as long as asked.
+/**
+ * 1, 2 or 5 times a power of ten, at least as long as asked.
+ * @param {number} least
+ * @returns {number}
+ */
 function niceMetres(least) {
   const power = 10 ** Math.floor(Math.log10(least));
-  return [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= least * 0.999);
+  return [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= least * 0.999) ?? 10 * power;
 }

@@ -15,9 +15,14 @@ const CHOSEN = "folder"; // under which the browser keeps which one was looked a
 const LOOKING = "Looking through the opened folder …";
 const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 
-/* The page.
-     studio    { connection, offered, model, show, go, ... }: what all pages share */
+/**
+ * The page.
+ * @param {HTMLElement} section
+ * @param {Studio} studio
+ * @returns {any}
+ */
 export function makeCampaign(section, studio) {
+  /** @type {any} */
   const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "", beginning: new Set() };
   campaign.listed = new Promise((done) => (campaign.foundOut = done));
   const parts = {

@@ -5,9 +5,13 @@ import { el, grouped, plural } from "#player/dom.js";
 
 const SPACE = { width: 330, left: 40, right: 8, top: 12, bottom: 40 };
 
+/**
+ * @param {any} campaign
+ * @returns {{element: HTMLElement, show: (archive: Archive | null | undefined) => void}}
+ */
 export function makeArchive(campaign) {
   const element = el("div", { id: "archive-panel" });
-  let shown = null;
+  let shown = "";
   return {
     element,
     show: (archive) => {
@@ -15,10 +19,14 @@ export function makeArchive(campaign) {
       if (!archive || text === shown) return;
       shown = text;
       const open = element.querySelector("details")?.open;
-      const cell = element.contains(document.activeElement) && document.activeElement.dataset.cell;
+      const focused = /** @type {HTMLElement | null} */ (document.activeElement);
+      const cell = element.contains(focused) && focused?.dataset.cell;
       element.replaceChildren(...partsOf(archive, (i, j) => openCell(campaign, i, j)));
-      element.querySelector("details").open = Boolean(open);
-      if (cell) element.querySelector(`[data-cell="${cell}"]`)?.focus({ preventScroll: true });
+      const table = element.querySelector("details");
+      if (table) table.open = Boolean(open);
+      /** @type {HTMLElement | null} */
+      const again = cell ? element.querySelector(`[data-cell="${cell}"]`) : null;
+      again?.focus({ preventScroll: true });
     },
   };
 }

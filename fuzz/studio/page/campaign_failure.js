@@ -6,6 +6,10 @@ import { copied } from "./clipboard.js";
 import { openFile } from "./files.js";
 import { refusalWords } from "./refusals.js";
 
+/**
+ * @param {any} campaign
+ * @returns {any}
+ */
 export function makeFailurePanel(campaign) {
   const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
   const panel = { campaign, element, failure: null, look: null, canvas: null };

@@ -15,6 +15,10 @@ const SLOW = 4000; // ms after which one wants to know what takes so long
 const FIRST = "The first campaign of a new installation prepares the simulator, once; that can take a minute.";
 const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", goal: "seconds", units: 50, seconds: 30, named: false };
 
+/**
+ * @param {any} campaign
+ * @returns {{element: HTMLElement, refresh: () => void, workers: () => number | null}}
+ */
 export function makeForm(campaign) {
   const state = { ...USUAL, lanes: new Set(), chosen: false };
   const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Asking the studio what it has …")) };
@@ -26,6 +30,7 @@ export function makeForm(campaign) {
   const changed = () => keepForm(form); // after the field's own listener
   const listeners = { onsubmit: sent, oninput: typed, onchange: changed };
   parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, ...listeners }, parts.fields);
+  /** @type {any} */
   const form = { campaign, state, parts, folder: null, offered: null };
   return { element: parts.element, refresh: () => refresh(form), workers: () => (form.folder === null ? null : parts.workers.valueAsNumber || null) };
 }

@@ -6,6 +6,10 @@ import { refusalWords } from "./refusals.js";
 
 const SPAN = 10_000; // ms over which the present speed is taken
 
+/**
+ * @param {any} campaign
+ * @returns {any}
+ */
 export function makeStatus(campaign) {
   const parts = {
     actions: el("div", { class: "actions" }),
@@ -64,6 +68,7 @@ function show(status, state) {
   showFailures(status);
   const now = lanesNow(status);
   const mark = (name) => (now.has(name) ? [name, el("b", { class: "now" }, " now")] : name);
+  /** @type {(lane: CampaignState["lanes"][0]) => [Content, ...Content[]]} */
   const row = (lane) => [mark(lane.lane), lane.units, lane.worlds, lane.failures, lane.classes];
   parts.lanes.replaceChildren(...[...state.lanes].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((lane) => rowOf(row(lane))));
   parts.tables.hidden = state.lanes.length === 0;

@@ -12,6 +12,10 @@ const ROWS = 120; // cards that are shown before more are asked for
 const SORTS = { size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
 const FILTERS = { class: "Class", verdict: "Verdict", controller: "Controller" };
 
+/**
+ * @param {any} campaign
+ * @returns {any}
+ */
 export function makeWall(campaign) {
   const parts = {
     tools: el("div", { class: "wall-tools" }),
@@ -89,6 +93,8 @@ function showAll(wall) {
   showCards(wall);
 }
 
+const focusedElement = () => /** @type {HTMLElement | null} */ (document.activeElement);
+
 function fits(wall, failure) {
   const chosen = Object.keys(FILTERS).every((name) => !wall.filter[name] || failure[name] === wall.filter[name]);
   return chosen && (!wall.filter.known || (wall.filter.known === "known") === failure.known);
@@ -96,7 +102,7 @@ function fits(wall, failure) {
 
 function showTools(wall) {
   const { parts, failures } = wall;
-  const focused = document.activeElement?.dataset?.filter;
+  const focused = focusedElement()?.dataset?.filter;
   const list = (name, words, pairs, value, change) => {
     const input = choice(pairs, value, (event) => {
       change(event.target.value);
@@ -106,9 +112,11 @@ function showTools(wall) {
     return el("label", { class: "field" }, words, input);
   };
   const values = (name) => [...new Set(failures.map((one) => one[name]))].sort();
+  /** @type {(pair: string[]) => HTMLElement} */
   const filter = ([name, words]) =>
     list(name, words, [["", "all"], ...values(name).map((one) => [one, one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
   const known = ["", "new", "known"].map((value) => [value, value || "all"]);
+  /** @type {(pair: string[]) => boolean} */
   const several = ([name]) => wall.filter[name] || values(name).length > 1;
   parts.tools.replaceChildren(
     ...Object.entries(FILTERS).filter(several).map(filter),
@@ -123,12 +131,13 @@ function showTools(wall) {
 function showCards(wall) {
   const { parts, failures, campaign } = wall;
   const fitting = sorted(failures, wall.sort).filter((one) => fits(wall, one));
-  const focused = document.activeElement?.dataset?.failure;
+  const focused = focusedElement()?.dataset?.failure;
   const all = fitting.length === failures.length;
   const each = campaign.states.has(campaign.folder) && new Set(failures.map((one) => one.class)).size === failures.length;
   const words = `${plural(failures.length, "failure")}${each && failures.length > 1 ? ", one of each class" : ""}`;
   parts.count.textContent = all ? words : `${fitting.length} of ${plural(failures.length, "failure")}`;
   wall.seen.disconnect();
+  /** @type {[string, HTMLElement][]} */
   const cards = fitting.slice(0, wall.shown).map((failure) => cardOf(wall, failure));
   wall.cards = new Map(cards);
   parts.list.replaceChildren(...cards.map(([, card]) => el("li", {}, card)));
@@ -153,7 +162,10 @@ function moreButton(wall, left) {
   return el("button", { type: "button", onclick: act }, `Show more (${left})`);
 }
 
-// A card, made anew only when its failure is another: its picture stays.
+/**
+ * Return a card, made again only if its failure is another: its picture stays.
+ * @returns {[string, HTMLElement]}
+ */
 function cardOf(wall, failure) {
   const key = failure.name,
     before = wall.cards.get(key);
@@ -201,7 +213,7 @@ function lookAt(wall, failure, first = false) {
     wall.looks.set(key, asked);
     asked.catch(() => wall.looks.delete(key));
   }
-  if (first) wall.queue.sort((a, b) => (b.key === key) - (a.key === key)); // others wait
+  if (first) wall.queue.sort((a, b) => Number(b.key === key) - Number(a.key === key)); // others wait
   pump(wall);
   return asked;
 }

@@ -2,7 +2,12 @@
 
 import { el, say } from "#player/dom.js";
 
-/** Copies a text, and says so on the button; where a browser does not allow that, shows it to be copied by hand. */
+/**
+ * Copies a text, and says so on the button; where a browser does not allow that, shows it to be copied by hand.
+ * @param {HTMLElement} button
+ * @param {string} text
+ * @returns {Promise<void>}
+ */
 export async function copied(button, text) {
   const words = button.textContent;
   try {
@@ -14,8 +19,8 @@ export async function copied(button, text) {
     const shown = el("textarea", { readonly: true, rows: 6, "aria-label": words, class: "by-hand" });
     shown.value = text;
     const actions = button.closest(".actions");
-    if (actions.nextElementSibling?.matches(".by-hand")) actions.nextElementSibling.remove();
-    actions.after(shown);
+    if (actions?.nextElementSibling?.matches(".by-hand")) actions.nextElementSibling.remove();
+    actions?.after(shown);
     shown.select();
   }
 }

@@ -35,21 +35,36 @@ function newestToken() {
   }
 }
 
+/**
+ * A connection's state.
+ * @typedef {object} State
+ * @property {WebSocket | null} socket
+ * @property {number} number - Of the last question
+ * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part: any) => void}>} waiting
+ * @property {number} wait - ms before the next attempt to come back
+ * @property {boolean} opened
+ */
+
 /** What was asked in vain: it was stopped, a newer question has replaced it, or the connection is gone. */
 export class Ended extends Error {}
 
-/* A connection.
-     begun(begins)       called each time the connection is there
-     lost(forbidden, why)    called when it is gone; forbidden: the server is there, but does not know this page any
-                         more; why: a sentence of the server's, or empty
-     ready               a promise: the connection is opened after it */
+/**
+ * A connection.
+ * @param {(begins: Begins) => void} begun - Called each time the connection is there
+ * @param {(forbidden: boolean, why: string) => void} lost - Called when it is gone;
+ *     forbidden: the server is there, but does not know this page any more; why: a sentence of the server's, or empty
+ * @param {Promise<any>} ready - A promise: the connection is opened after it
+ * @returns {Connection}
+ */
 export function makeConnection(begun, lost, ready) {
+  /** @type {State} */
   const state = { socket: null, number: 0, waiting: new Map(), wait: FIRST_WAIT, opened: false };
   const open = () => {
     state.opened = false;
-    state.socket = new WebSocket(`ws://${location.host}/socket`, ["worldgen-studio", newestToken()].filter(Boolean));
-    state.socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
-    state.socket.addEventListener("close", async ({ code, reason }) => {
+    const socket = new WebSocket(`ws://${location.host}/socket`, ["worldgen-studio", newestToken()].filter(Boolean));
+    state.socket = socket;
+    socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
+    socket.addEventListener("close", async ({ code, reason }) => {
       const error = code === TOO_LARGE ? new Refused(tooLarge()) : new Ended("The connection is gone.");
       for (const { fail } of state.waiting.values()) fail(error);
       state.waiting.clear();
@@ -63,6 +78,11 @@ export function makeConnection(begun, lost, ready) {
   return { ask: (kind, message = {}, part = () => {}) => ask(state, kind, message, part) };
 }
 
+/**
+ * @param {State} state
+ * @param {any} said
+ * @param {(begins: Begins) => void} begun
+ */
 function hear(state, said, begun) {
   if (!("id" in said)) {
     if (said.protocol !== PROTOCOL) {
@@ -85,17 +105,31 @@ function hear(state, said, begun) {
   else question.fail(said.ended ? new Ended("Stopped.") : new Refused(said.error));
 }
 
+/**
+ * @param {State} state
+ * @param {string} kind
+ * @param {object} message
+ * @param {(part: any) => void} part
+ * @returns {Asked}
+ */
 function ask(state, kind, message, part) {
   if (!state.socket || state.socket.readyState !== WebSocket.OPEN)
-    return Promise.reject(new Ended("The server is not there."));
+    return refused(new Ended("The server is not there."));
   const id = state.number + 1,
     text = JSON.stringify({ ...message, id, do: kind });
-  if (3 * text.length > LARGEST && new Blob([text]).size > LARGEST) return Promise.reject(new Refused(tooLarge()));
+  if (3 * text.length > LARGEST && new Blob([text]).size > LARGEST) return refused(new Refused(tooLarge()));
   state.number = id;
   state.socket.send(text);
-  const asked = new Promise((done, fail) => state.waiting.set(id, { done, fail, part }));
-  asked.stop = () => state.waiting.has(id) && ask(state, "cancel", { of: id }).catch(() => {});
-  return asked;
+  const answer = new Promise((done, fail) => state.waiting.set(id, { done, fail, part }));
+  const stop = () => {
+    if (state.waiting.has(id)) ask(state, "cancel", { of: id }, () => {}).catch(() => {});
+  };
+  return Object.assign(answer, { stop });
+}
+
+// What is not asked at all can be stopped like a question, too.
+function refused(error) {
+  return Object.assign(Promise.reject(error), { stop: () => {} });
 }
 
 // What is larger would end the connection, and all that waits for answers with it.

@@ -16,9 +16,13 @@ const WAIT = 60; // ms
      taken    the key of the one of them that this tab goes on with
      letGo    gives up the lock on this tab's draft; null while it has none
      kept     the version of the model that the draft holds */
+/** @type {{key: string, left: {key: string, at: number}[], taken: string, letGo: (() => void) | null, kept: number | null}} */
 const state = { key: "", left: [], taken: "", letGo: null, kept: null };
 
-/** Finds what this tab has drawn before it was loaded anew, or else what a tab has left that is gone; null: nothing. */
+/**
+ * Finds what this tab has drawn before it was loaded anew, or else what a tab has left that is gone; null: nothing.
+ * @returns {Promise<EditedWorld | null>}
+ */
 export async function findDraft() {
   try {
     state.key = await claim();
@@ -52,7 +56,7 @@ async function hold(key) {
     const had = await new Promise((done) => {
       navigator.locks.request(key, { ifAvailable: true }, (lock) => {
         done(lock !== null);
-        return lock ? new Promise((letGo) => (state.letGo = letGo)) : null;
+        return lock ? new Promise((letGo) => (state.letGo = () => letGo(null))) : null;
       });
     });
     if (had) return true;
@@ -61,7 +65,10 @@ async function hold(key) {
   return false;
 }
 
-/** The server is gone: the tab that its next start opens may go on with what is drawn here. */
+/**
+ * The server is gone: the tab that its next start opens may go on with what is drawn here.
+ * @param {import("./model.js").Model} model
+ */
 export function lendDraft(model) {
   if (!state.letGo) return; // it is lent already, or this tab is still beginning
   if (state.kept !== model.version) keepDraft(model);
@@ -69,7 +76,11 @@ export function lendDraft(model) {
   state.letGo = null;
 }
 
-/** The server is there again; says whether another tab has gone on meanwhile with all that is drawn here. */
+/**
+ * The server is there again; says whether another tab has gone on meanwhile with all that is drawn here.
+ * @param {import("./model.js").Model} model
+ * @returns {Promise<boolean>}
+ */
 export async function reclaimDraft(model) {
   if (state.key === "" || state.letGo || !navigator.locks) return false;
   try {
@@ -89,12 +100,12 @@ function isTaken(model) {
 // The keys of all tabs that are there.
 async function held() {
   const locks = navigator.locks ? (await navigator.locks.query()).held : [];
-  return new Set(locks.map(({ name }) => name).filter((name) => name !== state.key));
+  return new Set((locks ?? []).map(({ name }) => name).filter((name) => name !== state.key));
 }
 
 function read(key) {
   try {
-    const { name, file, world } = JSON.parse(localStorage.getItem(key));
+    const { name, file, world } = JSON.parse(localStorage.getItem(key) ?? "null");
     const kept = worldOf(world, String(name || ""), file || null);
     return isWhole(kept) ? kept : null;
   } catch {
@@ -111,13 +122,17 @@ function isWhole({ width, height, start, target, cell_size: cell, robot_speed: s
 
 function timeOf(key) {
   try {
-    return JSON.parse(localStorage.getItem(key)).at || 0;
+    return JSON.parse(localStorage.getItem(key) ?? "null").at || 0;
   } catch {
     return 0;
   }
 }
 
-/** Keeps what is drawn; says whether the browser has all that is not saved. */
+/**
+ * Keeps what is drawn; says whether the browser has all that is not saved.
+ * @param {import("./model.js").Model} model
+ * @returns {boolean}
+ */
 export function keepDraft(model) {
   const { name, file } = model.world;
   try {
@@ -145,21 +160,27 @@ function store(text) {
       localStorage.setItem(state.key, text);
       return;
     } catch (error) {
-      if (state.left.length === 0) throw error;
-      const { key, at } = state.left.pop();
-      if (timeOf(key) === at) localStorage.removeItem(key);
+      const oldest = state.left.pop();
+      if (!oldest) throw error;
+      if (timeOf(oldest.key) === oldest.at) localStorage.removeItem(oldest.key);
     }
   }
 }
 
-/** What was found is this tab's own now. */
+/**
+ * What was found is this tab's own now.
+ * @param {import("./model.js").Model} model
+ */
 export function takeOver(model) {
   if (!state.taken || !keepDraft(model)) return;
   localStorage.setItem(state.taken, TAKEN);
   state.left = state.left.filter(({ key }) => key !== state.taken);
 }
 
-/** The file that was open when this tab was loaded anew; empty where there was none. */
+/**
+ * The file that was open when this tab was loaded anew; empty where there was none.
+ * @returns {string}
+ */
 export function openedBefore() {
   try {
     return sessionStorage.getItem(OPENED) || "";

@@ -22,8 +22,12 @@ const VIEWS = {
 const SOON = 80; // ms
 const PANELS = { world: "World", maker: "Generate", files: "Files" };
 
-/* The page.
-     studio    { model, connection, offered, say, ... }: what all pages share */
+/**
+ * The page.
+ * @param {HTMLElement} section
+ * @param {Studio} studio
+ * @returns {any}
+ */
 export function makeDraw(section, studio) {
   const canvas = el("canvas", {
     id: "board",
@@ -36,6 +40,7 @@ export function makeDraw(section, studio) {
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
+  /** @type {Record<string, any>} */
   const parts = { options: el("div", { class: "options" }), ...statusParts() };
   section.replaceChildren(
     palette(draw, parts),

@@ -7,9 +7,13 @@ import { checkOptions, labelled, optionFields } from "./fields.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
-/* The form.
-     trying    does something that the server may refuse, and shows what it says
-     wrote     called when files have been written into the folder */
+/**
+ * The form.
+ * @param {Studio} studio
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Does something that the server may refuse, and shows what it says
+ * @param {() => void} wrote - Called when files have been written into the folder
+ * @returns {{element: HTMLElement, refresh: () => void}}
+ */
 export function makeExport(studio, trying, wrote) {
   const form = { studio, format: null, given: {} };
   const parts = { formats: el("div"), options: el("div") };

@@ -5,7 +5,13 @@ import { Refused } from "./refusals.js";
 
 let count = 0;
 
-/** A label above a field. */
+/**
+ * A label above a field.
+ * @param {string} words
+ * @param {HTMLElement} input
+ * @param {{unit?: string, help?: string}} [more]
+ * @returns {HTMLElement}
+ */
 export function labelled(words, input, { unit = "", help = "" } = {}) {
   count += 1;
   input.id ||= `field-${count}`;
@@ -20,7 +26,13 @@ export function labelled(words, input, { unit = "", help = "" } = {}) {
   );
 }
 
-/** A list of motion models: their short names, and below it what the chosen one is. */
+/**
+ * A list of motion models: their short names, and below it what the chosen one is.
+ * @param {Motion[]} motions
+ * @param {string} chosen
+ * @param {(name: string) => void} change
+ * @returns {{element: HTMLElement, show: (name: string) => void}}
+ */
 export function motionField(motions, chosen, change) {
   const list = choice(
     motions.map(({ name }) => [name, name]),
@@ -30,11 +42,18 @@ export function motionField(motions, chosen, change) {
   const element = labelled("Motion model", list, { help: " " });
   const show = (name) => {
     list.value = name;
-    element.querySelector("small").textContent = motions.find((one) => one.name === name).about;
+    const note = element.querySelector("small");
+    if (note) note.textContent = motions.find((one) => one.name === name)?.about ?? "";
   };
   return { element, show };
 }
 
+/**
+ * @param {number | string} value
+ * @param {(value: number) => void} change
+ * @param {{low?: number | null, high?: number | null, step?: number | string}} [bounds]
+ * @returns {HTMLInputElement}
+ */
 export function number(value, change, { low = null, high = null, step = "any" } = {}) {
   return el("input", {
     type: "number",
@@ -49,7 +68,13 @@ export function number(value, change, { low = null, high = null, step = "any" } 
   });
 }
 
-/** A field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, one number beside. */
+/**
+ * A field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, one number beside.
+ * @param {Parameter} parameter
+ * @param {any} value
+ * @param {(value: any) => void} change
+ * @returns {HTMLInputElement | HTMLSelectElement}
+ */
 export function parameterField(parameter, value, change) {
   const { kind, choices, low, high } = parameter;
   if (kind === "bool") {
@@ -75,8 +100,14 @@ export function parameterField(parameter, value, change) {
   return input;
 }
 
-// What is wrong with a parameter's value: its bounds are more than a browser's field can say.
-function boundsFault({ name, kind, low, high, above, chosen, bounds }, value) {
+/**
+ * What is wrong with a parameter's value: its bounds are more than a browser's field can say.
+ * @param {Parameter} parameter
+ * @param {number} value
+ * @returns {string}
+ */
+function boundsFault(parameter, value) {
+  const { name, kind, low, high, above, chosen, bounds } = parameter;
   const fits =
     Number.isFinite(value) &&
     (kind === "float" || Number.isInteger(value)) &&
@@ -88,7 +119,12 @@ function boundsFault({ name, kind, low, high, above, chosen, bounds }, value) {
   return `${words(name)} is ${kind === "int" ? "a whole number" : "a number"}${range ? `, ${range}` : ""}.`;
 }
 
-/** Fields for options of a format: what is given goes into `given` by name. */
+/**
+ * Fields for options of a format: what is given goes into `given` by name.
+ * @param {Parameter[]} options
+ * @param {Record<string, any>} given
+ * @returns {HTMLElement[]}
+ */
 export function optionFields(options, given) {
   return options.map((option) => {
     const input = parameterField(option, option.default, (value) => {
@@ -98,7 +134,10 @@ export function optionFields(options, given) {
   });
 }
 
-/** Refuses what stands wrong in one of such fields, and goes there. */
+/**
+ * Refuses what stands wrong in one of such fields, and goes there.
+ * @param {HTMLElement} place
+ */
 export function checkOptions(place) {
   const bad = firstFault(place);
   if (!bad) return;
@@ -106,16 +145,37 @@ export function checkOptions(place) {
   throw new Refused(faultOf(bad));
 }
 
-/** The first field in a place that is not as it must be. */
+/**
+ * The first field in a place that is not as it must be.
+ * @param {HTMLElement} place
+ * @returns {HTMLInputElement | undefined}
+ */
 export function firstFault(place) {
   return [...place.querySelectorAll("input")].find((input) => faultOf(input) !== "");
 }
 
+/**
+ * @param {string} name
+ * @returns {string}
+ */
 export function words(name) {
   return name.replaceAll("_", " ").replace(/^./, (letter) => letter.toUpperCase());
 }
 
-/** Whether what is in a field is as it must be; if not, the field says why. */
+/**
+ * Return whether something is a field of a form that is typed into or ticked.
+ * @param {EventTarget | null} target
+ * @returns {target is HTMLInputElement}
+ */
+export function isField(target) {
+  return /** @type {HTMLElement | null} */ (target)?.matches?.("input") ?? false;
+}
+
+/**
+ * Whether what is in a field is as it must be; if not, the field says why.
+ * @param {HTMLInputElement} input
+ * @returns {boolean}
+ */
 export function isGood(input) {
   const fault = faultOf(input);
   const place = input.closest(".labelled, .goal"),
@@ -123,7 +183,7 @@ export function isGood(input) {
   document.getElementById(id)?.remove();
   const about = (input.getAttribute("aria-describedby") || "").split(" ").filter((one) => one && one !== id);
   if (fault) {
-    place.append(el("small", { id, class: "fault" }, fault));
+    place?.append(el("small", { id, class: "fault" }, fault));
     about.push(id);
   }
   if (fault) input.setAttribute("aria-invalid", "true");
@@ -133,7 +193,11 @@ export function isGood(input) {
   return fault === "";
 }
 
-/** What is wrong in a field, and what to give instead; empty if nothing is. */
+/**
+ * What is wrong in a field, and what to give instead; empty if nothing is.
+ * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" | "validationMessage">} input
+ * @returns {string}
+ */
 export function faultOf({ validity, min, max, step, title, validationMessage }) {
   if (validity.customError) return validationMessage;
   const kind = step === "any" ? "a number" : "a whole number";
@@ -142,7 +206,11 @@ export function faultOf({ validity, min, max, step, title, validationMessage }) 
   return validity.valueMissing || validity.patternMismatch ? title : "";
 }
 
-/** Which of several tabs is chosen; the Tab key stops at that one, arrow keys go to the others. */
+/**
+ * Which of several tabs is chosen; the Tab key stops at that one, arrow keys go to the others.
+ * @param {HTMLElement[]} tabs
+ * @param {string} chosen
+ */
 export function showTabs(tabs, chosen) {
   for (const tab of tabs) {
     tab.setAttribute("aria-selected", String(tab.id === chosen));

@@ -8,6 +8,10 @@ import { makeImport } from "./import_form.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
+/**
+ * @param {Studio} studio
+ * @returns {any}
+ */
 export function makeFiles(studio) {
   const parts = {
     list: el("ul", { class: "files", "aria-label": "Files of the folder" }),
@@ -90,7 +94,13 @@ function savePart(studio, files) {
   );
 }
 
-/** Saves under a name; a file that is not the one that was opened or saved here is overwritten only after it was said so. */
+/**
+ * Saves under a name; a file that is not the one that was opened or saved here is overwritten only after it was said so.
+ * @param {Studio} studio
+ * @param {any} files
+ * @param {string} name
+ * @returns {Promise<string>}
+ */
 export async function saveAs(studio, files, name) {
   if (!name) throw new Refused("Give the file a name, such as world.grid.");
   const full = /\.grid(\.gz)?$/.test(name) ? name : `${name}.grid`;
@@ -101,8 +111,9 @@ export async function saveAs(studio, files, name) {
   try {
     answer = await studio.connection.ask("save", { ...message, overwrite: false });
   } catch (error) {
+    if (!(error instanceof Refused)) throw error;
     const changed = error.code === "file-changed";
-    if (!(error instanceof Refused) || !(changed || error.code === "file-exists")) throw error;
+    if (!changed && error.code !== "file-exists") throw error;
     const why = changed ? "was changed by another program since it was opened here" : "is there already";
     if (!confirm(`${full} ${why}. Overwrite it?`)) return `${full} is as it was.`;
     answer = await studio.connection.ask("save", { ...message, overwrite: true });
@@ -168,7 +179,13 @@ function fileButton(studio, { parts }, file) {
   );
 }
 
-/** Opens a world of the folder, or imports another file of it; unless something else is wanted by the time it is there. */
+/**
+ * Opens a world of the folder, or imports another file of it; unless something else is wanted by the time it is there.
+ * @param {Studio} studio
+ * @param {{name: string, world: boolean}} file
+ * @param {() => boolean} [wanted]
+ * @returns {Promise<any>}
+ */
 export async function openFile(studio, file, wanted = () => true) {
   const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
   if (!wanted()) return "";

@@ -1,14 +1,18 @@
 // Imports maps of other programs: files of this computer or of the folder, and how they are to be read.
 
 import { choice, el } from "#player/dom.js";
-import { checkOptions, isGood, labelled, number, optionFields } from "./fields.js";
+import { checkOptions, isField, isGood, labelled, number, optionFields } from "./fields.js";
 import { Refused } from "./refusals.js";
 
 const LARGEST_DROP = 16 * 2 ** 20; // bytes
 const AS_FOUND = ""; // the format that the server recognises
 
-/* The form.
-     trying    does something that the server may refuse, and shows what it says */
+/**
+ * The form.
+ * @param {Studio} studio
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Does something that the server may refuse, and shows what it says
+ * @returns {any}
+ */
 export function makeImport(studio, trying) {
   const form = { studio, trying, brought: null, found: AS_FOUND, given: {} };
   const parts = { formats: el("div"), options: el("div") };
@@ -58,7 +62,7 @@ function morePart(form, parts) {
     el("div", { class: "actions" }, parts.again),
   );
   more.addEventListener("keydown", (event) => {
-    const enters = event.key === "Enter" && event.target.matches("input") && !parts.again.disabled;
+    const enters = event.key === "Enter" && isField(event.target) && !parts.again.disabled;
     if (enters) setTimeout(() => again(form, parts)); // what was typed counts by then
   });
   parts.more = more;
@@ -136,7 +140,7 @@ async function ask(form, parts) {
   try {
     answer = await form.studio.connection.ask("bring", message);
   } catch (error) {
-    if (error.opens === "import") parts.more.open = true;
+    if (error instanceof Refused && error.opens === "import") parts.more.open = true;
     throw error;
   }
   form.studio.show(answer, "", answer.main);

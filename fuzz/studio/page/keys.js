@@ -44,8 +44,10 @@ export function showKeys() {
   openKeys(el("div", { class: "key-tables" }, table("Draw", DRAWING), others));
 }
 
-/* Listens to the keys.
-     studio    { page(), draw, play, undo, redo, save, run, go } */
+/**
+ * Listens to the keys.
+ * @param {Studio} studio
+ */
 export function listen(studio) {
   addEventListener("keydown", (event) => {
     if (byId("keys").open || moveAmong(event)) return;

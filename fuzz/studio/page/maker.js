@@ -2,19 +2,24 @@
 
 import { choice, el } from "#player/dom.js";
 import { Ended } from "./connection.js";
-import { faultOf, firstFault, labelled, parameterField, words } from "./fields.js";
+import { faultOf, firstFault, isField, labelled, parameterField, words } from "./fields.js";
 import { Refused } from "./refusals.js";
 
 const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
 
+/**
+ * @param {Studio} studio
+ * @returns {{element: HTMLElement, refresh: () => void}}
+ */
 export function makeMaker(studio) {
   const state = { family: null, given: {} };
   const parts = { fields: el("div"), about: el("p", { class: "quiet" }), said: el("p", { role: "status" }) };
   parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", id: "maker-seed", pattern: "[0-9]+" });
+  const family = el("div", { id: "maker-family" });
   const element = el(
     "div",
     {},
-    el("div", { id: "maker-family" }),
+    family,
     parts.about,
     seedPart(studio, state, parts),
     parts.said,
@@ -22,7 +27,7 @@ export function makeMaker(studio) {
     parts.fields,
   );
   element.addEventListener("keydown", (event) => {
-    if (event.key === "Enter" && event.target.matches("input")) setTimeout(() => generate(studio, state, parts)); // what was typed counts by then
+    if (event.key === "Enter" && isField(event.target)) setTimeout(() => generate(studio, state, parts)); // what was typed counts by then
   });
   return {
     element,
@@ -30,7 +35,7 @@ export function makeMaker(studio) {
       if (state.family || !studio.offered) return;
       const names = studio.offered.families.map(({ name }) => [name, name]);
       const list = choice(names, "maze", (event) => chooseFamily(studio, state, parts, event.target.value));
-      element.firstChild.replaceChildren(labelled("Family", list));
+      family.replaceChildren(labelled("Family", list));
       chooseFamily(studio, state, parts, "maze");
     },
   };

@@ -4,7 +4,13 @@ import { KEEP } from "./shapes.js";
 
 const MOST_BOXES = 64; // that are remembered of what was painted last
 
-/** An empty world of the thesis's kind: a border of walls, where there is room for one; start and target in opposite corners. */
+/**
+ * An empty world of the thesis's kind: a border of walls, where there is room for one; start and target in opposite corners.
+ * @param {number} width
+ * @param {number} height
+ * @param {Partial<EditedWorld>} [usual]
+ * @returns {EditedWorld}
+ */
 export function emptyWorld(width, height, usual = {}) {
   const cell = usual.cell_size || 0.1;
   const cells = bordered(width, height);
@@ -27,7 +33,12 @@ export function emptyWorld(width, height, usual = {}) {
   };
 }
 
-/** Free cells with a border of walls; a side of one or two cells has no room for one. */
+/**
+ * Free cells with a border of walls; a side of one or two cells has no room for one.
+ * @param {number} width
+ * @param {number} height
+ * @returns {Uint8Array}
+ */
 export function bordered(width, height) {
   const cells = new Uint8Array(width * height);
   for (let ix = 0; height > 2 && ix < width; ix += 1) cells[ix] = cells[(height - 1) * width + ix] = 1;
@@ -35,12 +46,22 @@ export function bordered(width, height) {
   return cells;
 }
 
-/** A length without the dirt of binary arithmetic. */
+/**
+ * A length without the dirt of binary arithmetic.
+ * @param {number} value
+ * @returns {number}
+ */
 export function round(value) {
   return Number(value.toFixed(9));
 }
 
-/** A world as the server sends it, made ready to edit; with the name and digest of its file, if it has one. */
+/**
+ * A world as the server sends it, made ready to edit; with the name and digest of its file, if it has one.
+ * @param {WorldMessage} message
+ * @param {string} [name]
+ * @param {string | null} [file]
+ * @returns {EditedWorld}
+ */
 export function worldOf(message, name = "", file = null) {
   const text = atob(message.cells),
     cells = new Uint8Array(message.width * message.height);
@@ -48,26 +69,41 @@ export function worldOf(message, name = "", file = null) {
   return { ...message, cells, name, file, sheet: Symbol("sheet") };
 }
 
-/** A world as the server wants it. */
+/**
+ * A world as the server wants it.
+ * @param {EditedWorld} world
+ * @returns {WorldMessage}
+ */
 export function messageOf(world) {
   const bytes = new Uint8Array(Math.ceil(world.cells.length / 8));
   for (let k = 0; k < world.cells.length; k += 1) if (world.cells[k]) bytes[k >> 3] |= 1 << (k & 7);
   let text = "";
   for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
-  return { ...world, name: undefined, file: undefined, sheet: undefined, cells: btoa(text) }; // these are not sent
+  const { name, file, sheet, ...sent } = world; // these are not sent
+  return { ...sent, cells: btoa(text) };
 }
 
 /** A world and its history. `changed` is called after each change. */
 export class Model {
+  /**
+   * @param {EditedWorld} world
+   * @param {() => void} changed
+   */
   constructor(world, changed) {
+    /** @type {EditedWorld} */
     this.world = world;
     this.changed = changed;
+    /** @type {HistoryEntry[]} */
     this.past = [];
+    /** @type {HistoryEntry[]} */
     this.future = [];
     this.version = 0; // of what is seen; goes up with each change
     this.counted = { version: -1, solid: 0 };
+    /** @type {HistoryEntry | null} */
     this.saved = null; // the last entry of the past when it was saved
+    /** @type {Uint8Array | null} */
     this.stroke = null; // the cells as they were before what is being drawn
+    /** @type {{since: number, boxes: (Box & {version: number})[]}} */
     this.painted = { since: 0, boxes: [] }; // which cells have changed after that version, each box with its own
   }
 
@@ -180,12 +216,16 @@ export class Model {
     this.touch(entry.runs ? rowsOf(entry.runs, width) : null);
   }
 
-  // Something is another now; of the cells themselves at most those in a box.
+  /**
+   * Something is another now; of the cells themselves at most those in a box.
+   * @param {Box | null} [box]
+   */
   touch(box = null) {
     this.version += 1;
     const { painted } = this;
     if (box) painted.boxes.push({ ...box, version: this.version });
-    if (painted.boxes.length > MOST_BOXES) painted.since = painted.boxes.shift().version;
+    const oldest = painted.boxes.length > MOST_BOXES ? painted.boxes.shift() : undefined;
+    if (oldest) painted.since = oldest.version;
     this.changed();
   }
 
@@ -219,7 +259,12 @@ export class Model {
   }
 }
 
-// Where two maps differ: from and to of each run of cells, in order; for undoing as often as one likes, in little room.
+/**
+ * Where two maps differ: from and to of each run of cells, in order; for undoing as often as one likes, in little room.
+ * @param {Uint8Array} cells
+ * @param {Uint8Array} before
+ * @returns {Int32Array}
+ */
 function runsOf(cells, before) {
   const runs = [];
   let k = 0;
@@ -233,6 +278,10 @@ function runsOf(cells, before) {
   return Int32Array.from(runs);
 }
 
+/**
+ * @param {Box[]} boxes
+ * @returns {Box}
+ */
 function boxAround(boxes) {
   if (boxes.length === 0) return { x: 0, y: 0, width: 0, height: 0 };
   const x = boxes.reduce((least, box) => Math.min(least, box.x), Infinity),
@@ -242,7 +291,12 @@ function boxAround(boxes) {
   return { x, y, width: right - x, height: top - y };
 }
 
-// The rows in which cells of these numbers lie.
+/**
+ * The rows in which cells of these numbers lie.
+ * @param {ArrayLike<number>} numbers
+ * @param {number} width
+ * @returns {Box | null}
+ */
 function rowsOf(numbers, width) {
   if (numbers.length === 0) return null;
   let least = numbers[0],
@@ -256,8 +310,15 @@ function rowsOf(numbers, width) {
   return { x: 0, y: low, width, height: high - low + 1 };
 }
 
-/* The same world in another size: what lies beyond is cut, what is new is free; start and target are kept inside.
-     kept    across and up, which part stays where it is: 0 the left or lower one, 0.5 the middle, 1 the right or upper one */
+/**
+ * The same world in another size: what lies beyond is cut, what is new is free; start and target are kept inside.
+ * @param {EditedWorld} world
+ * @param {number} width
+ * @param {number} height
+ * @param {number[]} [kept] - Across and up, which part stays where it is:
+ *     0 the left or lower one, 0.5 the middle, 1 the right or upper one
+ * @returns {Partial<EditedWorld>}
+ */
 export function resized(world, width, height, kept = [0, 0]) {
   const right = Math.floor((width - world.width) * kept[0]),
     up = Math.floor((height - world.height) * kept[1]);
@@ -271,6 +332,7 @@ export function resized(world, width, height, kept = [0, 0]) {
     const moved = round(value + by * side);
     return moved >= 0 && moved <= round(most * side) ? moved : round((moved < 0 ? 0.5 : most - 0.5) * side);
   };
+  /** @type {(place: Triple) => Triple} */
   const place = ([x, y, rest]) => [inside(x, right, width), inside(y, up, height), rest];
   return {
     width,
@@ -282,6 +344,13 @@ export function resized(world, width, height, kept = [0, 0]) {
   };
 }
 
+/**
+ * @param {EditedWorld} world
+ * @param {number[]} by
+ * @param {number} width
+ * @param {number} height
+ * @returns {Events | null}
+ */
 function eventsIn({ events }, [right, up], width, height) {
   if (!events) return null;
   const is = (at, most) => at >= 0 && at < most;
@@ -291,9 +360,15 @@ function eventsIn({ events }, [right, up], width, height) {
   return { times: pick(events.times), ix: pick(events.ix, right), iy: pick(events.iy, up), state: pick(events.state) };
 }
 
-/** Whether the start or the target is at a point, in cells; empty where neither is. */
+/**
+ * Whether the start or the target is at a point, in cells; empty where neither is.
+ * @param {EditedWorld} world
+ * @param {CellPlace | null} point
+ * @returns {string}
+ */
 export function markAt(world, point) {
   if (!point) return "";
+  /** @type {(place: Triple, reach: number) => boolean} */
   const near = ([x, y], reach) => Math.hypot(point[0] - x / world.cell_size, point[1] - y / world.cell_size) <= Math.max(0.5, reach / world.cell_size);
   if (near(world.start, world.robot_radius)) return "Start";
   return near(world.target, world.target[2]) ? "Target" : "";

@@ -15,8 +15,12 @@ const SLOW = 1500; // ms after which one wants to know what takes so long
 const FIRST = "Running … The first run of a new installation prepares the simulator, once; that can take half a minute.";
 const PARTED = "No robot of this size can reach the target: the cut, which is drawn, parts it from the start.";
 
-/* The page.
-     studio    { model, connection, offered, ... }: what all pages share */
+/**
+ * The page.
+ * @param {HTMLElement} section
+ * @param {Studio} studio
+ * @returns {any}
+ */
 export function makePlay(section, studio) {
   const parts = {
     canvas: el("canvas", { id: "stage", role: "img", "aria-label": "The run" }),
@@ -28,6 +32,7 @@ export function makePlay(section, studio) {
   parts.stop = el("button", { type: "button", id: "stop-run", hidden: true, onclick: () => stop(play) }, "Stop");
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Beside it: as found, before shrinking");
+  /** @type {any} */
   const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, ran: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.robots = makeRobots(studio, () => run(play, true));
   section.replaceChildren(
@@ -144,7 +149,7 @@ function stop(play) {
 }
 
 function hideStop(button) {
-  if (document.activeElement === button) document.getElementById("run").focus();
+  if (document.activeElement === button) document.getElementById("run")?.focus();
   button.hidden = true;
 }
 
@@ -190,6 +195,7 @@ function look(play, number) {
     front = runs[number];
   if (!front || !front.run) return;
   play.looked = number;
+  /** @type {Drawn} */
   const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play), stopSaving: () => play.saving && play.saving.stop(), beside: besideOf(play) };
   const former = play.player,
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
@@ -249,8 +255,10 @@ function besideOf(play) {
 }
 
 // What the server can make of the same runs: files of pictures and pages.
+/** @returns {NonNullable<Drawn["saves"]>} */
 function savesOf(play) {
   const message = { ...play.message, looked: play.looked }; // of these runs, whatever is asked meanwhile
+  /** @type {(words: string, kind: string) => [string, () => Promise<string>]} */
   const file = (words, kind) => [words, () => keepPicture(play, kind, message)];
   return [file("Animation, GIF", "gif"), file("Drawing, SVG", "svg"), file("Replay, one HTML file", "html")];
 }

@@ -1,9 +1,12 @@
 // Pointers, wheel and keys on the board: draw with one finger, pan and zoom with two, with wheel and middle button.
 
-/* Listens to the board.
-     draw      the page: its board, its tool in hand */
+/**
+ * Listens to the board.
+ * @param {any} draw - The page: its board, its tool in hand
+ */
 export function listenToBoard(draw) {
   const { canvas, board } = draw;
+  /** @type {any} */
   const state = { pointers: new Map(), stroke: null, panning: null, pinch: null, before: null };
   canvas.addEventListener("pointerdown", (event) => down(draw, state, event));
   canvas.addEventListener("pointermove", (event) => move(draw, state, event));

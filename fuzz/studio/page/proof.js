@@ -20,16 +20,21 @@ export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDE
 
 const ring = (cells) => `a ring of ${cells} wall cells, every gap too narrow for this robot, parts the start from the target`;
 
-/** The proof in words, of which `head` comes first and is bold, and whether it is good news. */
+/**
+ * The proof in words, of which `head` comes first and is bold, and whether it is good news.
+ * @param {Proof | null} proof
+ * @returns {{head: string, words: string, kind: string}}
+ */
 export function proofWords(proof) {
   if (!proof) return { head: "", words: "…", kind: "waiting" };
   if (proof === DECIDING) return { head: "deciding …", words: "", kind: "waiting" };
   if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes some seconds; draw on meanwhile", kind: "waiting" };
   if (proof.error) return { head: "", words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
+    const { length, duration, clearance } = proof;
     return {
       head: "✓ reachable:",
-      words: ` ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s; clearance of the way that is shown ${proof.clearance.toPrecision(4)} m`,
+      words: ` ${length.toFixed(2)} m, ${duration.toFixed(2)} s; clearance of the way that is shown ${clearance.toPrecision(4)} m`,
       kind: "good",
     };
   }
@@ -38,7 +43,12 @@ export function proofWords(proof) {
   return { head: `${mark}:`, words: ` ${reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
 }
 
-/** What the thesis's robot reads in each cell, or the reason why it reads nothing. */
+/**
+ * What the thesis's robot reads in each cell, or the reason why it reads nothing.
+ * @param {Studio} studio
+ * @param {boolean} noise
+ * @returns {Promise<Board["signal"]>}
+ */
 export async function askSignal(studio, noise) {
   const world = { ...messageOf(studio.model.world), source: null };
   try {
@@ -51,10 +61,14 @@ export async function askSignal(studio, noise) {
   }
 }
 
-/* Asks for the proof after each change; its `widest` asks for the widest robot by hand.
-     studio    its model and connection
-     proved    called with the proof of what is drawn now, or with what stands for it while it takes long
-     widest    called with the largest radius that passes, m; null while it is not known, LOOKING while it is looked for */
+/**
+ * Asks for the proof after each change; its `widest` asks for the widest robot by hand.
+ * @param {Studio} studio - Its model and connection
+ * @param {(proof: Proof) => void} proved - Called with the proof of what is drawn now, or with what stands for it while it takes long
+ * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that passes, m;
+ *     null while it is not known, LOOKING while it is looked for
+ * @returns {{(): void, widest: () => Promise<void>}}
+ */
 export function makeProver(studio, proved, widest) {
   const state = { soon: 0, later: 0, version: -1 };
   const prove = () => {

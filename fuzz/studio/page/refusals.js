@@ -1,6 +1,10 @@
 // What the server refuses, as data: { code, problem, remedy, terminal, opens, facts, line, source }; and how it reads.
 
-/** A refusal as a sentence: where, what came and the rule, the way out. */
+/**
+ * A refusal as a sentence: where, what came and the rule, the way out.
+ * @param {Refusal} refusal
+ * @returns {string}
+ */
 export function refusalWords({ problem, remedy, terminal, line, source }) {
   const place = source ? (line === null ? source : `${source}:${line}`) : line === null ? "" : `line ${line}`;
   const whole = remedy ? `${problem}; ${remedy}${terminal ? " (at a terminal)" : ""}` : problem;

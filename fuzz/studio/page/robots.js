@@ -2,7 +2,7 @@
 
 import { breakable, el, plural } from "#player/dom.js";
 import { Ended } from "./connection.js";
-import { isGood, labelled, motionField, number } from "./fields.js";
+import { isField, isGood, labelled, motionField, number } from "./fields.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 import { makeSettings } from "./settings.js";
@@ -10,6 +10,11 @@ import { makeSettings } from "./settings.js";
 const MOST = 6; // robots at once
 const WIDE = 15; // letters of a name that fill half a line
 
+/**
+ * @param {Studio} studio
+ * @param {() => void} run
+ * @returns {any}
+ */
 export function makeRobots(studio, run) {
   const state = {
     motion: "stepped",
@@ -46,9 +51,10 @@ export function makeRobots(studio, run) {
     parts.changes.element,
     parts.settings.element,
   );
+  /** @type {any} */
   const robots = { studio, state, parts, element, run, offered: null, ran: null, lent: null };
   element.addEventListener("change", ({ target }) => {
-    if (target.type === "number") isGood(target);
+    if (isField(target) && target.type === "number") isGood(target);
     showDue(robots);
   });
   return {

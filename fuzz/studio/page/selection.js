@@ -14,7 +14,13 @@ export const SELECTION = {
   clear: ["Clear", "Delete"],
 };
 
-/** Does something with the selection; with the stamp in hand, turns and mirrors that. */
+/**
+ * Does something with the selection; with the stamp in hand, turns and mirrors that.
+ * @param {any} kit
+ * @param {string} what
+ * @param {boolean} stamping
+ * @returns {boolean}
+ */
 export function withSelection(kit, what, stamping) {
   const { board, model } = kit,
     changes = { mirror: mirrored, flip: flipped, turn: turned };

@@ -5,7 +5,11 @@ import { isGood, labelled, parameterField, words } from "./fields.js";
 
 const DEGREES = { rad: "°", "rad/s": "°/s" }; // angles are told as a person thinks of them
 
-/* The settings; `change` is called whenever one has changed. */
+/**
+ * The settings; `change` is called whenever one has changed.
+ * @param {() => void} change
+ * @returns {any}
+ */
 export function makeSettings(change) {
   const settings = { values: {}, change, options: [], open: "", buttons: {}, groups: {} };
   const element = el("div", { class: "settings" });

@@ -3,8 +3,13 @@
 
 export const KEEP = 2;
 
-// The cells of a straight line, both ends included.
-// Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4 (1965).
+/**
+ * The cells of a straight line, both ends included.
+ * Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4 (1965).
+ * @param {CellPlace} from
+ * @param {CellPlace} to
+ * @returns {CellPlace[]}
+ */
 export function lineCells([x0, y0], [x1, y1]) {
   const dx = Math.abs(x1 - x0),
     dy = -Math.abs(y1 - y0);
@@ -29,14 +34,24 @@ export function lineCells([x0, y0], [x1, y1]) {
   }
 }
 
-/** The rectangle with two opposite corners. */
+/**
+ * The rectangle with two opposite corners.
+ * @param {CellPlace} from
+ * @param {CellPlace} to
+ * @returns {Box}
+ */
 export function rectangleOf([x0, y0], [x1, y1]) {
   const x = Math.min(x0, x1),
     y = Math.min(y0, y1);
   return { x, y, width: Math.abs(x1 - x0) + 1, height: Math.abs(y1 - y0) + 1 };
 }
 
-/** The rectangle as boxes: itself, or its four sides. */
+/**
+ * The rectangle as boxes: itself, or its four sides.
+ * @param {Box} rectangle
+ * @param {boolean} [hollow]
+ * @returns {Box[]}
+ */
 export function rectangleBoxes({ x, y, width, height }, hollow = false) {
   if (!hollow || width < 3 || height < 3) return [{ x, y, width, height }];
   return [
@@ -47,13 +62,23 @@ export function rectangleBoxes({ x, y, width, height }, hollow = false) {
   ];
 }
 
-/** A square brush of so many cells around a cell. */
+/**
+ * A square brush of so many cells around a cell.
+ * @param {CellPlace} cell
+ * @param {number} size
+ * @returns {Box}
+ */
 export function brushBox([x, y], size) {
   const low = Math.floor((size - 1) / 2);
   return { x: x - low, y: y - low, width: size, height: size };
 }
 
-/** All cells like the one at (x, y) that hang together with it by their sides, by their numbers. */
+/**
+ * All cells like the one at (x, y) that hang together with it by their sides, by their numbers.
+ * @param {{cells: Uint8Array, width: number, height: number}} map
+ * @param {CellPlace} cell
+ * @returns {Int32Array}
+ */
 export function floodCells({ cells, width, height }, [x, y]) {
   const wanted = cells[y * width + x],
     seen = new Uint8Array(width * height),
@@ -77,7 +102,12 @@ export function floodCells({ cells, width, height }, [x, y]) {
   return found.subarray(0, count);
 }
 
-/** What stands in a rectangle of a map; outside the map nothing is changed. */
+/**
+ * What stands in a rectangle of a map; outside the map nothing is changed.
+ * @param {{cells: Uint8Array, width: number, height: number}} map
+ * @param {Box} box
+ * @returns {Pattern}
+ */
 export function patternIn(map, { x, y, width, height }) {
   return patternOf(width, height, (ix, iy) => {
     const column = x + ix,
@@ -87,6 +117,12 @@ export function patternIn(map, { x, y, width, height }) {
   });
 }
 
+/**
+ * @param {number} width
+ * @param {number} height
+ * @param {(ix: number, iy: number) => number} cell
+ * @returns {Pattern}
+ */
 export function patternOf(width, height, cell) {
   const cells = new Uint8Array(width * height);
   for (let iy = 0; iy < height; iy += 1) for (let ix = 0; ix < width; ix += 1) cells[iy * width + ix] = cell(ix, iy);
@@ -95,15 +131,27 @@ export function patternOf(width, height, cell) {
 
 const at = (pattern, ix, iy) => pattern.cells[iy * pattern.width + ix];
 
-/** A quarter turn to the left. */
+/**
+ * A quarter turn to the left.
+ * @param {Pattern} pattern
+ * @returns {Pattern}
+ */
 export function turned(pattern) {
   return patternOf(pattern.height, pattern.width, (ix, iy) => at(pattern, iy, pattern.height - 1 - ix));
 }
 
+/**
+ * @param {Pattern} pattern
+ * @returns {Pattern}
+ */
 export function mirrored(pattern) {
   return patternOf(pattern.width, pattern.height, (ix, iy) => at(pattern, pattern.width - 1 - ix, iy));
 }
 
+/**
+ * @param {Pattern} pattern
+ * @returns {Pattern}
+ */
 export function flipped(pattern) {
   return patternOf(pattern.width, pattern.height, (ix, iy) => at(pattern, ix, pattern.height - 1 - iy));
 }

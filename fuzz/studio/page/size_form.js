@@ -6,18 +6,26 @@ import { bordered, emptyWorld, resized } from "./model.js";
 
 const LONGEST = 20_000; // cells a side of any world
 const MOST_CELLS = 4_194_304; // that the studio draws
+/** @type {[string, number][]} */
 const ACROSS = [
   ["left", 0],
   ["middle", 0.5],
   ["right", 1],
 ];
+/** @type {[string, number][]} */
 const UP = [
   ["Upper", 1],
   ["Middle", 0.5],
   ["Lower", 0],
 ];
 
-/* The form; its fields become parts.width and parts.height. */
+/**
+ * The form; its fields become parts.width and parts.height.
+ * @param {Studio} studio
+ * @param {any} draw
+ * @param {Record<string, any>} parts
+ * @returns {HTMLElement}
+ */
 export function sizePart({ model }, draw, parts) {
   const whole = () => number(40, () => {}, { low: 1, high: LONGEST, step: 1 });
   const said = el("p", { role: "status", class: "quiet", id: "size-said" }),

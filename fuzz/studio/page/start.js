@@ -6,6 +6,7 @@ import { makeCampaign } from "./campaign.js";
 import { Ended, makeConnection, shareToken, takeToken } from "./connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "./drafts.js";
 import { makeDraw } from "./draw.js";
+import { isField } from "./fields.js";
 import { openFile, saveAs } from "./files.js";
 import { listen, showKeys } from "./keys.js";
 import { Model, emptyWorld, worldOf } from "./model.js";
@@ -18,12 +19,16 @@ const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign",
 const SIDE = 40; // cells of the world that one begins with
 const SLOW = 2000; // ms after which one wants to know what takes so long
 
+/** @type {Studio} */
 const studio = {
   model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
-  connection: null,
+  connection: /** @type {any} */ (null), // made when the page begins
   folder: "", // that the server has open
   offered: null, // what the server has to choose from
   widest: null,
+  draw: null,
+  play: null,
+  campaign: null,
   askWidest: () => prove.widest(),
   say: (words) => say(words),
   page: () => (Object.hasOwn(PAGES, location.hash.slice(1)) ? location.hash.slice(1) : "draw"),
@@ -40,6 +45,8 @@ const studio = {
 };
 const prove = makeProver(studio, setProof, setWidest);
 let scheduled = 0;
+let keeping = 0;
+let refused = false; // the server refused to save, last time
 
 // After a change: everything is drawn once a frame, however much has changed.
 function changed() {
@@ -53,8 +60,8 @@ function changed() {
     });
   prove();
   studio.draw.senseSignal();
-  clearTimeout(changed.keeping);
-  changed.keeping = setTimeout(() => keepDraft(studio.model), 800);
+  clearTimeout(keeping);
+  keeping = setTimeout(() => keepDraft(studio.model), 800);
 }
 
 function step(what, label) {
@@ -112,12 +119,12 @@ async function save() {
   }
   try {
     say(await saveAs(studio, null, name));
-    if (save.refused) notice(""); // what was said of the last time holds no more
-    save.refused = false;
+    if (refused) notice(""); // what was said of the last time holds no more
+    refused = false;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     notice(error.message);
-    save.refused = true;
+    refused = true;
   }
 }
 
@@ -162,8 +169,9 @@ async function begun(begins) {
   if (moved) studio.model.world.name = ""; // a file of the other folder
   studio.folder = begins.folder;
   try {
-    studio.offered = await hello(told);
-    told.push(...unusable(studio.offered.controllers));
+    const offered = await hello(told);
+    studio.offered = offered;
+    told.push(...unusable(offered.controllers));
     const file = openedBefore() || begins.file;
     const untouched = () => studio.model.past.length === 0; // nothing was dropped on the page meanwhile
     if (first && file && untouched())
@@ -179,7 +187,11 @@ async function begun(begins) {
   if (studio.page() === "play") studio.play.begin();
 }
 
-// What there is to choose from; which controller it is that keeps the page waiting is said.
+/**
+ * What there is to choose from; which controller it is that keeps the page waiting is said.
+ * @param {string[]} told
+ * @returns {Promise<Offered>}
+ */
 async function hello(told) {
   let slow = 0;
   const loading = (words) => notice([...told, words].join(" "), false);
@@ -189,7 +201,7 @@ async function hello(told) {
       slow = setTimeout(() => loading(`Loading the controller ${part.loading} …`), SLOW);
     });
     notice(told.join(" "));
-    return JSON.stringify(offered) === JSON.stringify(studio.offered) ? studio.offered : offered;
+    return studio.offered && JSON.stringify(offered) === JSON.stringify(studio.offered) ? studio.offered : offered;
   } finally {
     clearTimeout(slow);
   }
@@ -219,9 +231,10 @@ function lost(forbidden, why) {
 // The first click into a number's field selects what stands there: one types another. What lies under the pointer when
 // its button is let go may be something else, for a panel can move meanwhile.
 function selectNumbers() {
+  /** @type {HTMLInputElement | null} */
   let fresh = null;
   document.addEventListener("pointerdown", ({ target }) => {
-    fresh = target.type === "number" && target !== document.activeElement ? target : null;
+    fresh = isField(target) && target.type === "number" && target !== document.activeElement ? target : null;
   });
   document.addEventListener("click", () => {
     if (fresh && fresh === document.activeElement) fresh.select();
@@ -278,9 +291,10 @@ function takeDrops() {
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => {
     event.preventDefault();
-    if (event.dataTransfer.files.length === 0) return;
+    const files = [...(event.dataTransfer?.files ?? [])];
+    if (files.length === 0) return;
     studio.go("draw"); // where it is shown, or why it cannot be
-    studio.draw.bring([...event.dataTransfer.files]);
+    studio.draw.bring(files);
   });
 }
 

@@ -43,12 +43,20 @@ export const TOOLS = {
   pan: ["Move view", "h", "M8 0l3 3H9v4h4V5l3 3-3 3V9H9v4h2l-3 3-3-3h2V9H3v2L0 8l3-3v2h4V3H5z"],
 };
 
+/**
+ * @param {CellPlace} point
+ * @returns {CellPlace}
+ */
 const cellOf = ([x, y]) => [Math.floor(x), Math.floor(y)];
 const holds = (box, [x, y]) => box && x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
 
-/* The tools of a board.
-     setting   { size, hollow, stamp, stampSize }
-     said      called with what was done */
+/**
+ * The tools of a board.
+ * @param {Board} board
+ * @param {{size: number, hollow: boolean, stamp: string, stampSize: number}} setting
+ * @param {(words: string) => void} said - Called with what was done
+ * @returns {any}
+ */
 export function makeTools(board, setting, said) {
   const kit = { board, model: board.model, setting, said, clipboard: null, turns: [] };
   return {
@@ -72,7 +80,13 @@ function thick(cells, size) {
   return cells.map((cell) => brushBox(cell, size));
 }
 
+/**
+ * @param {any} kit
+ * @param {number} value
+ * @returns {Tool}
+ */
 function painter(kit, value) {
+  /** @type {CellPlace | null} */
   let last = null;
   const paint = (point, erase) => {
     const here = cellOf(point);
@@ -92,9 +106,17 @@ function painter(kit, value) {
   };
 }
 
+/**
+ * @param {any} kit
+ * @param {string} label
+ * @param {(from: CellPlace, to: CellPlace) => Box[]} cellsOf
+ * @returns {Tool}
+ */
 function spanned(kit, label, cellsOf) {
-  let from = null,
-    to = null;
+  /** @type {CellPlace} */
+  let from = [0, 0];
+  /** @type {CellPlace} */
+  let to = from;
   const show = () => {
     kit.board.marks = cellsOf(from, to);
     kit.board.draw();
@@ -119,6 +141,10 @@ function spanned(kit, label, cellsOf) {
   };
 }
 
+/**
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function filler(kit) {
   return {
     begin(point, { erase }) {
@@ -138,10 +164,16 @@ function filler(kit) {
   };
 }
 
+/**
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function selector(kit) {
   const { board, model } = kit;
-  let from = null,
-    moving = null;
+  /** @type {CellPlace} */
+  let from = [0, 0];
+  /** @type {{box: Box, pattern: Pattern} | null} */
+  let moving = null;
   return {
     begin(point) {
       from = cellOf(point);
@@ -189,6 +221,10 @@ function freshStamp(kit, stamp, stampSize) {
   return kit.turns.reduce((pattern, change) => change(pattern), made);
 }
 
+/**
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function stamper(kit) {
   const place = (point) => {
     const pattern = stampOf(kit);
@@ -214,9 +250,14 @@ function stamper(kit) {
   };
 }
 
-// Moves the start to the middle of a cell, or to the exact place with Alt; a drag away from it turns it.
+/**
+ * Moves the start to the middle of a cell, or to the exact place with Alt; a drag away from it turns it.
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function starter(kit) {
-  let at = null;
+  /** @type {CellPlace} */
+  let at = [0, 0];
   return {
     begin(point, { exact }) {
       at = placed(kit, point, exact);
@@ -235,7 +276,11 @@ function starter(kit) {
   };
 }
 
-// One drag is one step of the history.
+/**
+ * One drag is one step of the history.
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function targeter(kit) {
   const move = (together) => (point, { exact }) =>
     kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, together);
@@ -251,6 +296,12 @@ function targeter(kit) {
   };
 }
 
+/**
+ * @param {any} kit
+ * @param {CellPlace} point
+ * @param {boolean} exact
+ * @returns {CellPlace}
+ */
 function placed(kit, [x, y], exact) {
   const { width, height, cell_size: side } = kit.model.world;
   const inside = (value, most) => Math.min(most, Math.max(0, value));
@@ -261,6 +312,10 @@ function placed(kit, [x, y], exact) {
   ];
 }
 
+/**
+ * @param {any} kit
+ * @returns {Tool}
+ */
 function measurer(kit) {
   return {
     begin(point) {

@@ -11,6 +11,11 @@ import { sizePart } from "./size_form.js";
 const LENGTH = { low: 0.0001, high: 10_000 }; // m, and m/s
 const TURN = { low: -360, high: 360 }; // degrees
 
+/**
+ * @param {Studio} studio
+ * @param {any} draw
+ * @returns {any}
+ */
 export function makeWorldPanel(studio, draw) {
   const { model } = studio,
     parts = {},
@@ -77,12 +82,18 @@ function speedPart({ model }, parts) {
   );
 }
 
+/**
+ * What stands in the fields: a number of the world, and the drawing that it is of.
+ * @type {WeakMap<HTMLInputElement, {value: number, sheet: symbol}>}
+ */
+const shown = new WeakMap();
+
 // A field whose number changes the world, if it lies within its bounds; else the field says what they are.
 function bounded(change, bounds) {
   const input = number(0, (value) => isGood(input) && change(value), bounds);
   input.addEventListener("blur", () => {
     if (input.value !== "") return;
-    input.value = input.shown; // nothing, or no number
+    input.value = String(shown.get(input)?.value ?? ""); // nothing, or no number
     isGood(input);
   });
   return input;
@@ -90,8 +101,9 @@ function bounded(change, bounds) {
 
 // What the world has stands in a field, unless another number is being typed, or stands there as wrong for this drawing.
 function show(input, value, { sheet }) {
-  const wrong = input.hasAttribute("aria-invalid") && input.shown === value && input.sheet === sheet;
-  Object.assign(input, { shown: value, sheet });
+  const before = shown.get(input);
+  const wrong = input.hasAttribute("aria-invalid") && before?.value === value && before?.sheet === sheet;
+  shown.set(input, { value, sheet });
   if (document.activeElement === input || wrong) return;
   input.value = value;
   isGood(input);
@@ -124,13 +136,13 @@ function placePart({ model }, parts) {
       el("legend", {}, title),
       labelled("x", inputs[0], { unit: "m" }),
       labelled("y", inputs[1], { unit: "m" }),
-      labelled(...third(inputs[2])),
+      third(inputs[2]),
     );
   return el(
     "div",
     {},
-    row("Start", fields("start"), (input) => ["Heading", input, { unit: "°" }]),
-    row("Target", fields("target"), (input) => ["Radius", input, { unit: "m" }]),
+    row("Start", fields("start"), (input) => labelled("Heading", input, { unit: "°" })),
+    row("Target", fields("target"), (input) => labelled("Radius", input, { unit: "m" })),
   );
 }
 
