@@ -262,6 +262,8 @@ class Campaign:
                     wait([one.future for one in self._under_way.values()], TO_HAND_IN)
                 list(self._take_what_is_done())
                 raise
+            finally:
+                self._count_time()
 
     def _run(self, crew: Crew) -> Generator[Progress, None, None]:
         while True:
@@ -283,9 +285,11 @@ class Campaign:
             crew.stop()
         if self.units is None:
             self._take_from_earlier()
-        if self._schedule.is_ready:
-            self.state.seconds = self._before + self._schedule.sat()
-            self.state.times = self._schedule.times()
+
+    def _count_time(self) -> None:
+        """Bring the state's times up to now; remembered work adds what earlier runs spent, shrinking included."""
+        self.state.seconds = self._before + self._schedule.sat()
+        self.state.times = self._schedule.times()
 
     def _merge_next(self) -> Iterator[Progress]:
         unit, under = self._merged, self._under_way.pop(self._merged)
@@ -421,8 +425,8 @@ class Campaign:
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
             state.too_early += not result.cut
             result = replace(result, cut=True)
-        state.times |= self._schedule.times()
-        state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
+        self._count_time()
+        seconds = state.seconds if under.seconds is None else under.seconds
         state.units += not result.cut
         state.cut += result.cut
         state.until = max(state.until, unit + 1)
@@ -437,7 +441,7 @@ class Campaign:
             candidates = self._known_ones if is_known else self._candidates
             is_news, few = state.memory.is_news(kind, failure), len(candidates.get(kind, ())) < _RESTARTS
             if is_news:
-                totals = (state.worlds, state.steps, state.seconds)
+                totals = (state.worlds, state.steps, seconds)
                 state.finds.append(Find(unit, result.lane, kind, failure, *totals))
             few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
             if few_whole or self._memory.is_news(kind, failure):
@@ -451,7 +455,7 @@ class Campaign:
         elites = {cell: elite for cell, elite in result.elites.items() if self._memory.is_better(cell, elite)}
         result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
         if under.seconds is None:
-            self._ledger.save_unit(unit, Done(result, state.seconds))
+            self._ledger.save_unit(unit, Done(result, seconds))
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
@@ -494,7 +498,7 @@ class Campaign:
             self.state.effort += result.effort
             if under.seconds is None and result.complete:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
-            self.state.times |= self._schedule.times()
+            self._count_time()
             if not result.complete and not shrunk.is_shrunk:  # no time was left for it
                 continue
             if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end

@@ -16,12 +16,11 @@ from fuzz.campaign.executors import Crew, WorkersLost
 from fuzz.campaign.run import Campaign, Found, Progress, UnitDone
 from fuzz.campaign.store import Sitting, record_error
 from fuzz.campaign.summary import (
-    controller_share,
     lanes_in_words,
+    share_in_words,
     summary_of,
-    times_in_words,
+    time_in_words,
     units_in_words,
-    whole_time,
 )
 from fuzz.campaign.variation import Variation
 from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
@@ -391,10 +390,10 @@ class CampaignSession:
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
         click.echo(
             f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
+            f"{counted(state.steps, 'step')} in {time_in_words(state)}; at first look {verdicts or 'nothing'}"
         )
-        if self._campaign.units is None or controller_share(self._config, state) is not None:
-            note(times_in_words(self._config, state))
+        if (share := share_in_words(self._config, state)) is not None:
+            note(share)
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(
@@ -421,6 +420,7 @@ class CampaignSession:
         facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
         facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
+        facts |= {f"{part}_seconds": f"{state.times[part]:.1f}" for part in ("search", "shrinking") if state.times}
         failing = self._failing()
         new = [Finding.of(one, self._path(kind), "new" if kind in failing else "hazard") for kind, one in best]
         stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))

@@ -10,7 +10,7 @@ from fuzz.search.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.support.plain_text import aligned, counted
 
-__all__ = ["controller_share", "lanes_in_words", "summary_of", "times_in_words", "units_in_words", "whole_time"]
+__all__ = ["controller_share", "lanes_in_words", "share_in_words", "summary_of", "time_in_words", "units_in_words"]
 
 _VERSION = 1
 
@@ -71,11 +71,6 @@ def lanes_in_words(state: CampaignState) -> str:
     return aligned(rows, right=range(1, 6))
 
 
-def whole_time(state: CampaignState) -> float:
-    """How long this sitting took, start-up included, s; of one that had nothing to do, all sittings before it."""
-    return sum(state.times.values()) or state.seconds
-
-
 def units_in_words(state: CampaignState) -> str:
     """Return the units by what became of them: ``9 units and 2 cut short and 1 that learned too little from those``."""
     words = counted(state.units, "unit")
@@ -97,16 +92,23 @@ def controller_share(config: CampaignConfig, state: CampaignState) -> float | No
     return state.effort.share
 
 
-def times_in_words(config: CampaignConfig, state: CampaignState) -> str:
-    """Describe where the time went.
+def time_in_words(state: CampaignState) -> str:
+    """Describe how long this run took: ``30.0 s: start-up 2.0 s, search 21.9 s, shrinking 6.1 s``.
 
-    For example ``start-up in 2.0 s, search in 21.9 s, shrinking in 6.2 s; 40 % of the work was your controller's own
-    code``.
+    A run that had nothing left to do reports the time of all runs before it, whose parts are unknown.
     """
-    parts = ", ".join(f"{name} in {seconds:.1f} s" for name, seconds in state.times.items())
+    whole = sum(state.times.values())
+    if not whole:
+        return f"{state.seconds:.1f} s"
+    parts = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in state.times.items())
+    return f"{whole:.1f} s: {parts}"
+
+
+def share_in_words(config: CampaignConfig, state: CampaignState) -> str | None:
+    """Describe the controller's share: ``40 % of the work was your controller's own code``; ``None`` if unknown."""
     share = controller_share(config, state)
     if share is None:
-        return parts
+        return None
     is_program = isinstance(CONTROLLERS.get(config.scenario.controller), ProcessController)
     what = "waiting for your program" if is_program else "your controller's own code"
-    return f"{parts}; {100 * share:.0f} % of the work was {what}"
+    return f"{100 * share:.0f} % of the work was {what}"

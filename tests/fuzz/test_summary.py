@@ -3,8 +3,10 @@
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.run import Campaign
-from fuzz.campaign.summary import controller_share, summary_of, times_in_words
+from fuzz.campaign.executors import Alone
+from fuzz.campaign.run import Campaign, CampaignState, UnitDone
+from fuzz.campaign.store import Goal, begin, resume
+from fuzz.campaign.summary import controller_share, share_in_words, summary_of, time_in_words
 from sim.scenario import Scenario
 
 
@@ -31,14 +33,49 @@ def test_the_share_of_a_python_class_is_in_the_summary(of_a_class):
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
-    assert times_in_words(*of_a_class).endswith(" % of the work was your controller's own code")
+    assert share_in_words(*of_a_class).endswith(" % of the work was your controller's own code")
 
 
 def test_a_compiled_controller_has_no_share(of_a_compiled_one):
     assert "controller_share" not in summary_of(*of_a_compiled_one, "done")
-    assert times_in_words(*of_a_compiled_one).count("%") == 0
+    assert share_in_words(*of_a_compiled_one) is None
 
 
 def test_a_sitting_that_did_nothing_has_no_share(of_a_class):
     config, _ = of_a_class
     assert controller_share(config, Campaign(config, units=1).state) is None
+
+
+def test_the_time_of_a_run_is_told_by_its_parts():
+    state = CampaignState(seconds=28.0, times={"start-up": 2.0, "search": 1.3, "shrinking": 26.7})
+    assert time_in_words(state) == "30.0 s: start-up 2.0 s, search 1.3 s, shrinking 26.7 s"
+
+
+def test_a_run_that_had_nothing_to_do_reports_the_time_of_the_runs_before_it():
+    nothing = dict.fromkeys(("start-up", "search", "shrinking"), 0.0)
+    assert time_in_words(CampaignState(seconds=28.0, times=nothing)) == "28.0 s"
+
+
+def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch):
+    config = CampaignConfig(Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False)
+    campaign = Campaign(config, units=2)
+    events = campaign.run()
+    assert isinstance(next(events), UnitDone)
+    monkeypatch.setattr("fuzz.campaign.schedule.Schedule.sat", lambda _: 30.0)
+    with pytest.raises(KeyboardInterrupt):
+        events.throw(KeyboardInterrupt)
+    assert campaign.state.seconds == 30.0 == campaign.state.times["search"]
+
+
+def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_path):
+    config = CampaignConfig(Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False)
+    sitting = begin(config, tmp_path, Goal(units=1))
+    list(Campaign(config, units=1, crew=Alone(), ledger=sitting.folder).run())
+    sitting.folder.save_summary({"seconds": 1_000.0})
+    sitting.folder.close()
+
+    again = resume(tmp_path)
+    campaign = Campaign(config, units=1, crew=Alone(), ledger=again.folder)
+    list(campaign.run())
+    again.folder.close()
+    assert campaign.state.seconds == 1_000.0
