@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fuzz.evidence_checks.chance import object_to_chance
+from fuzz.evidence_checks.chance import check_chance
 from fuzz.failure import regardless_of_walls
 from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
@@ -79,7 +79,7 @@ def chance_of(world: World, controller: str, options: RunOptions, *, most: int =
         simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True) for seed in range(_RUNS)
     ]
     recorded = [(run.trace, run.verdict) for run in runs if run.trace is not None]
-    wrong = object_to_chance(outcomes, chance, recorded)
+    wrong = check_chance(outcomes, chance, recorded)
     if wrong:
         return Chance("undecided", f"a fault of ours, please report it: the check of {chance!r} says that {wrong}")
     draws, steps = outcomes.way_to_loss() if chance == "part" else ((), 0)

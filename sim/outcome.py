@@ -32,7 +32,7 @@ ENDINGS: Mapping[int, Ending] = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """The core's claims about a run; oracles check them from the trace.
+    """The core's claims about a run; evidence checks confirm them from the trace.
 
     Args:
         ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of

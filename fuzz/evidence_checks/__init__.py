@@ -1,11 +1,12 @@
-"""Oracles: each confirms one verdict from a recorded trace, sharing no code with the simulator.
+"""Evidence checks: each confirms one verdict from a recorded trace, sharing no code with the simulator.
 
-The simulator claims; an oracle looks at the positions that were recorded, with shapely and plain Python,
-and returns an objection or nothing. A failure is stored only when its oracle has none.
+The simulator claims; a check looks at the positions that were recorded, with shapely and plain Python, and returns
+what is wrong with the claim, or nothing. A failure is stored only when its check finds nothing.
 
 Contents:
-    objection: the objection to an episode's verdict, whatever it is.
-    object_to_breach: the objection to a walled-off target's being reached.
+    check_evidence: what is wrong with an episode's verdict, whatever it is.
+    check_breach: what is wrong with the claim that a walled-off target is reached.
+    EVIDENCE_CHECKS: the checks by verdict.
     burned, loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
 """
 
@@ -14,37 +15,37 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fuzz.evidence_checks.breach import object_to_breach
-from fuzz.evidence_checks.burned import object_to_burned
-from fuzz.evidence_checks.loop import object_to_loop
-from fuzz.evidence_checks.overlap import object_to_overlap
-from fuzz.evidence_checks.reached import object_to_reached
-from fuzz.evidence_checks.stalled import object_to_stalled
-from fuzz.evidence_checks.timeout import object_to_timeout
-from fuzz.evidence_checks.tunnel import object_to_tunnel
+from fuzz.evidence_checks.breach import check_breach
+from fuzz.evidence_checks.burned import check_burned
+from fuzz.evidence_checks.loop import check_loop
+from fuzz.evidence_checks.overlap import check_overlap
+from fuzz.evidence_checks.reached import check_reached
+from fuzz.evidence_checks.stalled import check_stalled
+from fuzz.evidence_checks.timeout import check_timeout
+from fuzz.evidence_checks.tunnel import check_tunnel
 from sim.evidence import Evidence
 from sim.motion import Motion
 from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import World
 
-__all__ = ["ORACLES", "object_to_breach", "objection"]
+__all__ = ["EVIDENCE_CHECKS", "check_breach", "check_evidence"]
 
-Oracle = Callable[[World, Trace, Any, Motion], str]
+EvidenceCheck = Callable[[World, Trace, Any, Motion], str]
 
-ORACLES: dict[Verdict, Oracle] = {
-    Verdict.BURNED: object_to_burned,
-    Verdict.LOOP: object_to_loop,
-    Verdict.OVERLAP: object_to_overlap,
-    Verdict.REACHED: object_to_reached,
-    Verdict.STALLED: object_to_stalled,
-    Verdict.TIMEOUT: object_to_timeout,
-    Verdict.TUNNEL: object_to_tunnel,
+EVIDENCE_CHECKS: dict[Verdict, EvidenceCheck] = {
+    Verdict.BURNED: check_burned,
+    Verdict.LOOP: check_loop,
+    Verdict.OVERLAP: check_overlap,
+    Verdict.REACHED: check_reached,
+    Verdict.STALLED: check_stalled,
+    Verdict.TIMEOUT: check_timeout,
+    Verdict.TUNNEL: check_tunnel,
 }
 
 
-def objection(verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion) -> str:
-    """Why a verdict does not hold for a trace; empty if it does, or if no oracle judges that verdict.
+def check_evidence(verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion) -> str:
+    """Return why a verdict does not hold for a trace; empty if it does, or if there is no check for that verdict.
 
     Args:
         verdict: The claim.
@@ -53,5 +54,5 @@ def objection(verdict: Verdict, world: World, trace: Trace, evidence: Evidence, 
         evidence: The claim's evidence.
         motion: The motion model, whose stated overlap tolerance counts.
     """
-    oracle = ORACLES.get(verdict)
-    return oracle(world, trace, evidence, motion) if oracle else ""
+    check = EVIDENCE_CHECKS.get(verdict)
+    return check(world, trace, evidence, motion) if check else ""

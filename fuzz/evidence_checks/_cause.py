@@ -18,7 +18,7 @@ from sim.evidence import WallEvidence
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["LEAST_OVERLAP", "object_to_cause"]
+__all__ = ["LEAST_OVERLAP", "check_cause"]
 
 LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less is rounding
 _SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
@@ -28,8 +28,8 @@ _SAME = 1e-6  # px by which a displacement may differ from the one that its caus
 Floats = npt.NDArray[np.float64]
 
 
-def object_to_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
-    """Objects unless the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
+def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
+    """Check that the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
 
     The states before are clear of walls, and the displacement of step ``since`` is what the cause makes. A move
     that a wall bent or stopped where the disc had already gone past a corner, and into it, is a ``corner``.
@@ -37,7 +37,7 @@ def object_to_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     Args:
         world: Where the run was.
         trace: A recording up to ``step`` at least.
-        evidence: ``step``, ``cause``, ``since``; without ``cause`` there is nothing to object to.
+        evidence: ``step``, ``cause``, ``since``; without ``cause`` there is nothing to check.
     """
     cause = evidence.cause
     since = evidence.since

@@ -1,4 +1,4 @@
-"""What oracles share: cells over time and pieces of a path, in plain Python."""
+"""What evidence checks share: cells over time and pieces of a path, in plain Python."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from worldgen.world import Witness, World
 
 __all__ = [
     "cell_box",
+    "check_budget",
     "first_new_cell_of_second_half",
     "is_solid_at",
     "lattice_cell",
-    "object_to_budget",
     "places_gap",
     "step_path",
     "target_gap",
@@ -64,8 +64,8 @@ def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int]
     return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
 
 
-def object_to_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
-    """Objects unless ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
+def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
+    """Check that ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
     spent = trace.steps * Fraction(repr(trace.time_step)) / Fraction(repr(world.certificate.duration))

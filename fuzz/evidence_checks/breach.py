@@ -7,11 +7,11 @@ from sim.evidence import WallEvidence
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_breach"]
+__all__ = ["check_breach"]
 
 
-def object_to_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidence) -> str:
-    """Objects unless the run, going on past the wall, enters the target's cell in step ``reached``, not before.
+def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidence) -> str:
+    """Check that the run, going on past the wall, enters the target's cell in step ``reached``, not before.
 
     That the target is walled off is for the checker of the cut to say.
 

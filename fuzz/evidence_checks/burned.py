@@ -9,11 +9,11 @@ from sim.trace import Trace
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["object_to_burned"]
+__all__ = ["check_burned"]
 
 
-def object_to_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
-    """Objects unless the named cell is in the named state by the end of the step, within the robot's radius."""
+def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
+    """Check that the named cell is in the named state by the end of the step, within the robot's radius."""
     step = evidence.step
     cell = evidence.cell
     state = evidence.state

@@ -8,11 +8,11 @@ from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
 from sim.trace import Trace
 from sim.verdict import UNENDED, Verdict
 
-__all__ = ["object_to_chance"]
+__all__ = ["check_chance"]
 
 
-def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
-    """Objects unless the states are closed, the claim follows from them, and runs keep to them.
+def check_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
+    """Check that the states are closed, the claim follows from them, and runs keep to them.
 
     ``trap``: no state is followed by the target, so no draw leads there. ``sure``: none is followed by another end, and
     each by the target or by a state of lower rank, so that from wherever the robot is it arrives with some probability
@@ -24,15 +24,15 @@ def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace
         chance: The claim.
         runs: Ordinary runs, recorded, with the same controller and options but for seed and steps; and their verdicts.
     """
-    wrong = _object_to_closure(outcomes)
+    wrong = _check_closure(outcomes)
     if wrong:
         return wrong
-    wrong = {"trap": _object_to_trap, "sure": _object_to_sure, "part": _object_to_part}[chance](outcomes)
-    return wrong or next(filter(None, (_object_to_run(outcomes, *run) for run in runs)), "")
+    wrong = {"trap": _check_trap, "sure": _check_sure, "part": _check_part}[chance](outcomes)
+    return wrong or next(filter(None, (_check_run(outcomes, *run) for run in runs)), "")
 
 
-def _object_to_closure(outcomes: Outcomes) -> str:
-    """Objects unless nothing follows a state but states, and earlier ones lead to each but the first."""
+def _check_closure(outcomes: Outcomes) -> str:
+    """Check that nothing follows a state but states, and earlier ones lead to each but the first."""
     known = {0}
     for number, entry in enumerate(outcomes.following):
         values = sorted(value for value, _ in entry)
@@ -46,14 +46,14 @@ def _object_to_closure(outcomes: Outcomes) -> str:
     return "" if len(outcomes.following) == len(outcomes.states) else "not all states say what follows them"
 
 
-def _object_to_trap(outcomes: Outcomes) -> str:
+def _check_trap(outcomes: Outcomes) -> str:
     for number, entry in enumerate(outcomes.following):
         if any(after == ARRIVED for _, after in entry):
             return f"the target follows state {number}"
     return ""
 
 
-def _object_to_sure(outcomes: Outcomes) -> str:
+def _check_sure(outcomes: Outcomes) -> str:
     for number, entry in enumerate(outcomes.following):
         if any(after == ENDED for _, after in entry):
             return f"state {number} may end elsewhere"
@@ -62,7 +62,7 @@ def _object_to_sure(outcomes: Outcomes) -> str:
     return ""
 
 
-def _object_to_part(outcomes: Outcomes) -> str:
+def _check_part(outcomes: Outcomes) -> str:
     number = 0
     while outcomes.ranks[number] > 1:
         lower = [after for _, after in outcomes.following[number] if _is_lower(outcomes, after, number)]
@@ -90,8 +90,8 @@ def _is_lower(outcomes: Outcomes, after: int, number: int) -> bool:
     return after >= 0 and 0 < outcomes.ranks[after] < outcomes.ranks[number]
 
 
-def _object_to_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
-    """Objects unless a run begins at the start, goes from states to such as follow them, and ends as one may end."""
+def _check_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
+    """Check that a run begins at the start, goes from states to such as follow them, and ends as one may end."""
     known: dict[bytes, set[int]] = {}
     for number, state in enumerate(outcomes.states):
         known.setdefault(state.tobytes(), set()).add(number)

@@ -12,11 +12,11 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_loop"]
+__all__ = ["check_loop"]
 
 
-def object_to_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
-    """Objects unless two whole periods repeat, state by state, after the last event, away from the target.
+def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
+    """Check that two whole periods repeat, state by state, after the last event, away from the target.
 
     Args:
         world: Where the run was.

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from fuzz.evidence_checks._cause import object_to_cause
+from fuzz.evidence_checks._cause import check_cause
 from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_path
 from sim.evidence import WallEvidence
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_overlap"]
+__all__ = ["check_overlap"]
 
 
-def object_to_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
-    """Objects unless the disc, along the path of the named step, cuts the named solid cell deeply enough.
+def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
+    """Check that the disc, along the path of the named step, cuts the named solid cell deeply enough.
 
     Where the evidence names the move that let the robot into the wall, that is judged too.
     """
@@ -27,4 +27,4 @@ def object_to_overlap(world: World, trace: Trace, evidence: WallEvidence, motion
     allowed = motion.overlap_tolerance * world.cell_size
     if depth <= allowed - 1e-9:
         return f"the disc cuts cell {cell} by {depth:g} m, allowed are {allowed:g} m"
-    return object_to_cause(world, trace, evidence)
+    return check_cause(world, trace, evidence)

@@ -11,11 +11,11 @@ from sim.motion.base import THESIS
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_reached"]
+__all__ = ["check_reached"]
 
 
-def object_to_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
-    """Objects unless the last step meets the target's disc, or for the thesis's robot its cell.
+def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
+    """Check that the last step meets the target's disc, or for the thesis's robot its cell.
 
     The pose lattice rounds start and target by half of 1/1024 of a cell, which is allowed for.
     """

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.evidence_checks._plain import first_new_cell_of_second_half, object_to_budget
+from fuzz.evidence_checks._plain import check_budget, first_new_cell_of_second_half
 from sim.evidence import BudgetEvidence
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_stalled"]
+__all__ = ["check_stalled"]
 
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
@@ -19,8 +19,8 @@ _ROUNDING = 1e-9  # share by which what was measured in pixels may differ in met
 _PERIODS = 4  # periods that a drifting run must show
 
 
-def object_to_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
-    """Objects if a state of the second half lies in a cell that no state of the first half has seen.
+def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
+    """Check that each state of the second half is in a cell that a state of the first half has seen.
 
     That the budget is the stated multiple of the witness's time is judged too; and, where the evidence says it, in what
     manner the run stalls. ``drifting``: poses come back after ``period`` steps, from ``entry`` to the end, four times
@@ -31,18 +31,18 @@ def object_to_stalled(world: World, trace: Trace, evidence: BudgetEvidence, moti
         return f"cell {fresh} is entered for the first time in the second half"
     kind = evidence.kind
     if kind is None:
-        return object_to_budget(world, trace, evidence)
+        return check_budget(world, trace, evidence)
     half = trace.steps // 2
     if kind == "drifting":
-        wrong = _object_to_drift(world, trace, evidence.entry or 0, evidence.period or 0)
+        wrong = _check_drift(world, trace, evidence.entry or 0, evidence.period or 0)
     else:
         period = _period(world, trace, half)
         wrong = f"poses come back every {period} steps, so the run drifts" if period else ""
-    wrong = wrong or _object_to_box(world, trace, half, evidence.box)
-    return wrong or object_to_budget(world, trace, evidence)
+    wrong = wrong or _check_box(world, trace, half, evidence.box)
+    return wrong or check_budget(world, trace, evidence)
 
 
-def _object_to_drift(world: World, trace: Trace, entry: int, period: int) -> str:
+def _check_drift(world: World, trace: Trace, entry: int, period: int) -> str:
     if period < 1 or not trace.steps // 2 <= entry <= trace.steps - _PERIODS * period:
         return f"a period of {period} steps is not shown {_PERIODS} times after step {entry}"
     if not _comes_back(world, trace, entry, period):
@@ -78,7 +78,7 @@ def _period(world: World, trace: Trace, half: int) -> int:
     return 0
 
 
-def _object_to_box(world: World, trace: Trace, half: int, box: tuple[int, int] | None) -> str:
+def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | None) -> str:
     """A place on the line between two cells counts for either, since it was measured in pixels."""
     if box is None:
         return "the evidence has no box of columns and rows"

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from fuzz.evidence_checks._plain import first_new_cell_of_second_half, object_to_budget
+from fuzz.evidence_checks._plain import check_budget, first_new_cell_of_second_half
 from sim.evidence import BudgetEvidence
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_timeout"]
+__all__ = ["check_timeout"]
 
 
-def object_to_timeout(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
-    """Objects if the second half has no new cell, which would be ``stalled``, or to the budget's multiple."""
+def check_timeout(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
+    """Check that the second half has a new cell, else it is ``stalled``, and that the budget's multiple is right."""
     if not first_new_cell_of_second_half(world, trace):
         return "the second half has no new cell"
-    return object_to_budget(world, trace, evidence)
+    return check_budget(world, trace, evidence)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from fuzz.evidence_checks._cause import object_to_cause
+from fuzz.evidence_checks._cause import check_cause
 from fuzz.evidence_checks._plain import cell_box, is_solid_at, step_path
 from sim.evidence import WallEvidence
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["object_to_tunnel"]
+__all__ = ["check_tunnel"]
 
 
-def object_to_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
-    """Objects unless the path of the named step meets the inside of the named cell, and that is solid then.
+def check_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
+    """Check that the path of the named step meets the inside of the named cell, and that is solid then.
 
     Where the evidence names the move that let the robot into the wall, that is judged too.
     """
@@ -26,4 +26,4 @@ def object_to_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion:
     inside = cell_box(world, *cell).buffer(-1e-9 * world.cell_size)
     if not step_path(trace, step).intersects(inside):
         return f"the path of step {step} does not meet cell {cell}"
-    return object_to_cause(world, trace, evidence)
+    return check_cause(world, trace, evidence)

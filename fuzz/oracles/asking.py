@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.evidence_checks import ORACLES as JUDGED_VERDICTS
+from fuzz.evidence_checks import EVIDENCE_CHECKS
 from fuzz.oracles.trial import Trial
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -25,7 +25,7 @@ Oracle = Callable[..., Any]
 
 _DEEPEST = 16  # tables and lists in one another
 _WRITTEN = re.compile(r"(?P<name>.+?)(?:=(?P<number>[^=:/\\]*))?", re.DOTALL)
-_TAKEN = (*JUDGED_VERDICTS, *BY_THE_CONTROLLER, "breach")
+_TAKEN = (*EVIDENCE_CHECKS, *BY_THE_CONTROLLER, "breach")
 
 
 def _accept(name: str, thing: Any) -> Oracle:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from fuzz.evidence_checks import object_to_breach, objection
+from fuzz.evidence_checks import check_breach, check_evidence
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.oracles import Asked, Trial
 from fuzz.triage.crash_bucket import FACTS
@@ -57,7 +57,7 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
         trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
     if trace is None:  # a controller that failed before its first step leaves none
         return episode, "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
-    wrong = objection(episode.verdict, world, trace, episode.evidence, options.motion_model())
+    wrong = check_evidence(episode.verdict, world, trace, episode.evidence, options.motion_model())
     if wrong or not isinstance(world.certificate, Cut):
         return episode, wrong
     return _judge_breach(world, controller, options, episode)
@@ -82,7 +82,7 @@ def _judge_breach(world: World, controller: str, options: RunOptions, episode: E
     if whole.verdict != Verdict.REACHED or whole.trace is None or episode.trace is None:
         return episode, "the target is walled off, and the robot does not reach it"
     wall = replace(wall, reached=whole.steps)
-    return replace(episode, evidence=wall), object_to_breach(world, episode.trace, whole.trace, wall)
+    return replace(episode, evidence=wall), check_breach(world, episode.trace, whole.trace, wall)
 
 
 def failure_of(

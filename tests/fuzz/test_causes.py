@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzz.chance import seeds_that_fail
-from fuzz.evidence_checks import object_to_breach, objection
+from fuzz.evidence_checks import check_breach, check_evidence
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.triage.judging import failure_of, judge, replay
 from fuzz.triage.signature import failure_class
@@ -34,22 +34,22 @@ def judged(name):
     return world, episode, options
 
 
-def object_to(name, **changes):
+def flaw_of(name, **changes):
     world, episode, options = judged(name)
     evidence = replace(episode.evidence, **changes)
-    return objection(episode.verdict, world, episode.trace, evidence, options.motion_model())
+    return check_evidence(episode.verdict, world, episode.trace, evidence, options.motion_model())
 
 
 @pytest.mark.parametrize("name", OF_EACH_CAUSE)
-def test_the_true_cause_has_no_objection(name):
-    assert object_to(name) == ""
+def test_the_true_cause_holds(name):
+    assert flaw_of(name) == ""
 
 
 @pytest.mark.parametrize("claimed", CAUSES)
 @pytest.mark.parametrize("name", OF_EACH_CAUSE)
 def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
     true = judged(name)[1].evidence.cause
-    wrong = object_to(name, cause=claimed)
+    wrong = flaw_of(name, cause=claimed)
     assert wrong == "" if claimed == true else f"is no {claimed} but a {true}" in wrong
 
 
@@ -59,17 +59,17 @@ def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
 )
 def test_an_overlap_that_begins_in_another_step_is_refused(name, later, message):
     since = judged(name)[1].evidence.since
-    assert message in object_to(name, since=since + later)
+    assert message in flaw_of(name, since=since + later)
 
 
 @pytest.mark.parametrize("since", [0, None])
 def test_an_overlap_that_begins_in_no_step_is_refused(since):
-    assert "said to begin" in object_to("thesis-2-slide", since=since)
+    assert "said to begin" in flaw_of("thesis-2-slide", since=since)
 
 
 @pytest.mark.parametrize("cause", ["jump", ""])
 def test_a_cause_that_does_not_exist_is_refused(cause):
-    assert f"is no {cause}" in object_to("thesis-2-slide", cause=cause)
+    assert f"is no {cause}" in flaw_of("thesis-2-slide", cause=cause)
 
 
 def test_a_cause_is_refused_where_the_first_wall_is_gone():
@@ -79,7 +79,7 @@ def test_a_cause_is_refused_where_the_first_wall_is_gone():
     elsewhere[iy, ix - 1] = True  # beside the cell, so that the disc meets it later
     moved = replace(world, walls=elsewhere)
     evidence = replace(episode.evidence, cell=(ix - 1, iy))
-    assert objection("tunnel", moved, episode.trace, evidence, options.motion_model())
+    assert check_evidence("tunnel", moved, episode.trace, evidence, options.motion_model())
 
 
 def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
@@ -87,7 +87,7 @@ def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
     x = episode.trace.x.copy()
     x[episode.evidence.since :] += 1e-4  # a hundredth of a pixel to the side
     bent = replace(episode.trace, x=x)
-    assert "is no slide" in objection("tunnel", world, bent, episode.evidence, options.motion_model())
+    assert "is no slide" in check_evidence("tunnel", world, bent, episode.evidence, options.motion_model())
 
 
 def breach():
@@ -96,22 +96,22 @@ def breach():
     return world, episode, whole
 
 
-def test_a_true_breach_has_no_objection():
+def test_a_true_breach_holds():
     world, episode, whole = breach()
-    assert object_to_breach(world, episode.trace, whole, episode.evidence) == ""
+    assert check_breach(world, episode.trace, whole, episode.evidence) == ""
 
 
 @pytest.mark.parametrize(("later", "message"), [(-1, "does not end in the target's cell"), (1, "said to be reached")])
 def test_a_target_reached_in_another_step_is_refused(later, message):
     world, episode, whole = breach()
     evidence = replace(episode.evidence, reached=episode.evidence.reached + later)
-    assert message in object_to_breach(world, episode.trace, whole, evidence)
+    assert message in check_breach(world, episode.trace, whole, evidence)
 
 
 def test_a_target_reached_no_later_than_the_wall_is_refused():
     world, episode, whole = breach()
     evidence = replace(episode.evidence, reached=episode.evidence.step)
-    assert "said to be reached" in object_to_breach(world, episode.trace, whole, evidence)
+    assert "said to be reached" in check_breach(world, episode.trace, whole, evidence)
 
 
 def test_a_target_that_was_reached_before_the_wall_is_no_breach():
@@ -119,7 +119,7 @@ def test_a_target_that_was_reached_before_the_wall_is_no_breach():
     x, y = whole.x.copy(), whole.y.copy()
     x[100], y[100] = world.target.x, world.target.y
     early = replace(whole, x=x, y=y)
-    assert f"reached before step {whole.steps}" in object_to_breach(world, episode.trace, early, episode.evidence)
+    assert f"reached before step {whole.steps}" in check_breach(world, episode.trace, early, episode.evidence)
 
 
 def test_a_breach_by_another_run_is_refused():
@@ -127,7 +127,7 @@ def test_a_breach_by_another_run_is_refused():
     states = whole.states.copy()
     states[10] ^= 1
     other = replace(whole, states=states)
-    assert "another one before the wall" in object_to_breach(world, episode.trace, other, episode.evidence)
+    assert "another one before the wall" in check_breach(world, episode.trace, other, episode.evidence)
 
 
 def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
@@ -161,11 +161,11 @@ def test_a_breach_is_a_class_of_its_own():
     ],
 )
 def test_false_evidence_of_drifting_is_refused(changes, message):
-    assert message in object_to("thesis-1-drifting", **changes)
+    assert message in flaw_of("thesis-1-drifting", **changes)
 
 
 def test_a_confined_run_does_not_drift():
-    wrong = object_to("thesis-1-confined", kind="drifting", period=104, entry=2000)
+    wrong = flaw_of("thesis-1-confined", kind="drifting", period=104, entry=2000)
     assert "poses do not come back every 104 steps" in wrong
 
 
@@ -173,7 +173,7 @@ def test_an_exact_loop_does_not_drift():
     world, _, options = judged("thesis-1-loop-104")
     trace = prepare(world, "thesis-1", options).run(4000, find_loop=False, record=True).trace
     evidence = BudgetEvidence(last_new_cell=0, kind="drifting", period=104, entry=2000, box=(3, 3))
-    assert "which is a loop" in objection("stalled", world, trace, evidence, options.motion_model())
+    assert "which is a loop" in check_evidence("stalled", world, trace, evidence, options.motion_model())
 
 
 @pytest.mark.parametrize(

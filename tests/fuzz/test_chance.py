@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzz.chance import Chance, chance_details, chance_of, in_words
-from fuzz.evidence_checks.chance import object_to_chance
+from fuzz.evidence_checks.chance import check_chance
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
@@ -240,39 +240,39 @@ def test_the_check_accepts_what_is_explored_and_refuses_another_claim(world, con
     run = simulate(world, controller, record=True, seed=seed, steps=300)
     runs = [(run.trace, run.verdict)]
     for claim in ("sure", "trap", "part"):
-        assert bool(object_to_chance(outcomes, claim, runs)) == (claim != outcomes.chance)
+        assert bool(check_chance(outcomes, claim, runs)) == (claim != outcomes.chance)
 
 
 def test_the_check_refuses_states_that_are_not_closed():
     outcomes = explored(wander, hall())
     cut = replace(outcomes, following=(((0, len(outcomes.states)), (1, 0)), *outcomes.following[1:]))
-    assert "was not looked at" in object_to_chance(cut, "sure", [])
+    assert "was not looked at" in check_chance(cut, "sure", [])
 
 
 def test_the_check_refuses_ranks_that_lead_nowhere():
     outcomes = explored(wander, hall((1.05, 0.45)))
-    assert "lower rank" in object_to_chance(replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", [])
+    assert "lower rank" in check_chance(replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", [])
 
 
 def test_the_check_refuses_an_end_elsewhere_where_arrival_is_said_to_be_sure():
-    assert "may end elsewhere" in object_to_chance(explored(err, hall()), "sure", [])
+    assert "may end elsewhere" in check_chance(explored(err, hall()), "sure", [])
 
 
 def test_the_check_refuses_a_loss_that_has_a_way_out():
     outcomes = explored(wander, hall())
-    assert "a way leads out" in object_to_chance(replace(outcomes, ranks=(*outcomes.ranks[:-1], 0)), "part", [])
+    assert "a way leads out" in check_chance(replace(outcomes, ranks=(*outcomes.ranks[:-1], 0)), "part", [])
 
 
 def test_the_check_refuses_states_to_which_nothing_leads():
     outcomes = explored(wander, hall())
     more = replace(outcomes, following=(*outcomes.following, ((-1, 0),)), states=np.concatenate([outcomes.states] * 2))
-    assert "no state before it leads" in object_to_chance(more, "sure", [])
+    assert "no state before it leads" in check_chance(more, "sure", [])
 
 
 def test_the_check_refuses_a_run_that_leaves_the_states():
     aside = hall((1.05, 0.45))
     outcomes, run = explored(wander, aside), simulate(aside, quarter, record=True, steps=200)
-    assert "does not follow" in object_to_chance(outcomes, "trap", [(run.trace, run.verdict)])
+    assert "does not follow" in check_chance(outcomes, "trap", [(run.trace, run.verdict)])
 
 
 def test_the_check_refuses_an_arrival_that_no_state_tells():
@@ -280,7 +280,7 @@ def test_the_check_refuses_an_arrival_that_no_state_tells():
     never = tuple(tuple((v, 0 if after == ARRIVED else after) for v, after in entry) for entry in outcomes.following)
     run = simulate(hall(), wander, record=True, steps=20_000)
     assert run.verdict == "reached"
-    assert "where no state says so" in object_to_chance(
+    assert "where no state says so" in check_chance(
         replace(outcomes, following=never), "trap", [(run.trace, run.verdict)]
     )
 

@@ -144,9 +144,9 @@ FAULTS = (
     ),
     # The fuzzer
     Fault(
-        "loose-oracle", "the oracle of a loop compares two whole periods, state by state",
+        "loose-evidence-check", "the evidence check of a loop compares two whole periods, state by state",
         "fuzz/evidence_checks/loop.py", "if not np.array_equal(one, two):", "if one.shape != two.shape:",
-        ("tests/fuzz/test_oracles.py",),
+        ("tests/fuzz/test_evidence_checks.py",),
     ),
     Fault(
         "rows-stay",

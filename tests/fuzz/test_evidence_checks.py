@@ -1,0 +1,205 @@
+"""Evidence checks refuse false evidence and accept true evidence."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.evidence_checks import check_evidence
+from sim import MOTIONS, Command, simulate
+from sim.describe import evidence_in_words
+from sim.episode import prepare
+from sim.evidence import BurnedEvidence
+from sim.options.run import RunOptions
+from worldgen import CellState, Event, Pose, Target, Timeline, Witness, World
+
+SWEPT, ENDPOINT = MOTIONS.get("swept"), MOTIONS.get("endpoint")
+
+
+def wall_world(thickness=1):
+    walls = np.zeros((12, 24), bool)
+    walls[:, 12 : 12 + thickness] = True
+    return World(walls, Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05))
+
+
+class Ahead:
+    """Drives ahead."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed, 0.0), memory
+
+
+def run(world, motion="endpoint", controller=None, **settings):
+    return simulate(world, controller or Ahead(), record=True, motion=motion, **settings)
+
+
+class Rests(Ahead):
+    """Drives for three steps and then stands."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(0.1 if memory[0] < 3.0 else 0.0, 0.0), (min(memory[0] + 1.0, 3.0),)
+
+
+def loop_and_longer(controller=Ahead):
+    world = World(np.zeros((9, 9), bool), Pose(0.45, 0.25, 0.0), Target(0.85, 0.85, 0.05))
+    options = RunOptions(steps=5000)
+    episode = simulate(world, controller(), options)
+    entry, period = episode.evidence.entry, episode.evidence.period
+    longer = prepare(world, controller(), options).run(entry + 2 * period, find_loop=False, record=True).trace
+    return world, episode, longer
+
+
+@pytest.mark.parametrize("controller", [Ahead, Rests])
+def test_a_true_loop_holds(controller):
+    world, episode, trace = loop_and_longer(controller)
+    assert check_evidence("loop", world, trace, episode.evidence, SWEPT) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"entry": 0}, "second period differs"),
+        ({"period": 0}, "does not begin after step"),
+        ({"state_digest": "0" * 16}, "not the one of the evidence"),
+        ({"period": 10**6}, "before the second period"),
+    ],
+)
+def test_false_evidence_of_a_loop_is_refused(change, message):
+    world, episode, trace = loop_and_longer()
+    assert message in check_evidence("loop", world, trace, replace(episode.evidence, **change), SWEPT)
+
+
+def test_hidden_memory_is_no_loop():
+    world, episode, trace = loop_and_longer()
+    assert "does not declare" in check_evidence("loop", world, replace(trace, complete=False), episode.evidence, SWEPT)
+
+
+def test_a_true_tunnel_holds():
+    episode = run(wall_world(), time_step=0.15)
+    assert episode.verdict == "tunnel"
+    assert check_evidence("tunnel", wall_world(), episode.trace, episode.evidence, ENDPOINT) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"step": 1}, "does not meet"), ({"cell": (3, 3)}, "is not solid"), ({"step": 99}, "has no step 99")],
+)
+def test_false_evidence_of_a_tunnel_is_refused(change, message):
+    episode = run(wall_world(), time_step=0.15)
+    evidence = replace(episode.evidence, **change)
+    assert message in check_evidence("tunnel", wall_world(), episode.trace, evidence, ENDPOINT)
+
+
+def test_an_overlap_is_measured_by_shapely():
+    walls = np.zeros((12, 24), bool)
+    walls[6, 9] = True  # its lower corners come within 0.6 cell of a robot that passes below
+    world = World(walls, Pose(0.5, 0.54, 0.0), Target(2.05, 0.54, 0.05))
+    episode = run(world, time_step=0.15)
+    assert episode.verdict == "overlap"
+    assert check_evidence("overlap", world, episode.trace, episode.evidence, ENDPOINT) == ""
+    assert "is not solid" in check_evidence(
+        "overlap", world, episode.trace, replace(episode.evidence, cell=(1, 1)), ENDPOINT
+    )
+
+
+def test_arriving_is_measured_at_the_last_step():
+    world = World(np.zeros((9, 30), bool), Pose(0.45, 0.45, 0.0), Target(2.05, 0.45, 0.05))
+    episode = run(world, "swept")
+    assert episode.verdict == "reached"
+    assert check_evidence("reached", world, episode.trace, episode.evidence, SWEPT) == ""
+    elsewhere = replace(world, target=Target(2.05, 0.65, 0.05))
+    assert "away from the target" in check_evidence("reached", elsewhere, episode.trace, episode.evidence, SWEPT)
+
+
+@pytest.mark.parametrize(("steps", "verdict"), [(60, "timeout"), (2000, "stalled")])
+def test_stalled_and_timeout_differ_by_new_cells_in_the_second_half(steps, verdict):
+    class Wander(Ahead):
+        """Spirals: never repeats within the budget."""
+
+        def reset(self):
+            return (0.0,)
+
+        def act(self, observation, memory):
+            return Command(0.5, 20.0 / (1.0 + memory[0])), (memory[0] + 0.37,)
+
+    world = World(np.zeros((9, 9), bool), Pose(0.45, 0.45, math.pi / 4), Target(0.85, 0.15, 0.001))
+    episode = run(world, "swept", Wander(), steps=steps)
+    other = {"timeout": "stalled", "stalled": "timeout"}[verdict]
+    assert episode.verdict == verdict
+    assert check_evidence(verdict, world, episode.trace, episode.evidence, SWEPT) == ""
+    assert check_evidence(other, world, episode.trace, episode.evidence, SWEPT)
+
+
+def burning(state, motion="swept", when=0.3):
+    world = World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05))
+    events = [Event(when, 12, 5, state), Event(when + 9.0, 12, 5, CellState.FREE)]
+    world = replace(world, timeline=Timeline.of(events))
+    return world, run(world, motion, "turn-right" if motion == "stepped" else None)
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+def test_flames_that_meet_the_robot_are_confirmed(motion):
+    world, episode = burning(CellState.BURNING, motion)
+    assert episode.verdict == "burned"
+    assert check_evidence("burned", world, episode.trace, episode.evidence, MOTIONS.get(motion)) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"step": 3}, "is not burning in step 3"),
+        ({"state": "solid"}, "is not solid"),
+        ({"cell": (3, 3)}, "is not burning"),
+        ({"step": 99}, "has no step 99"),
+    ],
+)
+def test_false_evidence_of_a_burn_is_refused(change, message):
+    world, episode = burning(CellState.BURNING)
+    assert message in check_evidence("burned", world, episode.trace, replace(episode.evidence, **change), SWEPT)
+
+
+def test_flames_far_away_burn_nobody():
+    world, episode = burning(CellState.BURNING)
+    step = episode.evidence.step
+    moved = replace(world, timeline=Timeline.of([Event(0.3, 20, 5, CellState.BURNING)]))
+    assert "m away from cell" in check_evidence(
+        "burned", moved, episode.trace, BurnedEvidence(step=step, cell=(20, 5), state="burning"), SWEPT
+    )
+
+
+class Stands(Ahead):
+    """Never moves, and counts, so that no state comes back."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(), (memory[0] + 1.0,)
+
+
+def spent(controller):
+    """A run that spends its budget of 4,000 steps, where the witness takes 2 s."""
+    witness = Witness(np.array([0.0, 2.0]), np.array([0.5, 2.05]), np.array([0.55, 0.55]), 0.1)
+    world = replace(
+        World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05)), certificate=witness
+    )
+    return world, simulate(world, controller, record=True, steps=4000)
+
+
+@pytest.mark.parametrize("claimed", [30.0, 29.998, 30.002, None])
+def test_a_stalled_runs_budget_is_the_stated_multiple_of_the_witness(claimed):
+    world, episode = spent(Stands())
+    assert episode.verdict == "stalled" and episode.evidence.witness_multiple == 30.0
+    said = check_evidence("stalled", world, episode.trace, replace(episode.evidence, witness_multiple=claimed), SWEPT)
+    assert bool(said) == (claimed != 30.0) and (not said or "30.000 times the witness's time" in said)
+
+
+def test_the_budget_is_said_in_steps_and_in_times_of_the_witness():
+    assert evidence_in_words(spent(Stands())[1]) == " (no new cell after step 0 of 4000, 30.0 times the witness's time)"
