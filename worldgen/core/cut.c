@@ -253,8 +253,8 @@ static WgStatus simplify(WgCutSearch *search)
     int64_t held = 0;
     for (int64_t i = 0; i < count; i++) {
         int32_t cell = search->chain[i];
-        if (where[cell] >= 0) {
-            int64_t from = where[cell];
+        int64_t from = where[cell];
+        if (from >= 0) {
             bool sum = false;
             for (int64_t j = from; j < held; j++) {
                 sum = sum != (odd[j] != 0);

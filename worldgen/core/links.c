@@ -87,8 +87,8 @@ static WgStatus list_cells(WgLinks *links, const WgWalls *walls)
     }
     links->cells = mark_rim(walls, reach, links->stride, flat, flat + size);
     size_t room = (size_t)(links->cells + 1);
-    links->column = malloc(room * sizeof *links->column);
-    links->row = malloc(room * sizeof *links->row);
+    links->column = calloc(room, sizeof *links->column);
+    links->row = calloc(room, sizeof *links->row);
     links->place = malloc(room * sizeof *links->place);
     links->slot = malloc(room * sizeof *links->slot);
     if (links->column == NULL || links->row == NULL || links->place == NULL || links->slot == NULL) {

@@ -38,7 +38,7 @@ static bool sets_begin(Sets *sets, const int64_t *places, int64_t count, const u
 {
     sets->rank = malloc((size_t)size * sizeof *sets->rank);
     sets->parent = malloc((size_t)(count + 1) * sizeof *sets->parent);
-    sets->role = malloc((size_t)(count + 1) * sizeof *sets->role);
+    sets->role = calloc((size_t)(count + 1), sizeof *sets->role);
     if (sets->rank == NULL || sets->parent == NULL || sets->role == NULL) {
         return false;
     }
