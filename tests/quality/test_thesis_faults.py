@@ -92,7 +92,7 @@ def test_there_is_a_walled_off_target_for_each_robot(robot):
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_more_can_be_removed_from_a_fault(name):
     world = world_of(name)
-    assert removable(world, StillFails.of(world)) == []
+    assert removable(world, StillFails.of(Failure.of(world))) == []
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if TABLE[name].split("-")[0] in ("tunnel", "overlap")])
