@@ -24,6 +24,7 @@ from fuzz.studio.campaigns import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.gallery import WallAnswers
+from fuzz.studio.limits import MOST_ROBOTS, MOST_STEPS
 from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
 from fuzz.studio.running import check_named, check_record, check_registered, may_run
 from sim.controllers import CONTROLLERS
@@ -49,12 +50,10 @@ from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Value, Witness, World
 
-__all__ = ["MOST_STEPS", "Answers"]
+__all__ = ["Answers"]
 
-MOST_STEPS = 1_000_000  # of a run that is played: its recording takes 300 MB
 _TRIES = 500  # worlds that a search for a wish makes at most, as on the command line
 _KEPT_STEPS = 30_000  # of a run, in the page: more than a window has pixels
-_MOST_ROBOTS = 6  # at once: more colours cannot be told apart
 _PICTURES = ("gif", "svg", "html")
 
 Message = Mapping[str, Any]
@@ -273,9 +272,9 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
     if message.get("still") is True:
         world = replace(world, timeline=Timeline(), certificate=None)
     labels = field(message, "controllers", list)
-    if not 1 <= len(labels) <= _MOST_ROBOTS:
+    if not 1 <= len(labels) <= MOST_ROBOTS:
         raise InvalidParameter(
-            "out-of-range", "{count} controllers", "choose 1 to {most}", count=len(labels), most=_MOST_ROBOTS
+            "out-of-range", "{count} controllers", "choose 1 to {most}", count=len(labels), most=MOST_ROBOTS
         )
     if world.certificate is None:
         world = replace(world, certificate=decide(world).certificate)

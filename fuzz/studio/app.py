@@ -17,13 +17,13 @@ from starlette.websockets import WebSocket
 
 from fuzz.studio.folder import Folder
 from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
+from fuzz.studio.limits import limits
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
 from fuzz.studio.workers import LANES, Lane
 
-__all__ = ["FULL", "MOST_MESSAGE", "MOST_PAGES", "Studio", "make_app"]
+__all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
-MOST_MESSAGE = 32 << 20  # bytes of a message to the server: a dropped file, or the largest world with its text
 MOST_PAGES = 64  # that are connected at the same time; more are a program gone wild
 FULL = 4000  # the code with which one more is closed; its reason is a sentence for the page
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
@@ -96,4 +96,5 @@ def make_app(studio: Studio) -> ASGIApp:
 
 
 def _begins(studio: Studio) -> dict[str, Any]:
-    return {"folder": str(studio.folder.root), "file": studio.file}
+    """Return what each connection is told first."""
+    return {"folder": str(studio.folder.root), "file": studio.file, "limits": limits()}

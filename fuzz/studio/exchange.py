@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.studio.folder import Folder
+from fuzz.studio.limits import MOST_DROPPED
 from fuzz.studio.messages import field, opened_message, restored, seed_of
 from fuzz.studio.opened import Opened
 from fuzz.studio.refusals import hide, note_in_words
@@ -25,8 +26,7 @@ from worldgen.world import Value
 
 __all__ = ["ExchangeAnswers"]
 
-_MOST_DROPPED = 16 << 20  # bytes of files that are dropped on the page together
-_MOST_FILES = 20  # of them
+_MOST_FILES = 20  # that are dropped on the page together
 _BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")  # endings of files that go with a map, and are none
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")  # maps only where nothing names them
 Message = Mapping[str, Any]
@@ -99,13 +99,13 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
         data = _bytes_of(field(file, "data", str))
         total += len(data)
-        if total > _MOST_DROPPED:
+        if total > MOST_DROPPED:
             raise InvalidParameter(
                 "too-large",
                 "{bytes} bytes are more than the {most} of dropped files",
                 "put them into the folder",
                 bytes=total,
-                most=_MOST_DROPPED,
+                most=MOST_DROPPED,
             )
         place = folder.place(name.lstrip(".") or "map")
         if place in places:

@@ -16,6 +16,7 @@ from fuzz.failure import Failure
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_LANES
 from fuzz.studio.folder import KNOWN, Folder
+from fuzz.studio.limits import MOST_EPOCH, MOST_EXAMPLES, MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_named, check_registered
@@ -27,9 +28,6 @@ from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
 
 __all__ = ["baseline", "begun", "check_lanes", "check_oracles", "command_line", "goal", "options", "workers"]
-
-_MOST_SECONDS, _MOST_UNITS, _MOST_EXAMPLES, _MOST_WORKERS = 7 * 86_400.0, 1_000_000, 100_000, 256
-_MOST_EPOCH = 100_000
 
 Message = Mapping[str, Any]
 
@@ -53,7 +51,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     for name, option in (("time_step", "--time-step"), ("detour", "--detour")):
         if message.get(name) is not None:
             words.append(f"{option}={float(part_of(message, name, float))!r}".removesuffix(".0"))
-    for name, most in (("examples", _MOST_EXAMPLES), ("epoch", _MOST_EPOCH)):
+    for name, most in (("examples", MOST_EXAMPLES), ("epoch", MOST_EPOCH)):
         if message.get(name) is not None:
             words.append(f"--{name}={_whole(message, name, most)}")
     if message.get("shrink") is not None:
@@ -66,24 +64,24 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
 def goal(message: Message, *, needed: bool) -> list[str]:
     """How far it goes; nothing where that is not said and not needed."""
     if message.get("units") is not None:
-        return [f"--units={_whole(message, 'units', _MOST_UNITS)}"]
+        return [f"--units={_whole(message, 'units', MOST_UNITS)}"]
     if message.get("seconds") is None and not needed:
         return []
     seconds = part_of(message, "seconds", float)
-    if not 0.0 < seconds <= _MOST_SECONDS:
+    if not 0.0 < seconds <= MOST_SECONDS:
         raise InvalidParameter(
             "out-of-range",
             "{seconds:g} s",
             "give a time above 0 and up to {most:g} s",
             seconds=seconds,
-            most=_MOST_SECONDS,
+            most=MOST_SECONDS,
         )
     return [f"--budget={f'{seconds:f}'.rstrip('0').rstrip('.')}s"]
 
 
 def workers(message: Message) -> list[str]:
     """By how many processes."""
-    return [] if message.get("workers") is None else [f"--workers={_whole(message, 'workers', _MOST_WORKERS)}"]
+    return [] if message.get("workers") is None else [f"--workers={_whole(message, 'workers', MOST_WORKERS)}"]
 
 
 def baseline(message: Message, folder: Folder) -> list[str]:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
+from fuzz.studio.limits import LENGTHS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files.grid import dumps, loads
 from worldgen.timeline import Timeline
@@ -33,7 +34,6 @@ __all__ = [
 ]
 
 _MOST_EVENTS = 1_000_000
-_CELL_SIZES = 0.0001, 10_000  # m, least and largest: the page writes lengths with nine decimals
 _SOURCE_LIMIT = 8 << 20  # characters of the text of a file, which the page keeps to give it back
 
 
@@ -71,7 +71,7 @@ def message_of(world: World) -> WorldMessage:
     Raises:
         InvalidWorld: If it has more cells, or of another size, or changes more often, than a page takes.
     """
-    least, largest = _CELL_SIZES
+    least, largest = LENGTHS
     if not least <= world.cell_size <= largest:
         raise InvalidWorld(
             "out-of-range",

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import uvicorn
 
-from fuzz.studio.app import MOST_MESSAGE, Studio, make_app
+from fuzz.studio.app import Studio, make_app
+from fuzz.studio.limits import MOST_MESSAGE
 from worldgen.errors import InvalidParameter, Message
 
 __all__ = ["USUAL_PORT", "bind", "called", "serve"]

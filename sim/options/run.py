@@ -27,6 +27,7 @@ __all__ = [
     "FEWEST_STEPS",
     "MAX_RECORDED",
     "MAX_STEPS",
+    "TIME_STEPS",
     "RunOptions",
     "check_recordable",
     "check_step_length",
@@ -42,6 +43,7 @@ __all__ = [
 ]
 
 DEFAULT_TIME_STEP = 0.015  # s: the thesis's
+TIME_STEPS = (0.001, 10.0)  # s, the least and the largest
 MAX_STEPS = 100_000_000
 MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
@@ -85,14 +87,15 @@ class RunOptions:
                 "give seconds, such as 0.015",
                 time_step=_shown(step),
             )
-        if not 0.001 <= step <= 10.0:  # also true for nan
+        low, high = TIME_STEPS
+        if not low <= step <= high:  # also true for nan
             raise InvalidParameter(
                 "out-of-range",
-                "time_step={time_step!q} s is outside {low} to {high} s",
+                "time_step={time_step!q} s is outside {low:g} to {high:g} s",
                 "give one between",
                 time_step=step,
-                low=0.001,
-                high=10,
+                low=low,
+                high=high,
             )
         for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
             if not isinstance(getattr(self, name), kind):

@@ -25,8 +25,9 @@ from starlette.websockets import WebSocketDisconnect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from fuzz.studio import Folder, Gate
-from fuzz.studio.app import FULL, MOST_MESSAGE
+from fuzz.studio.app import FULL
 from fuzz.studio.catalogue import catalogue
+from fuzz.studio.limits import MOST_MESSAGE, limits
 from fuzz.studio.messages import message_of, restored, world_of
 from fuzz.studio.serving import USUAL_PORT, bind, called
 from fuzz.studio.session import Session
@@ -242,7 +243,7 @@ def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
 
 
 def test_it_says_first_what_is_open(page, folder):
-    assert page.begins == {"protocol": 2, "folder": str(folder), "file": "w.grid"}
+    assert page.begins == {"protocol": 2, "folder": str(folder), "file": "w.grid", "limits": limits()}
 
 
 @pytest.mark.gate

@@ -6,6 +6,7 @@ import { tick, type } from "./stand_in.mjs";
 import { makeForm } from "#studio/campaign_form.js";
 import { makeStatus } from "#studio/campaign_status.js";
 import { Model, emptyWorld } from "#studio/model.js";
+import { LIMITS } from "./samples.mjs";
 
 const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
@@ -143,7 +144,7 @@ function form({ offered = OFFERED, folder = "/here", played = null, folders = []
   const begun = [];
   const model = new Model(emptyWorld(9, 9), () => {});
   const campaign = {
-    studio: { offered, folder, model, play: { played: () => played }, connection: { ask: async () => ({ command: "" }) } },
+    studio: { offered, limits: LIMITS, folder, model, play: { played: () => played }, connection: { ask: async () => ({ command: "" }) } },
     folders, states, isListed: true, listed: Promise.resolve(),
     begin: async (message) => begun.push(message), halt() {},
   };

@@ -5,6 +5,7 @@ import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
 import { Ended, makeConnection } from "#studio/connection.js";
 import { Refused } from "#studio/refusals.js";
+import { LIMITS } from "./samples.mjs";
 
 const sockets = [];
 const waits = [];
@@ -41,11 +42,11 @@ class Socket {
 globalThis.WebSocket = Socket;
 globalThis.fetch = async () => ({ ok: true });
 
-async function connected() {
+async function connected(limits = LIMITS) {
   const told = { begun: [], lost: [] };
   const connection = makeConnection((said) => told.begun.push(said), (...given) => told.lost.push(given), Promise.resolve());
   await new Promise((done) => setImmediate(done));
-  sockets.at(-1).say({ protocol: 2, folder: "/here" });
+  sockets.at(-1).say({ protocol: 2, folder: "/here", limits });
   return { connection, told, socket: sockets.at(-1) };
 }
 
@@ -128,6 +129,14 @@ test("a message too large for the server refuses what waited with the way out", 
   const { connection, socket } = await connected();
   const asked = connection.ask("save");
   await Promise.all([assert.rejects(asked, (error) => error instanceof Refused && /draw a smaller world/.test(error.message)), socket.close(1009)]);
+});
+
+test("what is larger than the server takes is not sent, and the most is its own", async () => {
+  const { connection, socket } = await connected({ ...LIMITS, message: 2 ** 20 });
+  const asked = connection.ask("save", { text: "x".repeat(2 ** 20) });
+  await assert.rejects(asked, (error) => error instanceof Refused && /more than 1 MiB/.test(error.message));
+  asked.stop();
+  assert.deepEqual(socket.sent, []);
 });
 
 test("what is stopped is asked to be, once", async () => {

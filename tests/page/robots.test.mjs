@@ -8,6 +8,7 @@ import { Refused } from "#studio/refusals.js";
 import { makeRobots } from "#studio/robots.js";
 import { makeSettings } from "#studio/settings.js";
 import { sizePart } from "#studio/size_form.js";
+import { LIMITS } from "./samples.mjs";
 
 const both = { thesis: true, lattice: true, fault: null, named: false, motion: "swept" };
 const CONTROLLERS = [
@@ -36,7 +37,7 @@ function panel({ controllers = CONTROLLERS, answer = async () => ({}) } = {}) {
     asked.push([kind, message]);
     return answer(kind, message);
   };
-  const studioPart = { model, connection: { ask }, offered: { controllers, motions: MOTIONS, time_step: 0.015 } };
+  const studioPart = { model, connection: { ask }, offered: { controllers, motions: MOTIONS, time_step: 0.015 }, limits: LIMITS };
   const runs = [];
   const robots = makeRobots(studioPart, () => runs.push(robots.message()));
   document.body.append(robots.element);
@@ -194,7 +195,7 @@ function sizes() {
   const events = { times: [1, 2], ix: [2, 30], iy: [2, 30], state: [2, 0] };
   const model = new Model({ ...emptyWorld(40, 40), events }, () => {});
   const parts = {},
-    form = sizePart({ model }, { board: {} }, parts);
+    form = sizePart({ model, limits: LIMITS }, { board: {} }, parts);
   const press = (words) => form.querySelectorAll("button").find((one) => one.textContent === words).click();
   const sized = (width, height) => Object.assign(parts.width, { value: width }) && Object.assign(parts.height, { value: height });
   return { model, form, press, sized, said: () => form.querySelector("#size-said").textContent };
@@ -228,6 +229,27 @@ test("a world is of one row up to four million cells, and no more", () => {
     assert.match(said(), /at most 4,194,304 cells in all/);
     assert.equal(model.world.width, 20_000);
   }
+});
+
+test("before the server has told its limits no size is taken", () => {
+  const model = new Model(emptyWorld(9, 9), () => {}),
+    parts = {},
+    form = sizePart({ model, limits: null }, { board: {} }, parts);
+  Object.assign(parts.width, { value: 5 });
+  Object.assign(parts.height, { value: 5 });
+  form.querySelectorAll("button").find((one) => one.textContent === "New").click();
+  assert.match(form.querySelector("#size-said").textContent, /does not answer yet/);
+  assert.equal(model.world.width, 9);
+});
+
+test("as many robots can be chosen as the server takes", () => {
+  const { robots, studio, box } = panel();
+  studio.limits = { ...LIMITS, robots: 1 };
+  robots.refresh();
+  tick(box("thesis-2"), false);
+  tick(box("thesis-1"));
+  assert.deepEqual(robots.message().controllers, ["thesis-1"]);
+  assert.equal(box("thesis-2").disabled, true);
 });
 
 test("resizing keeps the part that was chosen in its place", () => {

@@ -51,3 +51,9 @@ export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bum
   const usual = { steps: Math.floor(at.at(-1)), dt: 0.1, loop: null, marks: [], thinned: 1, breached: false, active: null, memory: null };
   return { ...columns, ...usual, ...more };
 }
+
+/** Limits as the server tells them. */
+export const LIMITS = {
+  message: 32 * 2 ** 20, dropped: 16 * 2 ** 20, side: 20_000, cells: 4_194_304, lengths: [0.0001, 10_000], robots: 6,
+  steps: 1_000_000, time_steps: [0.001, 10], seconds: 604_800, units: 1_000_000, workers: 256, examples: 100_000, epoch: 100_000,
+};

@@ -9,7 +9,6 @@ import { keep, keptOf } from "./kept.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
-const MOST = { seconds: 604_800, units: 1_000_000 };
 const KEPT = "campaign-form"; // under which the browser keeps what was chosen
 const SLOW = 4000; // ms after which one wants to know what takes so long
 const FIRST = "The first campaign of a new installation prepares the simulator, once; that can take a minute.";
@@ -51,7 +50,7 @@ function refresh(form) {
 // The form for the opened folder, with what was chosen there last.
 function build(form) {
   const { campaign, parts, state } = form;
-  const { offered, folder } = campaign.studio;
+  const { offered, folder, limits } = campaign.studio;
   form.folder = folder;
   const kept = keptFor(folder, offered);
   Object.assign(state, USUAL, firstOf(offered), kept.state, { lanes: new Set(kept.lanes) });
@@ -62,14 +61,14 @@ function build(form) {
   parts.controllerPlace = el("div", {});
   parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "looking …", title: "Give the name of a folder.", oninput: () => (state.named = true) });
   parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Give a whole number from 0 on." });
-  parts.workers = number(kept.workers ?? offered.cores, () => {}, { low: 1, high: 256, step: 1 });
+  parts.workers = number(kept.workers ?? offered.cores, () => {}, { low: 1, high: limits.workers, step: 1 });
   parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
   parts.waiting = el("p", { class: "quiet", role: "status" });
   parts.begin = el("button", { type: "submit", class: "main", id: "begin" }, "Begin");
   parts.halt = el("button", { type: "button", id: "stop-beginning", hidden: true, onclick: () => halt(form) }, "Stop");
   const title = "The line that does the same at a terminal";
   parts.copy = el("button", { type: "button", id: "copy-command", title, onclick: () => submit(form, (message) => copyCommand(form, message)) }, "Copy command");
-  form.more = makeMore(offered);
+  form.more = makeMore(offered, limits);
   form.more.write(kept.more ?? {});
   parts.fields.replaceChildren(
     el("h2", {}, "New campaign"),
@@ -193,15 +192,16 @@ function worldsPart(form) {
 }
 
 function goalPart(form) {
-  const { state, parts } = form;
+  const { state, parts, campaign } = form;
+  const { limits } = campaign.studio;
   const set = (value) => {
     state.goal = value;
     parts.amount.value = state[value];
-    parts.amount.max = MOST[value];
+    parts.amount.max = limits[value];
     isGood(parts.amount);
     parts.amount.setAttribute("aria-label", value === "units" ? "Units" : "Seconds");
   };
-  parts.amount = number(state[state.goal], (value) => (state[state.goal] = value), { low: 1, high: MOST[state.goal], step: 1 });
+  parts.amount = number(state[state.goal], (value) => (state[state.goal] = value), { low: 1, high: limits[state.goal], step: 1 });
   parts.amount.required = true;
   parts.amount.title = "Give a whole number from 1 on.";
   parts.amount.id = "campaign-amount";

@@ -5,15 +5,18 @@ import { labelled } from "./fields.js";
 
 const SHRINK = { usual: "as usual", yes: "yes", no: "no" };
 
-/* The part, and what was filled in.
-     options    by name what the command line says of it: { help, default } */
-export function makeMore({ options }) {
+/**
+ * The part, and what was filled in.
+ * @param {Offered} offered
+ * @param {Limits} limits
+ */
+export function makeMore({ options }, limits) {
   const text = (name, placeholder) => el("input", { type: "text", name, autocomplete: "off", placeholder });
   const whole = (name, high) => el("input", { type: "number", name, min: 1, max: high, step: 1, placeholder: options[`--${name}`].default });
   const inputs = {
-    time_step: el("input", { type: "number", name: "time-step", min: 0.001, max: 10, step: "any", placeholder: "usual" }),
-    examples: whole("examples", 100_000),
-    epoch: whole("epoch", 100_000),
+    time_step: el("input", { type: "number", name: "time-step", min: limits.time_steps[0], max: limits.time_steps[1], step: "any", placeholder: "usual" }),
+    examples: whole("examples", limits.examples),
+    epoch: whole("epoch", limits.epoch),
     detour: el("input", { type: "number", name: "detour", min: 1, step: "any", placeholder: "none" }),
     oracles: text("oracle", "turn wall=3"),
     vary: text("vary", "robot_speed=1,2 robot_radius=0.1,0.2"),

@@ -7,7 +7,6 @@ const LONGEST_WAIT = 3000;
 const PROTOCOL = 2; // that this page speaks
 const FULL = 4000; // the code with which the server closes a connection too many; the reason is a sentence
 const TOO_LARGE = 1009;
-const LARGEST = 32 * 2 ** 20; // bytes of a message
 const TOKEN = "worldgen-studio-token"; // kept for this port's pages alone, unlike a cookie
 let token = "";
 
@@ -40,6 +39,7 @@ function newestToken() {
  * @typedef {object} State
  * @property {WebSocket | null} socket
  * @property {number} number - Of the last question
+ * @property {number} largest - Bytes of a message to the server, once it has told
  * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part: any) => void}>} waiting
  * @property {number} wait - ms before the next attempt to come back
  * @property {boolean} opened
@@ -58,14 +58,14 @@ export class Ended extends Error {}
  */
 export function makeConnection(begun, lost, ready) {
   /** @type {State} */
-  const state = { socket: null, number: 0, waiting: new Map(), wait: FIRST_WAIT, opened: false };
+  const state = { socket: null, number: 0, largest: Infinity, waiting: new Map(), wait: FIRST_WAIT, opened: false };
   const open = () => {
     state.opened = false;
     const socket = new WebSocket(`ws://${location.host}/socket`, ["worldgen-studio", newestToken()].filter(Boolean));
     state.socket = socket;
     socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
     socket.addEventListener("close", async ({ code, reason }) => {
-      const error = code === TOO_LARGE ? new Refused(tooLarge()) : new Ended("The connection is gone.");
+      const error = code === TOO_LARGE ? new Refused(tooLarge(state)) : new Ended("The connection is gone.");
       for (const { fail } of state.waiting.values()) fail(error);
       state.waiting.clear();
       if (code === FULL) lost(false, reason);
@@ -90,6 +90,7 @@ function hear(state, said, begun) {
       return;
     }
     state.opened = true;
+    state.largest = said.limits.message;
     state.wait = FIRST_WAIT;
     begun(said);
     return;
@@ -117,7 +118,8 @@ function ask(state, kind, message, part) {
     return refused(new Ended("The server is not there."));
   const id = state.number + 1,
     text = JSON.stringify({ ...message, id, do: kind });
-  if (3 * text.length > LARGEST && new Blob([text]).size > LARGEST) return refused(new Refused(tooLarge()));
+  if (3 * text.length > state.largest && new Blob([text]).size > state.largest)
+    return refused(new Refused(tooLarge(state)));
   state.number = id;
   state.socket.send(text);
   const answer = new Promise((done, fail) => state.waiting.set(id, { done, fail, part }));
@@ -133,8 +135,8 @@ function refused(error) {
 }
 
 // What is larger would end the connection, and all that waits for answers with it.
-function tooLarge() {
-  return `This is more than ${LARGEST / 2 ** 20} MiB, the most that can be sent to the studio at once; put a file into its folder, draw a smaller world.`;
+function tooLarge({ largest }) {
+  return `This is more than ${largest / 2 ** 20} MiB, the most that can be sent to the studio at once; put a file into its folder, draw a smaller world.`;
 }
 
 async function isForbidden() {

@@ -4,7 +4,6 @@ import { choice, el } from "#player/dom.js";
 import { checkOptions, isField, isGood, labelled, number, optionFields } from "./fields.js";
 import { Refused } from "./refusals.js";
 
-const LARGEST_DROP = 16 * 2 ** 20; // bytes
 const AS_FOUND = ""; // the format that the server recognises
 
 /**
@@ -98,7 +97,8 @@ async function bringFiles(form, parts, files) {
   if (files.length === 0) return;
   await form.trying(async () => {
     const total = files.reduce((sum, { size }) => sum + size, 0);
-    if (total > LARGEST_DROP) throw new Refused("Dropped files have at most 16 MiB; put larger ones into the folder.");
+    const most = form.studio.limits?.dropped ?? Infinity;
+    if (total > most) throw new Refused(`Dropped files have at most ${most / 2 ** 20} MiB; put larger ones into the folder.`);
     const sent = await Promise.all(files.map(async (file) => ({ name: file.name, data: await textOf(file) })));
     return bring(form, parts, { files: sent });
   });

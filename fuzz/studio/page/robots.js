@@ -7,7 +7,6 @@ import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 import { makeSettings } from "./settings.js";
 
-const MOST = 6; // robots at once
 const WIDE = 15; // letters of a name that fill half a line
 
 /**
@@ -21,7 +20,7 @@ export function makeRobots(studio, run) {
     chosen: ["thesis-2"],
     own: [], // robots with options of their own, NAME+option=value
     seed: 0,
-    time_step: 0.015,
+    time_step: 0, // the usual one, once it is known
     steps: 20_000,
     options: {},
     still: false,
@@ -163,7 +162,7 @@ function anotherForm(check, add) {
 function addOwn(robots, label) {
   const { state } = robots;
   if (!state.own.includes(label) && !offeredTo(robots).some(({ name }) => name === label)) state.own.push(label);
-  if (!state.chosen.includes(label) && state.chosen.length < MOST) state.chosen.push(label);
+  if (!state.chosen.includes(label) && state.chosen.length < robots.studio.limits.robots) state.chosen.push(label);
   showList(robots);
 }
 
@@ -197,6 +196,7 @@ function refresh(robots) {
   robots.offered = studio.offered;
   const first = studio.offered.controllers.find(({ named, fault }) => named && !fault);
   if (first && !again) Object.assign(state, { chosen: [first.name], motion: first.motion });
+  if (!again) state.time_step = studio.offered.time_step;
   if (!motionOf(robots)) Object.assign(state, { motion: studio.offered.motions[0].name, options: {} });
   parts.motionList = motionField(studio.offered.motions, state.motion, (name) => setMotion(robots, name));
   parts.motion.replaceChildren(parts.motionList.element);
@@ -253,7 +253,7 @@ function showList(robots) {
         type: "checkbox",
         value: name,
         checked: state.chosen.includes(name),
-        disabled: !state.chosen.includes(name) && state.chosen.length >= MOST,
+        disabled: !state.chosen.includes(name) && state.chosen.length >= robots.studio.limits.robots,
         onchange: (event) => toggle(robots, name, event.target.checked),
       }),
       el("span", {}, breakable(thesis && also ? `${name} (${also})` : name)),
@@ -302,14 +302,15 @@ function toggle(robots, name, on) {
 
 function showNumbers(robots) {
   const { state, parts } = robots;
+  const { steps, time_steps: [low, high] } = robots.studio.limits;
   parts.seed = number(state.seed, (value) => (state.seed = Math.round(value)), { low: 0, high: Number.MAX_SAFE_INTEGER, step: 1 });
-  parts.step = number(state.time_step, (value) => (state.time_step = value), { low: 0.001, high: 10 });
+  parts.step = number(state.time_step, (value) => (state.time_step = value), { low, high });
   for (const input of [parts.seed, parts.step]) Object.assign(input, { required: true, title: "Give a number." });
   parts.steps = el("input", {
     type: "number",
     value: state.steps,
     min: 1,
-    max: 1_000_000,
+    max: steps,
     step: 1,
     placeholder: "auto",
     onchange: (event) => (state.steps = event.target.value),
@@ -352,7 +353,7 @@ function prefer(robots, failure) {
   const before = { seed: state.seed, steps: state.steps };
   state.chosen = [failure.controller];
   setMotion(robots, failure.motion);
-  Object.assign(state, { still: false, seed: failure.seed, time_step: timeStep ?? 0.015, steps: steps ?? "", options });
+  Object.assign(state, { still: false, seed: failure.seed, time_step: timeStep ?? studio.offered.time_step, steps: steps ?? "", options });
   robots.lent = { seed: state.seed, steps: state.steps, before };
   showNumbers(robots);
   showOptions(robots);

@@ -1,11 +1,9 @@
 // The size of the world: a new one, the same one larger or smaller, or without its walls.
 
-import { el } from "#player/dom.js";
+import { el, grouped } from "#player/dom.js";
 import { labelled, number } from "./fields.js";
 import { bordered, emptyWorld, resized } from "./model.js";
 
-const LONGEST = 20_000; // cells a side of any world
-const MOST_CELLS = 4_194_304; // that the studio draws
 /** @type {[string, number][]} */
 const ACROSS = [
   ["left", 0],
@@ -26,8 +24,9 @@ const UP = [
  * @param {Record<string, any>} parts
  * @returns {HTMLElement}
  */
-export function sizePart({ model }, draw, parts) {
-  const whole = () => number(40, () => {}, { low: 1, high: LONGEST, step: 1 });
+export function sizePart(studio, draw, parts) {
+  const { model } = studio;
+  const whole = () => number(40, () => {}, { low: 1, step: 1 });
   const said = el("p", { role: "status", class: "quiet", id: "size-said" }),
     anchor = { kept: [0, 0] };
   parts.width = whole();
@@ -38,10 +37,9 @@ export function sizePart({ model }, draw, parts) {
   };
   const sized = (act) => () => {
     const [width, height] = [parts.width, parts.height].map((input) => input.valueAsNumber);
-    const is = (side) => Number.isInteger(side) && side >= 1 && side <= LONGEST;
-    const fits = is(width) && is(height) && width * height <= MOST_CELLS;
-    say(fits ? "" : "Columns and rows are 1 to 20,000 each, and at most 4,194,304 cells in all.", fits ? "quiet" : "bad");
-    if (!fits) return;
+    const fault = sizeFault(width, height, studio.limits);
+    say(fault, fault ? "bad" : "quiet");
+    if (fault) return;
     draw.board.view = draw.board.selection = null;
     act(width, height);
   };
@@ -67,6 +65,21 @@ export function sizePart({ model }, draw, parts) {
     ),
     said,
   );
+}
+
+/**
+ * Return what is wrong with a size; empty if nothing is.
+ * @param {number} width
+ * @param {number} height
+ * @param {Limits | null} limits
+ * @returns {string}
+ */
+function sizeFault(width, height, limits) {
+  if (!limits) return "The studio does not answer yet; try again when it does.";
+  const { side: longest, cells } = limits;
+  const is = (side) => Number.isInteger(side) && side >= 1 && side <= longest;
+  if (is(width) && is(height) && width * height <= cells) return "";
+  return `Columns and rows are 1 to ${grouped(longest)} each, and at most ${grouped(cells)} cells in all.`;
 }
 
 // Which part of the drawing stays in its place when the size is another.

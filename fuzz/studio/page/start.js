@@ -24,6 +24,7 @@ const studio = {
   model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
   connection: /** @type {any} */ (null), // made when the page begins
   folder: "", // that the server has open
+  limits: null,
   offered: null, // what the server has to choose from
   widest: null,
   draw: null,
@@ -168,6 +169,8 @@ async function begun(begins) {
   notice(told.join(" "));
   if (moved) studio.model.world.name = ""; // a file of the other folder
   studio.folder = begins.folder;
+  studio.limits = begins.limits;
+  studio.draw.refresh();
   try {
     const offered = await hello(told);
     studio.offered = offered;

@@ -21,6 +21,29 @@ interface Begins {
   folder: string;
   /** The world to open first. */
   file: string | null;
+  limits: Limits;
+}
+
+/** How much the server takes: fuzz/studio/limits.py. Pairs are the least and the largest value. */
+interface Limits {
+  /** Bytes of a message. */
+  message: number;
+  /** Bytes of files that are dropped together. */
+  dropped: number;
+  /** Cells a side. */
+  side: number;
+  cells: number;
+  /** m. */
+  lengths: [number, number];
+  robots: number;
+  steps: number;
+  /** s. */
+  time_steps: [number, number];
+  seconds: number;
+  units: number;
+  workers: number;
+  examples: number;
+  epoch: number;
 }
 
 /** What there is to choose from, the answer to `hello`: fuzz/studio/catalogue.py. */
@@ -233,6 +256,8 @@ interface Studio {
   model: import("./model.js").Model;
   connection: Connection;
   folder: string;
+  /** Null until the server has told them. */
+  limits: Limits | null;
   offered: Offered | null;
   /** The largest radius that passes, m. */
   widest: number | symbol | null;

@@ -8,7 +8,6 @@ import { LOOKING, isWidestByHand } from "./proof.js";
 import { Refused } from "./refusals.js";
 import { sizePart } from "./size_form.js";
 
-const LENGTH = { low: 0.0001, high: 10_000 }; // m, and m/s
 const TURN = { low: -360, high: 360 }; // degrees
 
 /**
@@ -18,7 +17,7 @@ const TURN = { low: -360, high: 360 }; // degrees
  */
 export function makeWorldPanel(studio, draw) {
   const { model } = studio,
-    parts = {},
+    parts = { lengths: [] },
     hard = hardPart(studio);
   const element = el(
     "div",
@@ -35,6 +34,7 @@ export function makeWorldPanel(studio, draw) {
   return {
     element,
     refresh: () => {
+      if (studio.limits) setBounds(studio.limits, parts);
       refresh(model.world, parts);
       showWidest(studio, parts);
       hard.forget();
@@ -57,7 +57,7 @@ function radiusPart(studio, parts) {
       change(Math.max(cell / 100, Math.round((event.target.valueAsNumber / cell) * 100) * (cell / 100)));
     },
   });
-  parts.radiusNumber = bounded(change, LENGTH);
+  parts.radiusNumber = lengthField(studio, parts, change);
   parts.widest = el("p", { class: "quiet widest", id: "widest" });
   parts.find = el("button", { type: "button", id: "find-widest", onclick: () => studio.askWidest() }, "Find where every way closes");
   parts.closes = el("i", { class: "closes", title: "Here the way closes" });
@@ -71,9 +71,10 @@ function radiusPart(studio, parts) {
   );
 }
 
-function speedPart({ model }, parts) {
-  parts.speed = bounded((value) => model.change("speed", { robot_speed: value }), LENGTH);
-  parts.cell = bounded((value) => model.change("cell size", scaled(model.world, value)), LENGTH);
+function speedPart(studio, parts) {
+  const { model } = studio;
+  parts.speed = lengthField(studio, parts, (value) => model.change("speed", { robot_speed: value }));
+  parts.cell = lengthField(studio, parts, (value) => model.change("cell size", scaled(model.world, value)));
   return el(
     "div",
     { class: "pair-fields" },
@@ -99,6 +100,23 @@ function bounded(change, bounds) {
   return input;
 }
 
+// A field for a length, m, or a speed, m/s; the server tells its bounds, and until then nothing is changed.
+function lengthField(studio, parts, change) {
+  const input = bounded((value) => studio.limits && change(value), {});
+  parts.lengths.push(input);
+  return input;
+}
+
+/**
+ * Give the fields the bounds that the server has told.
+ * @param {Limits} limits
+ * @param {Record<string, any>} parts
+ */
+function setBounds({ lengths, side }, parts) {
+  for (const input of parts.lengths) [input.min, input.max] = lengths;
+  parts.width.max = parts.height.max = side;
+}
+
 // What the world has stands in a field, unless another number is being typed, or stands there as wrong for this drawing.
 function show(input, value, { sheet }) {
   const before = shown.get(input);
@@ -121,14 +139,16 @@ function scaled(world, cell) {
   };
 }
 
-function placePart({ model }, parts) {
+function placePart(studio, parts) {
+  const { model } = studio;
   const set = (name, k) => (value) => {
     const values = [...model.world[name]];
     values[k] = name === "start" && k === 2 ? round((value * Math.PI) / 180) : value;
     model.change(name, { [name]: values });
   };
-  const bounds = { start: [{}, {}, TURN], target: [{}, {}, LENGTH] };
-  const fields = (name) => (parts[name] = [0, 1, 2].map((k) => bounded(set(name, k), { low: 0, ...bounds[name][k] })));
+  const places = (name) => [0, 1].map((k) => bounded(set(name, k), { low: 0 }));
+  parts.start = [...places("start"), bounded(set("start", 2), TURN)];
+  parts.target = [...places("target"), lengthField(studio, parts, set("target", 2))];
   const row = (title, inputs, third) =>
     el(
       "fieldset",
@@ -141,8 +161,8 @@ function placePart({ model }, parts) {
   return el(
     "div",
     {},
-    row("Start", fields("start"), (input) => labelled("Heading", input, { unit: "°" })),
-    row("Target", fields("target"), (input) => labelled("Radius", input, { unit: "m" })),
+    row("Start", parts.start, (input) => labelled("Heading", input, { unit: "°" })),
+    row("Target", parts.target, (input) => labelled("Radius", input, { unit: "m" })),
   );
 }
 

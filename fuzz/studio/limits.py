@@ -1,0 +1,80 @@
+"""How much the studio takes, in one place: the server refuses what is more, and its first message tells the page.
+
+So the page holds no copy of these numbers, and its fields say at once what the server would refuse.
+"""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+from fuzz.player import MOST_CELLS
+from sim.options.run import TIME_STEPS
+from worldgen.world import MAX_SIDE
+
+__all__ = [
+    "LENGTHS",
+    "MOST_DROPPED",
+    "MOST_EPOCH",
+    "MOST_EXAMPLES",
+    "MOST_MESSAGE",
+    "MOST_ROBOTS",
+    "MOST_SECONDS",
+    "MOST_STEPS",
+    "MOST_UNITS",
+    "MOST_WORKERS",
+    "Limits",
+    "limits",
+]
+
+MOST_MESSAGE = 32 << 20
+"""Bytes of a message to the server: dropped files, or the largest world with its text."""
+MOST_DROPPED = 16 << 20
+"""Bytes of files that are dropped on the page together."""
+LENGTHS = (0.0001, 10_000)
+"""Least and largest side of a cell, m: the page writes lengths with nine decimals."""
+MOST_ROBOTS = 6
+"""Robots at once: more colours cannot be told apart."""
+MOST_STEPS = 1_000_000
+"""Steps of a run that is played: its recording takes 300 MB."""
+MOST_SECONDS = 7 * 86_400
+MOST_UNITS = 1_000_000
+MOST_WORKERS = 256
+MOST_EXAMPLES = 100_000
+MOST_EPOCH = 100_000
+
+
+class Limits(TypedDict):
+    """What the page is told; each list holds the least and the largest value."""
+
+    message: int
+    dropped: int
+    side: int
+    cells: int
+    lengths: list[float]
+    robots: int
+    steps: int
+    time_steps: list[float]
+    seconds: int
+    units: int
+    workers: int
+    examples: int
+    epoch: int
+
+
+def limits() -> Limits:
+    """Return every limit that a field of the page has use for."""
+    return {
+        "message": MOST_MESSAGE,
+        "dropped": MOST_DROPPED,
+        "side": MAX_SIDE,
+        "cells": MOST_CELLS,
+        "lengths": list(LENGTHS),
+        "robots": MOST_ROBOTS,
+        "steps": MOST_STEPS,
+        "time_steps": list(TIME_STEPS),
+        "seconds": MOST_SECONDS,
+        "units": MOST_UNITS,
+        "workers": MOST_WORKERS,
+        "examples": MOST_EXAMPLES,
+        "epoch": MOST_EPOCH,
+    }
