@@ -50,5 +50,5 @@ def test_nothing_tunnels_or_overlaps_under_swept(controller):
 
 @pytest.mark.nightly
 def test_every_finding_is_one_minimal_by_its_file_alone():
-    for world in campaign("turn-right", "stepped").best.values():
-        assert removable(world, StillFails.of(world)) == []
+    for failure in campaign("turn-right", "stepped").best.values():
+        assert removable(failure.world, StillFails.of(failure)) == []
