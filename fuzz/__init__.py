@@ -16,7 +16,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from sim.controllers.shared.containment import contain
+from sim.containment import contain
 
 if TYPE_CHECKING:
     from fuzz.campaign.config import CampaignConfig

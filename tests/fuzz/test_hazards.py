@@ -91,7 +91,9 @@ def met(tmp_path_factory):
 def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
     said = json.loads(met[1].out)
     assert said["hazards"] and not said["failures"] and met[1].code == 0
-    assert all(one["verdict"] == "burned" and is_unsensed(read_world(one["file"])) for one in said["hazards"])
+    assert all(
+        one["verdict"] == "burned" and is_unsensed(Failure.of(read_world(one["file"]))) for one in said["hazards"]
+    )
 
 
 @pytest.mark.gate

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from sim.containment import is_contained
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
 from sim.controllers.core_act import CoreAct, ffi, lib
-from sim.controllers.shared.containment import is_contained
 from sim.controllers.shared.object_file import info_of
 from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
