@@ -14,10 +14,10 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.search.native import scenes
-from sim import simulate
+from sim import containment, simulate
 from sim.chance import ENDED, explore
 from sim.controllers import CONTROLLERS
-from sim.controllers.shared import containment, guarded
+from sim.controllers.shared import guarded
 from sim.controllers.shared.object_file import include_folder
 from sim.options.run import RunOptions
 from sim.outcome import LIMIT

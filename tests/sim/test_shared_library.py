@@ -9,8 +9,7 @@ import pytest
 
 from build_tools.cores import compiler
 from fuzz.studio.starting import check_controller
-from sim import CONTROLLERS, RobotOptions, simulate
-from sim.controllers.shared import containment
+from sim import CONTROLLERS, RobotOptions, containment, simulate
 from sim.controllers.shared.object_file import include_folder
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
