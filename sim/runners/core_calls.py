@@ -102,14 +102,20 @@ class BeamTables(NamedTuple):
     spread: Ints
 
 
-def beam_tables(cells: Cells, settings: Any) -> BeamTables | None:
-    """Return the tables for beams as a WgSettings says; None if it asks for none, or the grid is too large."""
+def beam_tables(cells: Cells, settings: Any, memory: Memory = PRIVATE) -> BeamTables | None:
+    """Return the tables for beams as a WgSettings says; None if it asks for none, or the grid is too large.
+
+    Args:
+        cells: (height, width) that never change.
+        settings: WgSettings.
+        memory: Where the core is to find the tables.
+    """
     height, width = cells.shape
     if not settings.senses & lib.WG_SENSE_BEAMS or max(height, width) > _MOST_CELLS_OF_RUNS:
         return None
-    runs = np.zeros((height + 2, width + 2, 4), np.uint16)
+    runs = memory.zeros((height + 2, width + 2, 4), np.uint16)
     check(lib.wg_free_runs(grid_of(cells), writable(ffi, runs, np.uint16)))
-    spread = np.zeros(settings.beams, np.int64)
+    spread = memory.zeros(int(settings.beams), np.int64)
     lib.wg_beam_spread(settings.beams, settings.beam_field, writable(ffi, spread, np.int64))
     return BeamTables(runs, spread)
 

@@ -93,12 +93,14 @@ class LatticeRun:
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = np.array(world.walls, np.uint8, order="C")
-        self.events = _event_rows(world, options.time_step)
+        self.events = self.memory.own(_event_rows(world, options.time_step))
         self.settings: Any = self.memory.new("WgSettings *")
         self._fill_settings(motion.code, motion.overlap_tolerance)
-        self._near = near_masks(self._cells)
-        self._clearance = self._clearance_table()
-        self._beams = None if len(self.events) else beam_tables(self._cells, self.settings)
+        self._near = self.memory.own(near_masks(self._cells))
+        self._clearance = self.memory.own(self._clearance_table())
+        self._beams = None
+        if len(self.events) == 0:
+            self._beams = beam_tables(self._cells, self.settings, self.memory)
 
     def _fill_settings(self, motion_code: int, tolerance: float) -> None:
         world, settings = self.world, self.settings

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import atexit
 import functools
+import math
 import mmap
 import os
 import select
@@ -138,14 +139,19 @@ class _SharedMemory(Memory):
 
     def own(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """As :meth:`Memory.own`."""
-        copy = self.zeros(array.shape, array.dtype)
+        if array.flags.c_contiguous and array.__array_interface__["data"][0] in self._sizes:
+            return array
+        copy = self._array(array.shape, array.dtype, clear=False)
         copy[...] = array
         return copy
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
         """As :meth:`Memory.zeros`."""
-        count = int(np.prod(shape))
-        block = self.block(count * np.dtype(kind).itemsize, clear=True)
+        return self._array(shape if isinstance(shape, tuple) else (shape,), np.dtype(kind), clear=True)
+
+    def _array(self, shape: tuple[int, ...], kind: np.dtype[Any], *, clear: bool) -> npt.NDArray[Any]:
+        count = math.prod(shape)
+        block = self.block(count * kind.itemsize, clear=clear)
         return np.frombuffer(ffi.buffer(block), kind, count).reshape(shape)
 
     def take(self, size: int) -> Any:
@@ -274,11 +280,16 @@ class _Server:
 
 
 class _Here:
-    """What this process has of the other one: one call at a time, and one process at most."""
+    """What this process has of the other one: one call at a time, and one process at most.
+
+    Attributes:
+        known: Addresses of all functions asked for so far: a new process knows them from its start.
+    """
 
     def __init__(self) -> None:
         self.one_call = threading.RLock()
         self.servers: list[_Server] = []
+        self.known: frozenset[int] = frozenset()
 
 
 _here = _Here()
@@ -326,14 +337,13 @@ def call(
 
 def _server_for(functions: frozenset[int]) -> _Server:
     """Return a process that knows these functions, and all of the shared memory."""
-    known = functions
+    _here.known |= functions
     if _here.servers:
         server = _here.servers[0]
         if functions <= server.known and server.chunks == SHARED.chunks:
             return server
-        known |= server.known
         renew()
-    server = _Server(known)
+    server = _Server(_here.known)
     _here.servers.append(server)
     return server
 
