@@ -19,10 +19,10 @@ from typing import Any
 import click
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.executors import crew_at
+from fuzz.campaign.executors import cluster_executor
 from fuzz.campaign.result import Memory, UnitResult
 from fuzz.campaign.run import Campaign, CampaignState, shrunk_or_same
-from fuzz.campaign.store import Goal, begin
+from fuzz.campaign.store import Budget, begin
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import lanes_for
@@ -64,14 +64,14 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
         leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
     """
     with tempfile.TemporaryDirectory() as place:
-        sitting = begin(config, Path(place) / "out", Goal(units=units))
-        campaign = Campaign(config, units=units, ledger=sitting.folder)
+        campaign_run = begin(config, Path(place) / "out", Budget(units=units))
+        campaign = Campaign(config, units=units, store=campaign_run.store)
         for _ in campaign.run():
             pass
         state, files = campaign.state, [file for file in Path(place).rglob("*") if file.is_file()]
         found = UnitResult("features", failures=dict(list(state.memory.failures.items())[:2]))
-        save = _seconds(lambda: sitting.folder.save_unit(units, Done(found, 0.0)))
-        sitting.folder.close()
+        save = _seconds(lambda: campaign_run.store.save_unit(units, Done(found, 0.0)))
+        campaign_run.store.close()
         some = list(state.memory.failures.values())[:_SHRUNK]
         shrink = _seconds(lambda: [shrunk_or_same(one) for one in some])
         return state, {
@@ -91,10 +91,12 @@ def scheduler(config: CampaignConfig) -> float | None:
         return None
     with (
         LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
-        crew_at(cluster.scheduler_address, config) as crew,
+        cluster_executor(cluster.scheduler_address, config) as executor,
     ):
-        crew.submit(int, 0).result()
-        return _seconds(lambda: [future.result() for future in [crew.submit(int, k) for k in range(_TASKS)]]) / _TASKS
+        executor.submit(int, 0).result()
+        return (
+            _seconds(lambda: [future.result() for future in [executor.submit(int, k) for k in range(_TASKS)]]) / _TASKS
+        )
 
 
 def model(rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None) -> list[dict[str, float | str]]:

@@ -42,7 +42,7 @@ class UnitResult:
         elites: By cell of the archive, what deserves to be there.
         cut: Whether its time was over before its work was done; the rest holds what it had until then.
         interrupted: Whether Ctrl-C did that.
-        effort: Where its time went, which no ledger keeps and no other unit knows.
+        effort: Where its time went, which no store keeps and no other unit knows.
     """
 
     lane: str = ""

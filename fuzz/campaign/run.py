@@ -1,4 +1,4 @@
-"""Campaigns: units done by a crew, their failures shrunk, all of it remembered. Yields events; prints nothing."""
+"""Campaigns: units done by an executor, their failures shrunk, all of it remembered. Yields events; prints nothing."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
-from fuzz.campaign.executors import Crew, crew_of
+from fuzz.campaign.executors import Executor, local_executor
 from fuzz.campaign.result import Memory, UnitResult
 from fuzz.campaign.schedule import Schedule
-from fuzz.campaign.store import Ledger
+from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
 from fuzz.failure import Failure
@@ -51,7 +51,7 @@ class UnitDone:
     Args:
         unit: Its number.
         state: The campaign's, with it.
-        again: Whether it was done in an earlier sitting.
+        again: Whether it was done in an earlier run.
     """
 
     unit: int
@@ -88,7 +88,7 @@ class Find:
         failure: As it was found, before shrinking.
         worlds: Of the campaign up to that unit, and with it.
         steps: Likewise.
-        seconds: Likewise, over all sittings.
+        seconds: Likewise, over all runs.
     """
 
     unit: int
@@ -111,9 +111,9 @@ class CampaignState:
         until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
-        seconds: Of all sittings together.
-        times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
-        effort: Of this sitting, of all workers together: where the time of units and of shrinking went.
+        seconds: Of all runs together.
+        times: Of this run, s: ``start-up``, ``search`` and ``shrinking``.
+        effort: Of this run, of all workers together: where the time of units and of shrinking went.
         verdicts: At first look.
         met: How often each class was met.
         known: The same, for classes that the baseline has.
@@ -145,7 +145,7 @@ class _Under(Generic[T]):
 
     Args:
         future: Its result.
-        seconds: Of the campaign when it was done in an earlier sitting; ``None`` of work that is new.
+        seconds: Of the campaign when it was done in an earlier run; ``None`` of work that is new.
     """
 
     future: Future[T]
@@ -191,8 +191,8 @@ class Campaign:
         seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the rest for shrinking.
             Units under way are then cut short, and keep what they met. What was not shrunk until the end is pending.
         workers: Processes; 1 works in this one.
-        crew: Who does the work, instead of processes.
-        ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
+        executor: Who does the work, instead of processes.
+        store: Remembers what was done, so that another campaign of the same configuration goes on with it.
         is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
         began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
         own: Seconds since then that the controller's own code took.
@@ -208,8 +208,8 @@ class Campaign:
         units: int | None = None,
         seconds: float | None = None,
         workers: int = 1,
-        crew: Crew | None = None,
-        ledger: Ledger | None = None,
+        executor: Executor | None = None,
+        store: CampaignStore | None = None,
         is_known: Callable[[Failure], bool] = lambda _: False,
         began: float | None = None,
         own: float = 0.0,
@@ -217,8 +217,8 @@ class Campaign:
         self._is_known = is_known
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
-        self._crew: Crew = crew or crew_of(workers)
-        self._ledger = ledger or Ledger()
+        self._executor: Executor = executor or local_executor(workers)
+        self._store = store or CampaignStore()
         self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
         self._candidates: dict[str, list[Failure]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[Failure]] = {}  # likewise, those that would be were their class no known one
@@ -234,8 +234,8 @@ class Campaign:
         self._shrinks: list[tuple[_Job, _Under[Shrinking]]] = []
         self._next = 0  # unit
         self._merged = 0  # units
-        self._before = 0.0  # s, of earlier sittings
-        self._earlier = self._ledger.seconds()
+        self._before = 0.0  # s, of earlier runs
+        self._earlier = self._store.seconds()
 
     @property
     def is_ready(self) -> bool:
@@ -253,11 +253,11 @@ class Campaign:
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units under way have handed in what they had.
         """
-        with self._crew as crew:
+        with self._executor as executor:
             try:
-                yield from self._run(crew)
+                yield from self._run(executor)
             except KeyboardInterrupt:
-                crew.stop()
+                executor.stop()
                 if self._schedule.is_ready:
                     wait([one.future for one in self._under_way.values()], TO_HAND_IN)
                 list(self._take_what_is_done())
@@ -265,15 +265,15 @@ class Campaign:
             finally:
                 self._count_time()
 
-    def _run(self, crew: Crew) -> Generator[Progress, None, None]:
+    def _run(self, executor: Executor) -> Generator[Progress, None, None]:
         while True:
-            self._hand_out(crew)
+            self._hand_out(executor)
             if not self._under_way and not self._shrinks:
                 self._queue(self._slid())
                 if not self._shrinks and (not self._jobs or self._schedule.is_over()):
                     break
                 continue
-            self._wait(crew)
+            self._wait(executor)
             while self._merged in self._under_way and self._under_way[self._merged].future.done():
                 yield from self._merge_next()
                 yield from self._kept()
@@ -282,13 +282,13 @@ class Campaign:
                 break
         yield from self._take_what_is_done()
         if self._under_way or self._shrinks:  # they do not answer in time, so nobody waits for them
-            crew.stop()
+            executor.stop()
         if self.units is None:
             self._take_from_earlier()
 
     def _count_time(self) -> None:
         """Bring the state's times up to now; remembered work adds what earlier runs spent, shrinking included."""
-        self.state.seconds = self._before + self._schedule.sat()
+        self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
     def _merge_next(self) -> Iterator[Progress]:
@@ -309,38 +309,38 @@ class Campaign:
         yield from self._kept()
 
     def _take_from_earlier(self) -> None:
-        """What an earlier sitting met in units that were cut short, and this one did not come to."""
-        for unit in self._ledger.units_cut():
-            if unit >= self._merged and (done := self._ledger.cut_unit(unit)) is not None:
+        """What an earlier run met in units that were cut short, and this one did not come to."""
+        for unit in self._store.units_cut():
+            if unit >= self._merged and (done := self._store.cut_unit(unit)) is not None:
                 self._merge(unit, _Under(_finished(done.result), done.seconds))
 
-    def _hand_out(self, crew: Crew) -> None:
+    def _hand_out(self, executor: Executor) -> None:
         """Gives each free worker something to do.
 
         The first failure of each class is shrunk before more is searched, the others after it. Where time is the
         budget, shrinking has its share of it: during the search and after it.
         """
-        while self._occupied() < crew.room and len(self._under_way) < crew.room + _AHEAD:
+        while self._occupied() < executor.room and len(self._under_way) < executor.room + _AHEAD:
             search_first = self._schedule.search_comes_first
             if not search_first:
                 self._queue(self._slid_already())
             job, unit = self._next_job(first_only=search_first), None
             if job is None and self._schedule.may_search:
-                if (unit := self._unit(crew, self._next)) is not None:
+                if (unit := self._unit(executor, self._next)) is not None:
                     self._under_way[self._next], self._next = unit, self._next + 1
                     continue
                 if not self._schedule.is_ready and self._has_more_units():
-                    self._get_ready(crew)
+                    self._get_ready(executor)
                     continue
             job = job or self._next_job()
             if job is None:
                 return
             if not self._schedule.is_ready:
-                self._get_ready(crew)
-            seconds, end = self._schedule.for_shrinking(self._jobs_before(job) + 1, max(crew.room - 1, 1))
+                self._get_ready(executor)
+            seconds, end = self._schedule.for_shrinking(self._jobs_before(job) + 1, max(executor.room - 1, 1))
             with self._schedule.doing(0, 1):
                 self._shrinks.append(
-                    (job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
+                    (job, _Under(executor.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
                 )
 
     def _occupied(self) -> int:
@@ -353,11 +353,11 @@ class Campaign:
             units = [one for one in units if not one.future.done()]
         return len(units) + len(self._shrinks)
 
-    def _get_ready(self, crew: Crew) -> None:
+    def _get_ready(self, executor: Executor) -> None:
         """Waits until all that is needed is loaded; the time begins when it is."""
-        loading = [] if self._schedule.is_unlimited else crew.prepare(self.config)
+        loading = [] if self._schedule.is_unlimited else executor.prepare(self.config)
         while loading and wait(loading, LISTEN).not_done:
-            crew.listen()
+            executor.listen()
         self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
     def _next_job(self, *, first_only: bool = False) -> _Job | None:
@@ -378,7 +378,7 @@ class Campaign:
     def _queue(self, jobs: list[_Job]) -> None:
         """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
         for job in jobs:
-            done = self._ledger.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
+            done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
             if done is None:
                 self._jobs.append(job)
             else:
@@ -389,11 +389,11 @@ class Campaign:
             return False
         return self._next // self.config.epoch < len(self._known)
 
-    def _unit(self, crew: Crew, unit: int) -> _Under[UnitResult] | None:
-        """The unit under way, or as the ledger has it; ``None`` where there is none, or who does it is not ready."""
+    def _unit(self, executor: Executor, unit: int) -> _Under[UnitResult] | None:
+        """The unit under way, or as the store has it; ``None`` where there is none, or who does it is not ready."""
         if not self._has_more_units():
             return None
-        done = self._ledger.unit(unit)
+        done = self._store.unit(unit)
         if done is not None:
             # A unit's own figure leaves out what was shrunk after the last one.
             self._before = max(done.seconds, self._earlier)
@@ -403,17 +403,17 @@ class Campaign:
         known = self._known[unit // self.config.epoch]
         deadline = self._schedule.deadline()
         with self._schedule.doing(1, 0):
-            return _Under(crew.submit(run_unit, self.config, unit, known, deadline))
+            return _Under(executor.submit(run_unit, self.config, unit, known, deadline))
 
-    def _wait(self, crew: Crew) -> None:
+    def _wait(self, executor: Executor) -> None:
         # Units that are done behind the next one to be merged are no reason to wake up.
         units = [one for unit, one in self._under_way.items() if unit == self._merged or not one.future.done()]
         futures: list[Future[Any]] = [one.future for one in units]
         futures += [one.future for _, one in self._shrinks]
         with self._schedule.doing(len(units), len(self._shrinks)):
             while not wait(futures, LISTEN, return_when=FIRST_COMPLETED).done and not self._schedule.is_over(GRACE):
-                crew.listen()
-        crew.listen()
+                executor.listen()
+        executor.listen()
 
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
         """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
@@ -453,9 +453,9 @@ class Campaign:
                 jobs += [] if is_known else [_Job(failure, before=len(candidates.get(kind, ())))]
                 candidates.setdefault(kind, []).append(failure)
         elites = {cell: elite for cell, elite in result.elites.items() if self._memory.is_better(cell, elite)}
-        result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
+        result = replace(result, failures=kept, elites=elites)  # so that the memory is in the store's order, too
         if under.seconds is None:
-            self._ledger.save_unit(unit, Done(result, seconds))
+            self._store.save_unit(unit, Done(result, seconds))
         state.memory = state.memory.after(result)
         if result.cut:
             self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
@@ -466,8 +466,8 @@ class Campaign:
         return jobs
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """A unit's result, or what an earlier sitting had of the same unit, if that came further."""
-        before = self._ledger.cut_unit(unit)
+        """A unit's result, or what an earlier run had of the same unit, if that came further."""
+        before = self._store.cut_unit(unit)
         if before is None or before.result.worlds <= result.worlds:
             return result
         return replace(before.result, interrupted=result.interrupted)
@@ -497,7 +497,7 @@ class Campaign:
             shrunk = result.failure
             self.state.effort += result.effort
             if under.seconds is None and result.complete:
-                self._ledger.save_shrunk(job.failure, job.kept, shrunk)
+                self._store.save_shrunk(job.failure, job.kept, shrunk)
             self._count_time()
             if not result.complete and not shrunk.is_shrunk:  # no time was left for it
                 continue
@@ -535,7 +535,7 @@ def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: flo
                 return Shrinking(made.failure, complete=False)
             try:
                 return Shrinking(with_boundaries(made.failure, failure))
-            except OutOfTime:  # it is shrunk and proved all the same; a later sitting measures where it begins
+            except OutOfTime:  # it is shrunk and proved all the same; a later run measures where it begins
                 return Shrinking(made.failure, complete=False)
     except OutOfTime:
         return Shrinking(failure, complete=False)

@@ -23,7 +23,7 @@ _TO_CONFIRM = 0.3  # share of a failure's time in which what it was shrunk to is
 
 
 class Schedule:
-    """A campaign's clock. The time begins with the first work that no earlier sitting did.
+    """A campaign's clock. The time begins with the first work that no earlier run did.
 
     What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would leave nothing of a
     short budget. What the controller's own code took of it counts in full.
@@ -122,14 +122,14 @@ class Schedule:
             self._search += spent * units / all_
             self._shrinking += spent * shrinks / all_
 
-    def sat(self) -> float:
-        """Return the seconds of this sitting, without start-up."""
+    def elapsed(self) -> float:
+        """Return the seconds of this run, without start-up."""
         return time.monotonic() - self._ready if self.is_ready else 0.0
 
     def times(self) -> dict[str, float]:
         """Return the seconds of each part so far."""
-        shrinking = min(self._shrinking, self.sat())
-        return {"start-up": self.start_up, "search": self.sat() - shrinking, "shrinking": shrinking}
+        shrinking = min(self._shrinking, self.elapsed())
+        return {"start-up": self.start_up, "search": self.elapsed() - shrinking, "shrinking": shrinking}
 
     def _share_to_search(self, *, urgent: bool) -> float:
         if not self._shrinks:
@@ -142,4 +142,4 @@ class Schedule:
             return math.inf
         ours = max(self.start_up - self._own, 0.0)
         counted = self._own + min(ours, _COUNTED, self._seconds * (1.0 - _SEARCH))
-        return share * (self._seconds - counted) - self.sat()
+        return share * (self._seconds - counted) - self.elapsed()

@@ -12,9 +12,9 @@ from typing import Any
 import click
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.executors import Crew, WorkersLost
+from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.run import Campaign, Found, Progress, UnitDone
-from fuzz.campaign.store import Sitting, record_error
+from fuzz.campaign.store import CampaignRun, record_error
 from fuzz.campaign.summary import (
     lanes_in_words,
     share_in_words,
@@ -133,8 +133,8 @@ class CampaignSession:
     """Runs a campaign and keeps its folder.
 
     Args:
-        sitting: The campaign, with its folder and how long it is to search; closed by :meth:`run`.
-        crew: Who does the work.
+        campaign_run: The campaign, with its folder and how long it is to search; closed by :meth:`run`.
+        executor: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
         baseline: Failures whose classes are known: they are counted only; none if left out.
@@ -146,8 +146,8 @@ class CampaignSession:
 
     def __init__(
         self,
-        sitting: Sitting,
-        crew: Crew,
+        campaign_run: CampaignRun,
+        executor: Executor,
         *,
         quiet: bool = False,
         outputs: Outputs = NO_OUTPUTS,
@@ -158,30 +158,33 @@ class CampaignSession:
         own: float = 0.0,
     ) -> None:
         self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
-        self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
-        self._out = sitting.folder.out
+        self._config = campaign_run.config
+        self._store = campaign_run.store
+        self._quiet = quiet
+        self._outputs = outputs
+        self._out = campaign_run.store.out
         self._lasts = lasts
-        goal = sitting.goal
+        budget = campaign_run.budget
         self._campaign = Campaign(
-            sitting.config,
-            units=goal.units,
-            seconds=goal.seconds,
-            crew=crew,
-            ledger=sitting.folder,
+            campaign_run.config,
+            units=budget.units,
+            seconds=budget.seconds,
+            executor=executor,
+            store=campaign_run.store,
             is_known=self._baseline.has,
             began=began,
             own=own,
         )
-        self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
+        self._limit = f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
         self._unsaved: set[str] = set()
         self._status = "running"
-        self._goes_on = sitting.done > 0  # until all that was done before has been gone through
+        self._goes_on = campaign_run.done > 0  # until all that was done before has been gone through
         self._summarised = time.monotonic()
 
     def run(self) -> int:
         """Does the campaign; returns the exit code."""
         try:
-            with contextlib.closing(self._folder):
+            with contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
         except WorkersLost as error:
             if not self._lasts:
@@ -262,7 +265,7 @@ class CampaignSession:
 
     def _search_and_say_how_it_ended(self) -> bool:
         """Search; the folder says how that ended before other processes may have it. Return whether Ctrl-C came."""
-        self._folder.save_status("running")
+        self._store.save_status("running")
         try:
             stopped = self._search()
         except WorldgenError:
@@ -278,9 +281,9 @@ class CampaignSession:
     def _keep_status(self, status: str) -> None:
         self._status = status
         if self._goes_on:  # what earlier runs did is not gone through, so the numbers of their summary stay
-            self._folder.save_status(status)
+            self._store.save_status(status)
         else:
-            self._folder.save_summary(self._summary())
+            self._store.save_summary(self._summary())
 
     def _summary(self) -> dict[str, Any]:
         return summary_of(self._config, self._campaign.state, self._status)
@@ -310,7 +313,7 @@ class CampaignSession:
                 self._see(event)
         self._goes_on = False
         if self._campaign.units is not None:
-            self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
+            self._store.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
         late = sum(not one.is_shrunk for one in {**self._campaign.state.best, **self._save_pending()}.values())
         if late and self._config.shrink:
             self._say_late(late)
@@ -355,10 +358,10 @@ class CampaignSession:
             data = self._campaign.state.best[kind].dumps()
             path = self._path(kind)
             if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
-                self._folder.write_failure(path.name, data)
+                self._store.write_failure(path.name, data)
         self._unsaved.clear()
         if time.monotonic() - self._summarised >= at_least_after:
-            self._folder.save_summary(self._summary())
+            self._store.save_summary(self._summary())
             self._summarised = time.monotonic()
 
     def _save_pending(self) -> dict[str, Failure]:

@@ -83,9 +83,9 @@ def units_in_words(state: CampaignState) -> str:
 
 
 def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
-    """Return the share of this sitting's work that was the controller's own code.
+    """Return the share of this run's work that was the controller's own code.
 
-    ``None`` for a compiled controller, which is a part of the kernels, and for a sitting that had nothing to do.
+    ``None`` for a compiled controller, which is a part of the kernels, and for a run that had nothing to do.
     """
     if isinstance(CONTROLLERS.get(config.scenario.controller), CompiledController) or not state.effort.seconds:
         return None

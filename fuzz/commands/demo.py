@@ -27,9 +27,9 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     """
     import os
 
-    from fuzz.campaign.executors import crew_of
+    from fuzz.campaign.executors import local_executor
     from fuzz.campaign.session import CampaignSession, configure
-    from fuzz.campaign.store import Goal, begin
+    from fuzz.campaign.store import Budget, begin
     from fuzz.report import write_report
     from worldgen.errors import OutputError
 
@@ -55,8 +55,8 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
         examples=_EXAMPLES,
         seed=1,
     )
-    sitting = begin(config, failures, Goal(units=_UNITS), force=True)
-    code = CampaignSession(sitting, crew_of(os.cpu_count() or 1), quiet=as_json).run()
+    campaign_run = begin(config, failures, Budget(units=_UNITS), force=True)
+    code = CampaignSession(campaign_run, local_executor(os.cpu_count() or 1), quiet=as_json).run()
     if code not in (0, 1):
         raise SystemExit(code)
     replayed = _replay_and_draw(failures)

@@ -12,7 +12,7 @@ from fuzz.commands._options import Duration, output_options
 from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
-    from fuzz.campaign.store import Goal, Sitting
+    from fuzz.campaign.store import Budget, CampaignRun
 
 __all__ = ["fuzz"]
 
@@ -139,7 +139,7 @@ def fuzz(
 
     began = time.monotonic()
     from fuzz.campaign import store
-    from fuzz.campaign.executors import crew_at, crew_of
+    from fuzz.campaign.executors import cluster_executor, local_executor
     from fuzz.campaign.session import CampaignSession
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
@@ -155,22 +155,25 @@ def fuzz(
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
         known = read_corpus(baseline).entries
-        goal = store.Goal(units, None if units else budget or 30.0)
+        run_budget = store.Budget(units, None if units else budget or 30.0)
         if resume is None:
-            sitting = _begin(goal, force=force, **begun)
+            campaign_run = _begin(run_budget, force=force, **begun)
         else:
             _refuse_beside_resume()
-            sitting = store.resume(resume, None if units is None and budget is None else goal)
-        if sitting.done:
+            campaign_run = store.resume(resume, None if units is None and budget is None else run_budget)
+        if campaign_run.done:
             note(
-                f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, "
-                f"{sitting.done} units done"
+                f"goes on with the campaign in {campaign_run.store.out}: seed {campaign_run.config.seed}, "
+                f"{campaign_run.done} units done"
             )
-        was_known = Baseline.of(known, sitting.config.scenario, note)
-        crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
+        was_known = Baseline.of(known, campaign_run.config.scenario, note)
+        if scheduler:
+            executor = cluster_executor(scheduler, campaign_run.config)
+        else:
+            executor = local_executor(workers or os.cpu_count() or 1)
         session = CampaignSession(
-            sitting,
-            crew,
+            campaign_run,
+            executor,
             quiet=as_json,
             outputs=outputs,
             baseline=was_known,
@@ -180,13 +183,13 @@ def fuzz(
         )
         code = session.run()
         if report is not None:
-            write_report([sitting.folder.out], report, force=force)
+            write_report([campaign_run.store.out], report, force=force)
             note(f"wrote {report}")
     raise SystemExit(code)
 
 
 def _begin(
-    goal: Goal,
+    run_budget: Budget,
     *,
     controller: str | None,
     motion: str,
@@ -204,7 +207,7 @@ def _begin(
     out: Path | None,
     seed: int | None,
     force: bool,
-) -> Sitting:
+) -> CampaignRun:
     """A new campaign, or the same one again in its folder."""
     from fuzz.campaign.session import configure
     from fuzz.campaign.store import begin, stored_seed
@@ -228,10 +231,10 @@ def _begin(
         oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),
         seed=draw_seed(stored_seed(out) if seed is None and not force else seed),
         epoch=epoch,
-        seconds=goal.seconds,
+        seconds=run_budget.seconds,
     )
     note_unused([config.scenario])
-    return begin(config, out, goal, force=force)
+    return begin(config, out, run_budget, force=force)
 
 
 def _refuse_beside_resume() -> None:

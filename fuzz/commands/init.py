@@ -59,7 +59,7 @@ def init(
     import tempfile
 
     from fuzz.campaign import store
-    from fuzz.campaign.executors import crew_of
+    from fuzz.campaign.executors import local_executor
     from fuzz.campaign.session import CampaignSession, configure
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
@@ -78,9 +78,9 @@ def init(
             seed=SEED,
         )
         note(f"searching for the failures that {controller} has today")
-        sitting = store.begin(config, Path(scratch) / "found", store.Goal(units=units))
+        campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
-            code = CampaignSession(sitting, crew_of(os.cpu_count() or 1), lasts=False).run()
+            code = CampaignSession(campaign_run, local_executor(os.cpu_count() or 1), lasts=False).run()
         if code not in (0, 1):
             raise SystemExit(code)
         failures = {found.name: found.read_bytes() for found in sorted((Path(scratch) / "found").glob("*.grid"))}

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import CampaignFolder, read_error
+from fuzz.campaign.store import FolderStore, read_error
 from fuzz.report.summary import MEMORY, read_summary
 from fuzz.studio.refusals import refusal
 from worldgen.errors import FormatError
@@ -64,32 +64,32 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
         FormatError: If its files cannot be read.
     """
     running = running_process(folder) is not None
-    state: dict[str, Any] = {"folder": name, "running": running, **_goal(folder), **_totals(folder)}
+    state: dict[str, Any] = {"folder": name, "running": running, **_budget(folder), **_totals(folder)}
     lock = folder / MEMORY / "lock"
-    state["sitting"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
+    state["elapsed"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
     state["failures"] = _stamp(folder)
     error = None if running or state["status"] in _ENDED_WELL else read_error(folder)
     state["error"] = None if error is None else refusal(error, opened)
     return state
 
 
-def _goal(folder: Path) -> dict[str, Any]:
+def _budget(folder: Path) -> dict[str, Any]:
     """Whose campaign it is and how far it is to go, as it was begun."""
-    stored = CampaignFolder.stored_in(folder)
+    stored = FolderStore.stored_in(folder)
     if stored is None:
         raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
-    setup, goal = stored
-    scenario = setup.configuration.get("scenario")
+    fingerprint, budget = stored
+    scenario = fingerprint.configuration.get("scenario")
     said = scenario if isinstance(scenario, dict) else {}
     return {
         "controller": str(said.get("controller", "")),
         "motion": str(said.get("motion", "")),
-        "seed": str(setup.configuration.get("seed", "")),  # of 64 bits, which a browser's numbers cannot hold
-        "goal": {part: value if isinstance(value := goal.get(part), int | float) else None for part in _GOAL},
+        "seed": str(fingerprint.configuration.get("seed", "")),  # of 64 bits, which a browser's numbers cannot hold
+        "budget": {part: value if isinstance(value := budget.get(part), int | float) else None for part in _BUDGET},
     }
 
 
-_GOAL = ("units", "seconds")
+_BUDGET = ("units", "seconds")
 
 
 def _totals(folder: Path) -> dict[str, Any]:

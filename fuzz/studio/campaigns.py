@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import CampaignFolder, forget_error, read_error
+from fuzz.campaign.store import FolderStore, forget_error, read_error
 from fuzz.report.summary import MEMORY
 from fuzz.studio.beginning import beginning
 from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
@@ -27,10 +27,10 @@ from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
 from fuzz.studio.fuzz_words import (
     baseline,
     begun,
+    budget,
     check_lanes,
     check_oracles,
     command_line,
-    goal,
     workers,
 )
 from fuzz.studio.messages import field as part_of
@@ -95,7 +95,7 @@ class CampaignAnswers(Opened):
 
     def _words(self, message: Message) -> list[str]:
         """What `begin` has `worldgen fuzz` do, but for the fixed map and the folder."""
-        ours = (*goal(message, needed=True), *workers(message), *baseline(message, self.folder))
+        ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
         return [*begun(message, self.named, self.folder), *ours]
 
     def resume(self, message: Message, part: Part) -> dict[str, Any]:
@@ -104,7 +104,7 @@ class CampaignAnswers(Opened):
         name = part_of(message, "folder", str)
         out = self._own(name)
         self._check_stored(out, name)
-        ours = (*goal(message, needed=False), *workers(message), *baseline(message, self.folder))
+        ours = (*budget(message, needed=False), *workers(message), *baseline(message, self.folder))
         self._start(out, [f"--resume={out}", *ours], lambda: part({"begins": name}))
         return {"state": self._state(out, name)}
 
@@ -144,7 +144,7 @@ class CampaignAnswers(Opened):
 
     def _check_stored(self, out: Path, name: str) -> None:
         """Refuses a campaign that would run what nobody has named; its folder may come from anywhere."""
-        stored = CampaignFolder.stored_in(out)
+        stored = FolderStore.stored_in(out)
         if stored is None:
             raise InvalidParameter("no-campaign", "{name} holds no campaign to go on with", "begin one", name=name)
         said = stored[0].configuration

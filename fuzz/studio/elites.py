@@ -1,4 +1,4 @@
-"""Worlds behind a campaign's archive of behaviours: of each kind the simplest, as the ledger has it."""
+"""Worlds behind a campaign's archive of behaviours: of each kind the simplest, as the store has it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import CampaignFolder
+from fuzz.campaign.store import FolderStore
 from fuzz.report.summary import MEMORY, read_summary
 from fuzz.search.features import decode_scene
 from worldgen.errors import FormatError, InvalidParameter
@@ -26,7 +26,7 @@ def elite_of(folder: Path, i: int, j: int) -> World:
         j: Likewise, along the second.
 
     Raises:
-        InvalidParameter: If the archive has no such cell, or the ledger does not know its world any more.
+        InvalidParameter: If the archive has no such cell, or the store does not know its world any more.
         FormatError: If the campaign's files cannot be read.
     """
     summary = read_summary(folder)
@@ -62,13 +62,16 @@ def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
                 yield list(cell), str(layout), float(quality), str(verdict)
         except (KeyError, RecursionError, TypeError, ValueError) as error:
             raise FormatError(
-                "invalid-entry", "is no entry of a ledger", "go on with the campaign, which mends it", source=str(file)
+                "invalid-entry",
+                "is not an entry of a campaign store",
+                "go on with the campaign, which mends it",
+                source=str(file),
             ) from error
 
 
 def runs_in(folder: Path) -> dict[str, Any] | None:
     """Who runs in a campaign's worlds, as the page wants it of a failure; null where its robots are not all alike."""
-    stored = CampaignFolder.stored_in(folder)
+    stored = FolderStore.stored_in(folder)
     said = stored[0].configuration if stored else {}
     scenario = said.get("scenario")
     if said.get("vary") or not isinstance(scenario, dict) or not isinstance(scenario.get("parameters"), dict):

@@ -27,7 +27,7 @@ from worldgen.family import FAMILIES
 from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
 
-__all__ = ["baseline", "begun", "check_lanes", "check_oracles", "command_line", "goal", "options", "workers"]
+__all__ = ["baseline", "begun", "budget", "check_lanes", "check_oracles", "command_line", "options", "workers"]
 
 Message = Mapping[str, Any]
 
@@ -61,7 +61,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     return [*words, f"--seed={_seed(message)}"] if message.get("seed") is not None else words
 
 
-def goal(message: Message, *, needed: bool) -> list[str]:
+def budget(message: Message, *, needed: bool) -> list[str]:
     """How far it goes; nothing where that is not said and not needed."""
     if message.get("units") is not None:
         return [f"--units={_whole(message, 'units', MOST_UNITS)}"]

@@ -62,8 +62,8 @@ class Watching:
             if state is None or kind == "stop" or not state["running"]:
                 yield "answer", {"state": state}
                 return
-            changed = state | {"sitting": 0.0} != before or quiet >= _OFTEN
-            before, quiet = state | {"sitting": 0.0}, 0 if changed else quiet + 1
+            changed = state | {"elapsed": 0.0} != before or quiet >= _OFTEN
+            before, quiet = state | {"elapsed": 0.0}, 0 if changed else quiet + 1
             yield ("part", {"state": state}) if changed else ("turn", {})
             await asyncio.sleep(_EVERY)
 

@@ -88,8 +88,8 @@ def test_who_fails_has_no_children_but_a_place_on_the_map(epochs):
 
 def test_elites_come_back_from_a_ledger_as_they_were(epochs):
     done = Done(replace(epochs[0][1], failures={}), 1.0)
-    text = write_entry(1, done, "setup", {}).decode()
-    assert read_entry(text, 1, "setup", read_world).result.elites == epochs[0][1].elites
+    text = write_entry(1, done, "fingerprint", {}).decode()
+    assert read_entry(text, 1, "fingerprint", read_world).result.elites == epochs[0][1].elites
 
 
 def test_a_summary_shows_the_simplest_run_of_each_kind_and_failures_before_others():

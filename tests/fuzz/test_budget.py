@@ -13,7 +13,7 @@ import pytest
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
-from fuzz.campaign.executors import Alone
+from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.result import UnitResult
 from fuzz.campaign.run import Campaign, shrunk_or_same
 from fuzz.campaign.schedule import Schedule
@@ -126,7 +126,7 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
         "    def act(self, observation, memory): return Command(0.0, 0.0), memory\n"
     )
     config = replace(CONFIG, scenario=Scenario(f"{tmp_path}/mine.py:Mine"), examples=80, shrink=False)
-    campaign = Campaign(config, units=2, crew=Alone())
+    campaign = Campaign(config, units=2, executor=InlineExecutor())
     with pytest.raises(KeyboardInterrupt):
         for _ in campaign.run():
             pass
@@ -166,7 +166,7 @@ def test_ctrl_c_in_the_first_batch_of_a_unit_keeps_what_was_met_until_then(tmp_p
     (tmp_path / "mine.py").write_text(PRESSES)
     scenario = Scenario(f"{tmp_path}/mine.py:Mine")
     config = replace(CONFIG, scenario=scenario, families=("native",), shrink=False)
-    campaign = Campaign(config, units=2, crew=Alone())
+    campaign = Campaign(config, units=2, executor=InlineExecutor())
     with pytest.raises(KeyboardInterrupt):
         deque(campaign.run(), maxlen=0)
     assert campaign.state.cut == 1 and 0 < campaign.state.worlds <= 30 and campaign.state.met
@@ -181,8 +181,8 @@ def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
         while True:
             pass
 
-    with pytest.raises(KeyboardInterrupt), Alone() as crew:
-        crew.submit(endless)
+    with pytest.raises(KeyboardInterrupt), InlineExecutor() as executor:
+        executor.submit(endless)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 

@@ -20,10 +20,10 @@ import pytest
 import fuzz.campaign.store.folder
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import Deadline
-from fuzz.campaign.executors import Alone, WorkersLost
+from fuzz.campaign.executors import InlineExecutor, WorkersLost
 from fuzz.campaign.run import Campaign, Shrinking
 from fuzz.campaign.session import CampaignSession
-from fuzz.campaign.store import CampaignFolder, Goal, begin, read_error, resume, setup_of, stored_seed
+from fuzz.campaign.store import Budget, FolderStore, begin, fingerprint_of, read_error, resume, stored_seed
 from fuzz.campaign.store.fingerprint import config_of, digest_of_sources
 from fuzz.campaign.summary import units_in_words
 from fuzz.campaign.unit import run_unit
@@ -48,8 +48,8 @@ class Killed(BaseException):
     """Ends a campaign between two files, as kill -9 would."""
 
 
-def run(sitting):
-    return CampaignSession(sitting, Alone(), quiet=True).run()
+def run(campaign_run):
+    return CampaignSession(campaign_run, InlineExecutor(), quiet=True).run()
 
 
 def left_in(out):
@@ -62,7 +62,7 @@ def left_in(out):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     out = tmp_path_factory.mktemp("whole") / "failures"
-    assert run(begin(CONFIG, out, Goal(units=UNITS))) == 1
+    assert run(begin(CONFIG, out, Budget(units=UNITS))) == 1
     return out
 
 
@@ -93,7 +93,7 @@ def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(seed
     while not done:
         left = chance.randrange(1, 14)
         try:
-            done = run(begin(CONFIG, tmp_path / "out", Goal(units=UNITS))) == 1
+            done = run(begin(CONFIG, tmp_path / "out", Budget(units=UNITS))) == 1
         except Killed:
             killed += 1
     assert killed and left_in(tmp_path / "out") == left_in(whole)
@@ -138,7 +138,7 @@ def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_pat
 
 @pytest.mark.gate
 def test_a_finished_campaign_goes_on_to_more_units_as_if_it_had_never_stopped(copied, tmp_path):
-    run(begin(CONFIG, tmp_path / "all", Goal(units=UNITS + 1)))
+    run(begin(CONFIG, tmp_path / "all", Budget(units=UNITS + 1)))
     result = worldgen("fuzz", "--resume", copied, "--units", UNITS + 1, "--workers", 1, "--json")
     assert result.code == 1 and json.loads(result.out)["units"] == UNITS + 1
     assert left_in(copied) == left_in(tmp_path / "all")
@@ -149,9 +149,9 @@ def test_the_whole_plan_goes_on_from_its_memory_as_if_it_had_never_stopped(tmp_p
     config = replace(CONFIG, families=(), examples=10, epoch=2, shrink=False)
 
     def search(name, units):
-        sitting = begin(config, tmp_path / name, Goal(units=units))
-        campaign = Campaign(config, units=units, ledger=sitting.folder)
-        with contextlib.closing(sitting.folder):
+        campaign_run = begin(config, tmp_path / name, Budget(units=units))
+        campaign = Campaign(config, units=units, store=campaign_run.store)
+        with contextlib.closing(campaign_run.store):
             deque(campaign.run(), maxlen=0)
         return campaign.state
 
@@ -183,7 +183,7 @@ def ticking(patch, start=0):
 
 def test_a_time_counts_anew(copied, monkeypatch, capsys):
     ticking(monkeypatch, start=10_000)
-    run(resume(copied, Goal(seconds=100.0)))
+    run(resume(copied, Budget(seconds=100.0)))
     said = json.loads(capsys.readouterr().out)
     assert said["units"] + said["units_cut"] > UNITS
 
@@ -207,13 +207,13 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
         patch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
         patch.setattr("fuzz.campaign.run.run_unit", unit_of_15_s)
         patch.setattr("fuzz.campaign.run.shrunk_or_same", endless_shrinking)
-        run(begin(CONFIG, tmp_path / "out", Goal(seconds=40.0)))
+        run(begin(CONFIG, tmp_path / "out", Budget(seconds=40.0)))
     assert at.now == 1_000.0
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)
     assert "as found, because the time ended" in said.err and re.search("--units [1-3] does the rest", said.err)
-    run(resume(tmp_path / "out", Goal(units=UNITS)))
+    run(resume(tmp_path / "out", Budget(units=UNITS)))
     assert left_in(tmp_path / "out") == left_in(whole)
 
 
@@ -234,11 +234,11 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
     with monkeypatch.context() as at_once:
         at_once.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
         at_once.setattr("fuzz.campaign.run.run_unit", cut_where_it_failed)
-        assert run(begin(CONFIG, out, Goal(seconds=60.0))) == 1
+        assert run(begin(CONFIG, out, Budget(seconds=60.0))) == 1
     said = json.loads(capsys.readouterr().out)
     assert said["units_cut"] == 1 and said["failures"] and list(out.glob("*.grid"))
     assert [file.name for file in entries.glob("*.cut.json")] == [f"{said['units']:06}.cut.json"]
-    run(resume(out, Goal(units=UNITS)))
+    run(resume(out, Budget(units=UNITS)))
     assert left_in(out) == left_in(whole) and not list(entries.glob("*.cut.json"))
 
 
@@ -249,9 +249,9 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         monkeypatch.setattr(f"fuzz.search.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
 
     def left(name):
-        sitting = begin(config, tmp_path / name, Goal(units=4))
-        campaign = Campaign(config, units=4, ledger=sitting.folder)
-        with contextlib.closing(sitting.folder):
+        campaign_run = begin(config, tmp_path / name, Budget(units=4))
+        campaign = Campaign(config, units=4, store=campaign_run.store)
+        with contextlib.closing(campaign_run.store):
             deque(campaign.run(), maxlen=0)
         entries = sorted((tmp_path / name / ".campaign" / "units").iterdir())
         return campaign.state, {file.name: without_seconds(file.read_text()) for file in entries}
@@ -277,7 +277,7 @@ def dumped(worlds):
     return {kind: found.dumps() for kind, found in worlds.items()}
 
 
-class StuckInTheFirst(Alone):
+class StuckInTheFirst(InlineExecutor):
     """Two workers, one of which never comes back from the first unit; then the time is over."""
 
     room = 2
@@ -304,14 +304,14 @@ def stuck(monkeypatch):
 @pytest.mark.gate
 def test_units_that_are_done_behind_one_that_is_stuck_are_kept(stuck, whole, tmp_path):
     out = tmp_path / "out"
-    CampaignSession(begin(CONFIG, out, Goal(seconds=60.0)), stuck, quiet=True).run()
+    CampaignSession(begin(CONFIG, out, Budget(seconds=60.0)), stuck, quiet=True).run()
     assert [file.name for file in (out / ".campaign" / "units").iterdir()] == ["000001.json"]
-    run(resume(out, Goal(units=UNITS)))
+    run(resume(out, Budget(units=UNITS)))
     assert left_in(out) == left_in(whole)
 
 
 def test_a_worker_beside_one_that_is_stuck_goes_on(stuck):
-    campaign = Campaign(replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, crew=stuck)
+    campaign = Campaign(replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, executor=stuck)
     deque(campaign.run(), maxlen=0)
     assert campaign.state.units == 9  # of two epochs all but the first; more would need to know what that one met
 
@@ -321,9 +321,9 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
     whole, tmp_path, monkeypatch
 ):
     out = tmp_path / "out"
-    run(begin(CONFIG, out, Goal(units=UNITS)))
+    run(begin(CONFIG, out, Budget(units=UNITS)))
     known = next(iter(sorted(out.glob("*.grid"))))
-    with contextlib.closing(CampaignFolder(out)) as folder:
+    with contextlib.closing(FolderStore(out)) as folder:
         folder.write_failure("beyond.grid", known.read_bytes())
         folder.write_failure("changed.grid", known.read_bytes())
     (out / "changed.grid").write_bytes(b"mine")
@@ -333,10 +333,10 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
 
 
 @pytest.mark.gate
-def test_the_seconds_of_all_sittings_are_added_up(copied):
+def test_the_seconds_of_all_runs_are_added_up(copied):
     file = copied / ".campaign" / "summary.json"
     before = json.loads(file.read_text())["seconds"]
-    run(resume(copied, Goal(units=UNITS + 1)))
+    run(resume(copied, Budget(units=UNITS + 1)))
     assert json.loads(file.read_text())["seconds"] > before
 
 
@@ -389,7 +389,7 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
 )
 def test_another_campaign_is_refused_with_what_differs(change, differences, copied):
     with raises(OutputError, "another-campaign", out=str(copied)) as caught:
-        begin(replace(CONFIG, **change), copied, Goal(units=UNITS))
+        begin(replace(CONFIG, **change), copied, Budget(units=UNITS))
     found = caught.value.facts["differences"]
     assert len(found) == len(differences) and all(map(re.fullmatch, differences, found))
 
@@ -398,7 +398,7 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text("class Sits:\n def reset(self): return ()\n def act(self, o, m): return None\n")
     config = replace(CONFIG, scenario=Scenario(f"{file}:Sits"), examples=2)
-    run(begin(config, tmp_path / "out", Goal(units=1)))
+    run(begin(config, tmp_path / "out", Budget(units=1)))
     file.write_text(file.read_text() + "# changed\n")
     with raises(OutputError, "another-campaign") as caught:
         resume(tmp_path / "out")
@@ -407,16 +407,16 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
 
 
 def test_a_campaign_that_did_nothing_makes_room_for_another(tmp_path):
-    begin(CONFIG, tmp_path, Goal(units=UNITS)).folder.close()
+    begin(CONFIG, tmp_path, Budget(units=UNITS)).store.close()
     other = replace(CONFIG, seed=6)
-    begin(other, tmp_path, Goal(units=UNITS)).folder.close()
-    stored = CampaignFolder.stored_in(tmp_path)
-    assert stored is not None and stored[0] == setup_of(other)
+    begin(other, tmp_path, Budget(units=UNITS)).store.close()
+    stored = FolderStore.stored_in(tmp_path)
+    assert stored is not None and stored[0] == fingerprint_of(other)
 
 
 def test_force_begins_anew(copied, tmp_path):
-    run(begin(replace(CONFIG, seed=6), copied, Goal(units=1), force=True))
-    run(begin(replace(CONFIG, seed=6), tmp_path / "fresh", Goal(units=1)))
+    run(begin(replace(CONFIG, seed=6), copied, Budget(units=1), force=True))
+    run(begin(replace(CONFIG, seed=6), tmp_path / "fresh", Budget(units=1)))
     assert left_in(copied)[1] == left_in(tmp_path / "fresh")[1]
 
 
@@ -459,7 +459,7 @@ def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(here, s
 
 
 def test_a_second_writer_is_refused(copied):
-    folder = CampaignFolder(copied)
+    folder = FolderStore(copied)
     result = worldgen("fuzz", "--resume", copied)
     folder.close()
     assert result.code == 2 and "another worldgen fuzz is writing" in result.err
@@ -468,19 +468,19 @@ def test_a_second_writer_is_refused(copied):
 @pytest.mark.gate
 def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
     script = (
-        "import time; from pathlib import Path; from fuzz.campaign.store import CampaignFolder\n"
-        f"held = CampaignFolder(Path({str(copied)!r}))"
+        "import time; from pathlib import Path; from fuzz.campaign.store import FolderStore\n"
+        f"held = FolderStore(Path({str(copied)!r}))"
     )
     process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
     process.stdout.readline()
     with raises(OutputError, "campaign-is-running", out=str(copied)):
-        CampaignFolder(copied)
+        FolderStore(copied)
     process.kill()
     process.communicate()
-    CampaignFolder(copied).close()
+    FolderStore(copied).close()
 
 
-class Lost(Alone):
+class Lost(InlineExecutor):
     """Workers that are gone as soon as they are asked for something."""
 
     def submit(self, work, /, *args, **kwargs):
@@ -491,10 +491,10 @@ def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
     def status():
         return json.loads((copied / ".campaign/summary.json").read_text())["status"]
 
-    CampaignSession(begin(CONFIG, copied, Goal(units=UNITS)), Alone(), quiet=True).run()
+    CampaignSession(begin(CONFIG, copied, Budget(units=UNITS)), InlineExecutor(), quiet=True).run()
     assert status() == "done"
     with raises(OutputError, "broken-off"):
-        CampaignSession(resume(copied, Goal(units=UNITS + 1)), Lost(), quiet=True).run()
+        CampaignSession(resume(copied, Budget(units=UNITS + 1)), Lost(), quiet=True).run()
     assert status() == "failed"
 
 
@@ -524,7 +524,7 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
     config = replace(
         CONFIG, scenario=scenario, families=("trap",), vary=vary, fixed_map=generate("trap", 3), oracles=("detour=5",)
     )
-    stored = json.loads(json.dumps(setup_of(config).configuration))
+    stored = json.loads(json.dumps(fingerprint_of(config).configuration))
     assert config_of(stored) == config
 
 

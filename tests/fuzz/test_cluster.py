@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.executors import WorkersLost, crew_at
-from fuzz.campaign.executors.remote import Errand
+from fuzz.campaign.executors import WorkersLost, cluster_executor
+from fuzz.campaign.executors.remote import RemoteJob
 from fuzz.campaign.run import Campaign, UnitDone
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
@@ -100,7 +100,7 @@ def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(
         if isinstance(event, UnitDone) and event.unit == 0:
             doomed.kill()
 
-    found = corpus(Campaign(CONFIG, units=UNITS, crew=crew_at(dask.address, CONFIG)), kill_one)
+    found = corpus(Campaign(CONFIG, units=UNITS, executor=cluster_executor(dask.address, CONFIG)), kill_one)
     assert doomed.wait() == -9 and found == corpus(Campaign(CONFIG, units=UNITS))
 
 
@@ -118,12 +118,12 @@ def test_a_controller_in_a_file_of_ones_own_goes_along_to_the_workers(dask, tmp_
 
 
 def test_a_worker_whose_code_is_another_refuses_the_work_and_says_what_differs(dask):
-    crew = crew_at(dask.address, CONFIG)
-    errand = Errand.of(CONFIG)
-    errand.setup.code["hypothesis"] = "1.0"
-    crew._errand = errand
+    executor = cluster_executor(dask.address, CONFIG)
+    job = RemoteJob.of(CONFIG)
+    job.fingerprint.code["hypothesis"] = "1.0"
+    executor._job = job
     with raises(InvalidParameter, "other-code") as caught:
-        corpus(Campaign(CONFIG, units=1, crew=crew))
+        corpus(Campaign(CONFIG, units=1, executor=executor))
     (difference,) = caught.value.facts["differences"]
     assert difference.startswith("hypothesis was 1.0 and is ")
 
@@ -138,13 +138,13 @@ def test_work_on_a_worker_hears_no_warning_of_hypothesis_about_dasks_own_threads
 
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
-        Errand.of(CONFIG).run(draws_while_dask_draws, (), {})
+        RemoteJob.of(CONFIG).run(draws_while_dask_draws, (), {})
     assert not heard
 
 
 def test_a_scheduler_that_is_killed_ends_the_campaign_in_one_sentence(tmp_path):
     running = Dask(tmp_path)
-    campaign = Campaign(CONFIG, units=UNITS, crew=crew_at(running.address, CONFIG))
+    campaign = Campaign(CONFIG, units=UNITS, executor=cluster_executor(running.address, CONFIG))
     running.worker()
 
     def kill(event):
@@ -164,11 +164,11 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
 @pytest.mark.parametrize("address", ["nonsense", "tcp://host", "http://host:8786/status", "host:port"])
 def test_what_is_no_address_is_refused_before_anything_is_asked(address):
     with raises(InvalidParameter, "not-an-address", address=address):
-        crew_at(address, CampaignConfig(Scenario("turn-right")))
+        cluster_executor(address, CampaignConfig(Scenario("turn-right")))
 
 
 def test_without_dask_the_way_to_install_it_is_said(monkeypatch):
     monkeypatch.delitem(sys.modules, "fuzz.campaign.executors.dask", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InvalidParameter, match=re.escape(pip_install("dask"))):
-        crew_at("tcp://127.0.0.1:1", CONFIG)
+        cluster_executor("tcp://127.0.0.1:1", CONFIG)

@@ -96,7 +96,7 @@ def test_no_command_names_a_map_that_is_in_no_file(page):
 
 @pytest.mark.nightly
 def test_a_campaign_that_is_done_says_so(done, page):
-    assert (done["running"], done["units"], done["goal"]) == (False, 2, {"units": 2, "seconds": None})
+    assert (done["running"], done["units"], done["budget"]) == (False, 2, {"units": 2, "seconds": None})
     (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
     assert listed == done
 
@@ -355,7 +355,7 @@ def stored(tmp_path):
     config = configure(
         controller="turn-right", motion="swept", families=("trap",), examples=8, seed=1, fixed_map=None, time_step=None
     )
-    store.begin(config, tmp_path / "c", store.Goal(units=2)).folder.close()
+    store.begin(config, tmp_path / "c", store.Budget(units=2)).store.close()
     return tmp_path / "c"
 
 
@@ -374,7 +374,7 @@ def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder
 
 def test_a_campaign_that_begins_again_has_not_given_up(stored):
     give_up(stored)
-    store.resume(stored).folder.close()
+    store.resume(stored).store.close()
     assert campaign_state(stored, "c")["error"] is None
 
 

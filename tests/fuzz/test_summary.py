@@ -3,9 +3,9 @@
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.executors import Alone
+from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.run import Campaign, CampaignState, UnitDone
-from fuzz.campaign.store import Goal, begin, resume
+from fuzz.campaign.store import Budget, begin, resume
 from fuzz.campaign.summary import controller_share, share_in_words, summary_of, time_in_words
 from sim.scenario import Scenario
 
@@ -61,7 +61,7 @@ def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch)
     campaign = Campaign(config, units=2)
     events = campaign.run()
     assert isinstance(next(events), UnitDone)
-    monkeypatch.setattr("fuzz.campaign.schedule.Schedule.sat", lambda _: 30.0)
+    monkeypatch.setattr("fuzz.campaign.schedule.Schedule.elapsed", lambda _: 30.0)
     with pytest.raises(KeyboardInterrupt):
         events.throw(KeyboardInterrupt)
     assert campaign.state.seconds == 30.0 == campaign.state.times["search"]
@@ -69,13 +69,13 @@ def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch)
 
 def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_path):
     config = CampaignConfig(Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False)
-    sitting = begin(config, tmp_path, Goal(units=1))
-    list(Campaign(config, units=1, crew=Alone(), ledger=sitting.folder).run())
-    sitting.folder.save_summary({"seconds": 1_000.0})
-    sitting.folder.close()
+    campaign_run = begin(config, tmp_path, Budget(units=1))
+    list(Campaign(config, units=1, executor=InlineExecutor(), store=campaign_run.store).run())
+    campaign_run.store.save_summary({"seconds": 1_000.0})
+    campaign_run.store.close()
 
     again = resume(tmp_path)
-    campaign = Campaign(config, units=1, crew=Alone(), ledger=again.folder)
+    campaign = Campaign(config, units=1, executor=InlineExecutor(), store=again.store)
     list(campaign.run())
-    again.folder.close()
+    again.store.close()
     assert campaign.state.seconds == 1_000.0

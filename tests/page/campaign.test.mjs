@@ -10,7 +10,7 @@ import { LIMITS } from "./samples.mjs";
 
 const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
-  goal: { units: 4, seconds: null }, units: 2, sitting: null, archive: null, failures: 5,
+  budget: { units: 4, seconds: null }, units: 2, elapsed: null, archive: null, failures: 5,
   met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
   lanes: [{ lane: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { lane: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
 };
@@ -79,12 +79,12 @@ test("how it stands is said: done, stopped, given up, stopping", () => {
 });
 
 test("a campaign by the clock says how long it has, and when that is over", () => {
-  const goal = (more) => {
+  const budget = (more) => {
     const { made, line } = status();
-    made.show({ ...RUNNING, goal: { seconds: 30, units: null }, ...more });
+    made.show({ ...RUNNING, budget: { seconds: 30, units: null }, ...more });
     return /(seed 1)(.*?)900/.exec(line())[2];
   };
-  assert.deepEqual([goal({ sitting: 12.4 }), goal({ sitting: 31 }), goal({ running: false, sitting: null })], ["12 of 30 s, 2 units", "the 30 s are over: ending what is under way, 2 units", "2 units"]);
+  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over: ending what is under way, 2 units", "2 units"]);
 });
 
 test("the smallest failure is the best so far, and before there is one the longest way", () => {

@@ -1,29 +1,29 @@
 """Who does a campaign's work: this process, others on this machine, or a Dask cluster's workers.
 
 Contents:
-    Crew: what a campaign asks of them.
-    Alone, Processes, crew_of: here, and on this machine.
-    crew_at: a cluster's.
+    Executor: what a campaign asks of them.
+    InlineExecutor, ProcessExecutor, local_executor: here, and on this machine.
+    cluster_executor: a cluster's.
     WorkersLost: raised if they end before the work does.
 """
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.executors.executor import Crew, WorkersLost
-from fuzz.campaign.executors.local import Alone, Processes, crew_of
+from fuzz.campaign.executors.executor import Executor, WorkersLost
+from fuzz.campaign.executors.local import InlineExecutor, ProcessExecutor, local_executor
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.installation import pip_install
 
-__all__ = ["Alone", "Crew", "Processes", "WorkersLost", "crew_at", "crew_of"]
+__all__ = ["Executor", "InlineExecutor", "ProcessExecutor", "WorkersLost", "cluster_executor", "local_executor"]
 
 
-def crew_at(address: str, config: CampaignConfig) -> Crew:
+def cluster_executor(address: str, config: CampaignConfig) -> Executor:
     """The workers of the Dask cluster with this scheduler.
 
     Raises:
         InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration cannot be read.
     """
     try:
-        from fuzz.campaign.executors.dask import Cluster
+        from fuzz.campaign.executors.dask import DaskExecutor
     except ModuleNotFoundError as error:
         if error.name not in ("dask", "distributed"):
             raise
@@ -35,4 +35,4 @@ def crew_at(address: str, config: CampaignConfig) -> Crew:
             option="--scheduler",
             install=pip_install("dask"),
         ) from error
-    return Cluster(address, config)
+    return DaskExecutor(address, config)

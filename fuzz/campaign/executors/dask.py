@@ -15,11 +15,11 @@ from distributed import Client, KilledWorker
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors.executor import WorkersLost
-from fuzz.campaign.executors.remote import Errand
+from fuzz.campaign.executors.remote import RemoteJob
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.support.workers import ctrl_c_held_back
 
-__all__ = ["Cluster"]
+__all__ = ["DaskExecutor"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -40,7 +40,7 @@ class _Client(Client):  # type: ignore[misc] # it has no types
             self.close()
 
 
-class Cluster:
+class DaskExecutor:
     """The workers of a Dask cluster, which may come and go.
 
     A worker that dies is the scheduler's business: it gives the work to another. Each worker is asked before its
@@ -63,7 +63,7 @@ class Cluster:
                 option=_OPTION,
                 address=address,
             )
-        self._address, self._errand = address, Errand.of(config)
+        self._address, self._job = address, RemoteJob.of(config)
         self._room, self._looked = 0, 0.0
         self._open = ExitStack()
 
@@ -77,7 +77,7 @@ class Cluster:
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Gives it to the scheduler."""
-        future: Future[T] = self._pool.submit(self._errand.run, work, args, kwargs)
+        future: Future[T] = self._pool.submit(self._job.run, work, args, kwargs)
         return future
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:

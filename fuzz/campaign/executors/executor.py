@@ -10,7 +10,7 @@ from typing import ParamSpec, Protocol, Self, TypeVar
 from fuzz.campaign.config import CampaignConfig
 from worldgen.errors import WorldgenError
 
-__all__ = ["Crew", "WorkersLost"]
+__all__ = ["Executor", "WorkersLost"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -20,7 +20,7 @@ class WorkersLost(WorldgenError):
     """Those who did the work ended before it did."""
 
 
-class Crew(Protocol):
+class Executor(Protocol):
     """Does pure functions of arguments that can be pickled, in any order."""
 
     @property

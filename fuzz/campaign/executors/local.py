@@ -16,11 +16,11 @@ from typing import ParamSpec, Self, TypeVar
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
-from fuzz.campaign.executors.executor import Crew, WorkersLost
+from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.loading import load
 from worldgen.support.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 
-__all__ = ["Alone", "Processes", "crew_of"]
+__all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -28,12 +28,12 @@ T = TypeVar("T")
 _WAITING = 1  # units that wait for a worker, so that none is idle
 
 
-def crew_of(workers: int) -> Crew:
+def local_executor(workers: int) -> Executor:
     """So many processes; of one, this one."""
-    return Alone() if workers == 1 else Processes(workers)
+    return InlineExecutor() if workers == 1 else ProcessExecutor(workers)
 
 
-class Alone:
+class InlineExecutor:
     """Does the work at once, in this process.
 
     Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met. Work that does not
@@ -83,7 +83,7 @@ class Alone:
         """Nothing to end."""
 
 
-class Processes:
+class ProcessExecutor:
     """Processes on this machine, deaf to Ctrl-C, ended when this one ends.
 
     Args:

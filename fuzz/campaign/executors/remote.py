@@ -16,7 +16,7 @@ from typing import Any, ParamSpec, TypeVar
 from hypothesis.errors import HypothesisDeprecationWarning
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.store import Setup, setup_of
+from fuzz.campaign.store import Fingerprint, fingerprint_of
 from fuzz.campaign.store.fingerprint import digest_of
 from fuzz.oracles import ORACLES, Asked
 from sim.controllers import CONTROLLERS
@@ -24,39 +24,39 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.plugins.registry import Registry, lend
 
-__all__ = ["Errand"]
+__all__ = ["RemoteJob"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 _ONE = threading.Lock()  # controllers that are programs, and Hypothesis, are one thread's
-_here: dict[str, str] = {}  # key of the errand that this process is ready for
+_here: dict[str, str] = {}  # key of the job that this process is ready for
 _REGISTRIES: tuple[Registry[Any], ...] = (CONTROLLERS, FAMILIES, ORACLES)
 
 
 @dataclass(frozen=True)
-class Errand:
+class RemoteJob:
     """What goes along with each piece of work.
 
     Args:
         config: The campaign's.
-        setup: Here.
+        fingerprint: Here.
         files: Contents of the Python files that the configuration names, by the names that it gives them.
     """
 
     config: CampaignConfig
-    setup: Setup
+    fingerprint: Fingerprint
     files: Mapping[str, bytes] = field(repr=False)
 
     @classmethod
-    def of(cls, config: CampaignConfig) -> Errand:
-        """The errand of a configuration.
+    def of(cls, config: CampaignConfig) -> RemoteJob:
+        """Return the job of a configuration.
 
         Raises:
             InvalidParameter: If something that it names cannot be found.
         """
-        setup = setup_of(config)
-        return cls(config, setup, {place: Path(place).expanduser().read_bytes() for place in _places(config)})
+        fingerprint = fingerprint_of(config)
+        return cls(config, fingerprint, {place: Path(place).expanduser().read_bytes() for place in _places(config)})
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:
         """Does the work in this process, whose code is looked at first.
@@ -77,21 +77,21 @@ def _places(config: CampaignConfig) -> list[str]:
     return sorted({name.rpartition(":")[0] for name in names if name.rpartition(":")[0].endswith(".py")})
 
 
-def _be_alike(errand: Errand) -> None:
-    """Takes over the errand's files, and looks whether all code is the same; once for each campaign in turn.
+def _be_alike(job: RemoteJob) -> None:
+    """Take over the job's files, and check that all code is the same; once for each campaign in turn.
 
     Raises:
         InvalidParameter: If it is not.
     """
-    key = digest_of([errand.setup.digest, sorted(errand.files)])
-    if _here.get("errand") == key:
+    key = digest_of([job.fingerprint.digest, sorted(job.files)])
+    if _here.get("job") == key:
         return
     _here.clear()
-    for place, data in errand.files.items():
+    for place, data in job.files.items():
         lend(place, _copy(Path(place).name, data))
         for registry in _REGISTRIES:
             registry.forget(place)
-    said = errand.setup.differences(setup_of(errand.config))
+    said = job.fingerprint.differences(fingerprint_of(job.config))
     if said:
         raise InvalidParameter(
             "other-code",
@@ -100,7 +100,7 @@ def _be_alike(errand: Errand) -> None:
             host=socket.gethostname(),
             differences=list(said),
         )
-    _here["errand"] = key
+    _here["job"] = key
 
 
 def _copy(name: str, data: bytes) -> Path:

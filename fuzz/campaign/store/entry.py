@@ -1,4 +1,4 @@
-"""A unit's result as an entry of the ledger, and back: a table in JSON's types with a digest over all of it."""
+"""A unit's result as an entry of the store, and back: a table in JSON's types with a digest over all of it."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ class Done:
 
     Args:
         result: What it found; of the failures and elites only what was worth keeping.
-        seconds: Of the campaign, over all sittings, when the unit was merged.
+        seconds: Of the campaign, over all runs, when the unit was merged.
     """
 
     result: UnitResult
     seconds: float
 
 
-def write_entry(unit: int, done: Done, setup: str, failures: Mapping[str, str]) -> bytes:
+def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, str]) -> bytes:
     """The text of an entry.
 
     Args:
         unit: Its number.
         done: Its result.
-        setup: Digest of the campaign's setup, without which an entry means nothing.
+        fingerprint: Digest of what the campaign is, without which an entry means nothing.
         failures: By class, the name of the failure's file.
     """
     result = done.result
@@ -54,16 +54,16 @@ def write_entry(unit: int, done: Done, setup: str, failures: Mapping[str, str]) 
             [list(cell), elite.layout.hex(), elite.quality, elite.verdict] for cell, elite in result.elites.items()
         ],
     }
-    return (json.dumps({**entry, "digest": digest_of([setup, entry])}) + "\n").encode()
+    return (json.dumps({**entry, "digest": digest_of([fingerprint, entry])}) + "\n").encode()
 
 
-def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], Failure]) -> Done:
+def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], Failure]) -> Done:
     """The unit that an entry tells of.
 
     Args:
         text: The entry's file.
         unit: Whose entry it is to be.
-        setup: Digest of the campaign's setup.
+        fingerprint: Digest of what the campaign is.
         failure: Reads the failure of a name.
 
     Raises:
@@ -71,7 +71,7 @@ def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], Failur
     """
     try:
         entry = json.loads(text)
-        if entry.pop("digest") != digest_of([setup, entry]) or entry["unit"] != unit:
+        if entry.pop("digest") != digest_of([fingerprint, entry]) or entry["unit"] != unit:
             raise ValueError("it is of another campaign or unit, or was changed")
         result = UnitResult(
             lane=str(entry["lane"]),
@@ -84,7 +84,7 @@ def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], Failur
         )
         return Done(result, float(entry["seconds"]))
     except (AttributeError, KeyError, OverflowError, RecursionError, TypeError) as error:
-        raise ValueError(f"it is no entry of a ledger: {error}") from error
+        raise ValueError(f"it is not an entry of a campaign store: {error}") from error
 
 
 def _checked(name: Any) -> str:

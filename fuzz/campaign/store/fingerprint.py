@@ -24,7 +24,7 @@ from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
 
-__all__ = ["Setup", "config_of", "digest_of", "digest_of_sources", "setup_of"]
+__all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
 
 _OWN = ("worldgen", "sim", "fuzz")
 _SHOWS = ("fuzz/ci", "fuzz/commands", "fuzz/player", "fuzz/report", "fuzz/studio", "worldgen/cli", "worldgen/commands")
@@ -36,8 +36,8 @@ _LONGEST = 60  # characters of a value in a message
 
 
 @dataclass(frozen=True)
-class Setup:
-    """A configuration and the code that goes with it; campaigns of equal setups find the same.
+class Fingerprint:
+    """A configuration and the code that goes with it; campaigns of equal fingerprints find the same.
 
     Args:
         configuration: The campaign's, in JSON's types.
@@ -52,8 +52,8 @@ class Setup:
         """The first hex digits of the SHA-256 of all of it."""
         return digest_of([self.configuration, self.code])
 
-    def differences(self, now: Setup) -> list[str]:
-        """How another setup differs from this one, in words: ``seed is 5, not 6``."""
+    def differences(self, now: Fingerprint) -> list[str]:
+        """How another fingerprint differs from this one, in words: ``seed is 5, not 6``."""
         found = [
             f"{name} is {_shown(self.configuration.get(name))}, not {_shown(now.configuration.get(name))}"
             for name in sorted(self.configuration.keys() | now.configuration.keys())
@@ -66,15 +66,15 @@ class Setup:
         return found
 
 
-def setup_of(config: CampaignConfig) -> Setup:
-    """The setup of a configuration, with the code as it is here and now.
+def fingerprint_of(config: CampaignConfig) -> Fingerprint:
+    """The fingerprint of a configuration, with the code as it is here and now.
 
     Raises:
         InvalidParameter: If a controller, family or oracle cannot be found.
     """
     code = {"worldgen": f"{version('worldgen')} ({_own_sources()})", "hypothesis": version("hypothesis")}
     code |= {name: digest for name, digest in _other_sources(config) if digest}
-    return Setup(_configuration(config), code)
+    return Fingerprint(_configuration(config), code)
 
 
 def digest_of(value: Any) -> str:

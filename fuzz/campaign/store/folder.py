@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
-from fuzz.campaign.store.fingerprint import Setup
+from fuzz.campaign.store.fingerprint import Fingerprint
 from fuzz.campaign.store.last_error import forget_error
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
@@ -27,7 +27,7 @@ from worldgen.files.grid import loads
 from worldgen.files.locks import lock, sign
 from worldgen.files.whole import read_text, write_bytes
 
-__all__ = ["CampaignFolder", "Ledger"]
+__all__ = ["CampaignStore", "FolderStore"]
 
 _NAME = ".campaign"
 _VERSION = 1
@@ -41,7 +41,7 @@ def _content_name(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
 
 
-class Ledger:
+class CampaignStore:
     """A campaign's memory; this one remembers nothing, for a campaign that nobody goes on with."""
 
     def unit(self, unit: int) -> Done | None:
@@ -60,7 +60,7 @@ class Ledger:
         """Keeps a unit; one that was cut short apart from those that are done."""
 
     def seconds(self) -> float:
-        """Return how long earlier sittings took, as far as that is known."""
+        """Return how long earlier runs took, as far as that is known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
@@ -71,7 +71,7 @@ class Ledger:
         """Keeps what a failure was shrunk to."""
 
 
-class CampaignFolder(Ledger):
+class FolderStore(CampaignStore):
     """A campaign's memory in ``OUT/.campaign``, kept from other processes until :meth:`close`.
 
     Args:
@@ -83,7 +83,7 @@ class CampaignFolder(Ledger):
 
     def __init__(self, out: Path) -> None:
         self.out, self._path = out, out / _NAME
-        self._setup = ""
+        self._fingerprint = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
             raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
@@ -101,8 +101,8 @@ class CampaignFolder(Ledger):
         sign(self._lock)
 
     @staticmethod
-    def stored_in(out: Path) -> tuple[Setup, dict[str, Any]] | None:
-        """The setup of the campaign in a folder, and how long it was to search; ``None`` if there is none.
+    def stored_in(out: Path) -> tuple[Fingerprint, dict[str, Any]] | None:
+        """The fingerprint of the campaign in a folder, and how long it was to search; ``None`` if there is none.
 
         Raises:
             FormatError: If it cannot be read.
@@ -114,7 +114,7 @@ class CampaignFolder(Ledger):
             said = json.loads(read_text(file))
             if said["version"] != _VERSION:
                 raise ValueError(f"it is of version {said['version']}, and this reads version {_VERSION}")
-            return Setup(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
+            return Fingerprint(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
         except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
             if isinstance(error, FormatError):
                 raise
@@ -136,13 +136,13 @@ class CampaignFolder(Ledger):
         """Lets other processes at it."""
         os.close(self._lock)
 
-    def begin(self, setup: Setup, goal: dict[str, Any]) -> None:
-        """Stores the setup of a new campaign, or the new goal of the one that is there.
+    def begin(self, fingerprint: Fingerprint, budget: dict[str, Any]) -> None:
+        """Stores the fingerprint of a new campaign, or the new budget of the one that is there.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        self._setup = setup.digest
+        self._fingerprint = fingerprint.digest
         forget_error(self.out)
         with _told(self._path):
             for part in _PARTS:
@@ -150,7 +150,12 @@ class CampaignFolder(Ledger):
             for file in (self._path / "shrunk").iterdir():
                 if name := _SHRUNK.fullmatch(file.name):
                     self._shrunk[name["key"]] = file
-        said = {"version": _VERSION, "configuration": setup.configuration, "code": setup.code, "goal": goal}
+        said = {
+            "version": _VERSION,
+            "configuration": fingerprint.configuration,
+            "code": fingerprint.code,
+            "goal": budget,
+        }
         self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
 
     def forget(self) -> None:
@@ -185,7 +190,7 @@ class CampaignFolder(Ledger):
         if not file.is_file():
             return None
         try:
-            return read_entry(read_text(file), unit, self._setup, self._failure)
+            return read_entry(read_text(file), unit, self._fingerprint, self._failure)
         except (ValueError, WorldgenError):
             return None
 
@@ -200,7 +205,7 @@ class CampaignFolder(Ledger):
             names[kind] = failure.id
             self._save(f"failures/{names[kind]}.grid", failure.dumps())
         file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
-        write_bytes(file, write_entry(unit, done, self._setup, names), force=True)
+        write_bytes(file, write_entry(unit, done, self._fingerprint, names), force=True)
         if not done.result.cut:
             self._cut_file(unit).unlink(missing_ok=True)
 
@@ -258,7 +263,7 @@ class CampaignFolder(Ledger):
                     file.unlink()
 
     def seconds(self) -> float:
-        """Return how long earlier sittings took, shrinking after the last unit included; 0 if that cannot be read."""
+        """Return how long earlier runs took, shrinking after the last unit included; 0 if that cannot be read."""
         try:
             seconds = float(json.loads((self._path / "summary.json").read_bytes())["seconds"])
         except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):

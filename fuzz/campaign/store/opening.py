@@ -8,22 +8,22 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.store.fingerprint import Setup, config_of, setup_of
-from fuzz.campaign.store.folder import CampaignFolder
+from fuzz.campaign.store.fingerprint import Fingerprint, config_of, fingerprint_of
+from fuzz.campaign.store.folder import FolderStore
 from worldgen.errors import FormatError, OutputError
 
-__all__ = ["Goal", "Sitting", "begin", "resume", "stored_seed"]
+__all__ = ["Budget", "CampaignRun", "begin", "resume", "stored_seed"]
 
 _SAID_AT_MOST = 3  # differences
 
 
 @dataclass(frozen=True)
-class Goal:
+class Budget:
     """How long a campaign is to search.
 
     Args:
         units: Amount of work, or ``None``.
-        seconds: Time, of this sitting alone, or ``None``.
+        seconds: Time, of this run alone, or ``None``.
     """
 
     units: int | None = None
@@ -31,45 +31,45 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Sitting:
+class CampaignRun:
     """A campaign that may begin, or go on.
 
     Args:
         config: What to look for.
-        folder: Its memory, ours until it is closed.
-        goal: How long.
+        store: Its memory, ours until it is closed.
+        budget: How long.
         done: Units that the folder holds already.
     """
 
     config: CampaignConfig
-    folder: CampaignFolder
-    goal: Goal
+    store: FolderStore
+    budget: Budget
     done: int
 
 
 def stored_seed(out: Path) -> int | None:
     """The seed of the campaign in a folder, ``None`` if there is none, or none that can be read."""
     try:
-        stored = CampaignFolder.stored_in(out)
+        stored = FolderStore.stored_in(out)
         return None if stored is None else int(stored[0].configuration["seed"])
     except (FormatError, KeyError, OverflowError, TypeError, ValueError):
         return None
 
 
-def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False) -> Sitting:
+def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:
     """Begins a campaign in a folder, or goes on with the same one; one that did nothing yet makes room for another.
 
     Args:
         config: What to look for.
         out: The folder; made if it is missing.
-        goal: How long.
+        budget: How long.
         force: Forget what another campaign did there, and replace files of the same name.
 
     Raises:
         OutputError: If the folder holds something else, another process is writing it, or it cannot be written.
         FormatError: If its memory cannot be read.
     """
-    stored = None if force else CampaignFolder.stored_in(out)
+    stored = None if force else FolderStore.stored_in(out)
     if stored is None and not force and out.is_dir() and any(out.glob("*.grid")):
         raise OutputError(
             "folder-holds-worlds",
@@ -78,32 +78,33 @@ def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False)
             at_terminal=True,
             out=out,
         )
-    setup, folder = setup_of(config), CampaignFolder(out)
+    fingerprint = fingerprint_of(config)
+    store = FolderStore(out)
     try:
-        if force or not folder.units_done():
-            folder.forget()
-        stored = CampaignFolder.stored_in(out)  # again, for another process may have begun
+        if force or not store.units_done():
+            store.forget()
+        stored = FolderStore.stored_in(out)  # again, for another process may have begun
         if stored is not None:
-            _refuse_another(out, stored[0], setup, f"worldgen fuzz --resume {out} goes on with that one")
-        return _sitting(config, folder, setup, goal)
+            _refuse_another(out, stored[0], fingerprint, f"worldgen fuzz --resume {out} goes on with that one")
+        return _open_run(config, store, fingerprint, budget)
     except BaseException:
-        folder.close()
+        store.close()
         raise
 
 
-def resume(out: Path, goal: Goal | None = None) -> Sitting:
+def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
     """Goes on with the campaign in a folder.
 
     Args:
         out: The folder.
-        goal: How long; as before if left out.
+        budget: How long; as before if left out.
 
     Raises:
         OutputError: If there is none, it was done by other code, or its folder cannot be had.
         FormatError: If its memory cannot be read.
         WorldgenError: If its configuration cannot be had here: its controller is missing, say.
     """
-    stored = CampaignFolder.stored_in(out)
+    stored = FolderStore.stored_in(out)
     if stored is None:
         raise OutputError(
             "no-campaign",
@@ -112,10 +113,10 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
             at_terminal=True,
             out=out,
         )
-    setup, before = stored
+    fingerprint, before = stored
     try:
-        config = config_of(setup.configuration)
-        wanted = goal or _goal(before)
+        config = config_of(fingerprint.configuration)
+        wanted = budget or _budget(before)
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise FormatError(
             "invalid-campaign",
@@ -125,37 +126,37 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
             reason=str(error),
             source=str(out),
         ) from error
-    now = setup_of(config)
-    _refuse_another(out, setup, now, "resume it in the folder and with the code with which it began")
-    folder = CampaignFolder(out)
+    now = fingerprint_of(config)
+    _refuse_another(out, fingerprint, now, "resume it in the folder and with the code with which it began")
+    store = FolderStore(out)
     try:
-        return _sitting(config, folder, now, wanted)
+        return _open_run(config, store, now, wanted)
     except BaseException:
-        folder.close()
+        store.close()
         raise
 
 
-def _sitting(config: CampaignConfig, folder: CampaignFolder, setup: Setup, goal: Goal) -> Sitting:
-    done = folder.units_done()
-    if goal.units is not None and done > goal.units:
+def _open_run(config: CampaignConfig, store: FolderStore, fingerprint: Fingerprint, budget: Budget) -> CampaignRun:
+    done = store.units_done()
+    if budget.units is not None and done > budget.units:
         raise OutputError(
             "campaign-is-further",
             "the campaign in {out} has done {units} units already",
             "give --units {units} or more, or --force to begin anew",
             at_terminal=True,
-            out=folder.out,
+            out=store.out,
             units=done,
         )
-    folder.begin(setup, {"units": goal.units, "seconds": goal.seconds})
-    return Sitting(config, folder, goal, done)
+    store.begin(fingerprint, {"units": budget.units, "seconds": budget.seconds})
+    return CampaignRun(config, store, budget, done)
 
 
-def _goal(said: Mapping[str, Any]) -> Goal:
+def _budget(said: Mapping[str, Any]) -> Budget:
     units, seconds = said["units"], said["seconds"]
-    return Goal(None if units is None else int(units), None if seconds is None else float(seconds))
+    return Budget(None if units is None else int(units), None if seconds is None else float(seconds))
 
 
-def _refuse_another(out: Path, before: Setup, now: Setup, way_out: str) -> None:
+def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: str) -> None:
     said = before.differences(now)
     if said:
         more = f", and {len(said) - _SAID_AT_MOST} more" if len(said) > _SAID_AT_MOST else ""

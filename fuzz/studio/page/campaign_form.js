@@ -12,7 +12,7 @@ import { Refused } from "./refusals.js";
 const KEPT = "campaign-form"; // under which the browser keeps what was chosen
 const SLOW = 4000; // ms after which one wants to know what takes so long
 const FIRST = "The first campaign of a new installation prepares the simulator, once; that can take a minute.";
-const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", goal: "seconds", units: 50, seconds: 30, named: false };
+const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", budget: "seconds", units: 50, seconds: 30, named: false };
 
 /**
  * @param {any} campaign
@@ -195,22 +195,22 @@ function goalPart(form) {
   const { state, parts, campaign } = form;
   const { limits } = campaign.studio;
   const set = (value) => {
-    state.goal = value;
+    state.budget = value;
     parts.amount.value = state[value];
     parts.amount.max = limits[value];
     isGood(parts.amount);
     parts.amount.setAttribute("aria-label", value === "units" ? "Units" : "Seconds");
   };
-  parts.amount = number(state[state.goal], (value) => (state[state.goal] = value), { low: 1, high: limits[state.goal], step: 1 });
+  parts.amount = number(state[state.budget], (value) => (state[state.budget] = value), { low: 1, high: limits[state.budget], step: 1 });
   parts.amount.required = true;
   parts.amount.title = "Give a whole number from 1 on.";
   parts.amount.id = "campaign-amount";
-  parts.amount.setAttribute("aria-label", state.goal === "units" ? "Units" : "Seconds");
+  parts.amount.setAttribute("aria-label", state.budget === "units" ? "Units" : "Seconds");
   const pairs = [
     ["seconds", "Seconds"],
     ["units", "Units of work"],
   ];
-  return el("div", { class: "goal" }, radios(form, "goal", "How long", pairs, set), parts.amount);
+  return el("div", { class: "budget" }, radios(form, "budget", "How long", pairs, set), parts.amount);
 }
 
 function knownPart({ parts, campaign }, checked) {
@@ -232,7 +232,7 @@ function messageFor({ campaign, state, parts, more }) {
     seed: parts.seed.value.trim(),
     workers: given(parts.workers),
     known: parts.known.checked,
-    [state.goal]: given(parts.amount),
+    [state.budget]: given(parts.amount),
   };
 }
 

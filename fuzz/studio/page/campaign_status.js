@@ -115,10 +115,10 @@ function rowOf([name, ...cells]) {
   return el("tr", {}, el("th", { scope: "row" }, name), cells.map(cell));
 }
 
-// How much of the goal is done, from 0 to 1.
-function share({ goal, units, sitting }) {
-  if (goal.units) return Math.min(1, units / goal.units);
-  return goal.seconds && sitting !== null ? Math.min(1, sitting / goal.seconds) : 0;
+// How much of the budget is done, from 0 to 1.
+function share({ budget, units, elapsed }) {
+  if (budget.units) return Math.min(1, units / budget.units);
+  return budget.seconds && elapsed !== null ? Math.min(1, elapsed / budget.seconds) : 0;
 }
 
 function line(status, classes) {
@@ -135,22 +135,22 @@ function line(status, classes) {
   return [
     el("b", { class: state.running ? "good" : "", id: "campaign-state" }, doing),
     el("span", {}, `${state.controller} under ${state.motion}, seed ${state.seed}`),
-    el("span", {}, goalWords(state)),
+    el("span", {}, budgetWords(state)),
     ...facts.map(([value, words]) => el("span", {}, el("b", {}, value), ` ${words}`)),
   ];
 }
 
 // A process that was killed has left "running".
-function stands({ goal, units, error, status }) {
+function stands({ budget, units, error, status }) {
   if (error || status === "failed") return "Gave up";
-  return status === "stopped" || status === "running" || (goal.units && units < goal.units) ? "Stopped" : "Done";
+  return status === "stopped" || status === "running" || (budget.units && units < budget.units) ? "Stopped" : "Done";
 }
 
-function goalWords({ goal, units, running, sitting }) {
-  if (goal.units) return `unit ${units} of ${goal.units}`;
+function budgetWords({ budget, units, running, elapsed }) {
+  if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
-  if (running && sitting !== null && sitting > goal.seconds) return `the ${goal.seconds} s are over: ending what is under way, ${shown}`;
-  if (running && sitting !== null) return `${Math.round(sitting)} of ${goal.seconds} s, ${shown}`;
+  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over: ending what is under way, ${shown}`;
+  if (running && elapsed !== null) return `${Math.round(elapsed)} of ${budget.seconds} s, ${shown}`;
   return plural(units, "unit");
 }
 
@@ -230,9 +230,9 @@ function stopButton(onclick, disabled = false) {
 }
 
 function goOnPart(state, campaign) {
-  const byUnits = state.goal.units !== null;
-  const left = byUnits && state.units < state.goal.units;
-  const usual = byUnits ? (left ? state.goal.units : 2 * state.goal.units) : state.goal.seconds;
+  const byUnits = state.budget.units !== null;
+  const left = byUnits && state.units < state.budget.units;
+  const usual = byUnits ? (left ? state.budget.units : 2 * state.budget.units) : state.budget.seconds;
   const amount = el("input", { type: "number", id: "go-on-amount", value: usual, min: byUnits ? Math.max(1, state.units) : 1, step: 1 });
   const go = () => {
     const value = amount.valueAsNumber;

@@ -178,7 +178,7 @@ export function isField(target) {
  */
 export function isGood(input) {
   const fault = faultOf(input);
-  const place = input.closest(".labelled, .goal"),
+  const place = input.closest(".labelled, .budget"),
     id = `${input.id}-fault`;
   document.getElementById(id)?.remove();
   const about = (input.getAttribute("aria-describedby") || "").split(" ").filter((one) => one && one !== id);

@@ -207,14 +207,14 @@ interface CampaignState {
   controller: string;
   motion: string;
   seed: string;
-  goal: { units: number | null; seconds: number | null };
+  budget: { units: number | null; seconds: number | null };
   status: string;
   units: number;
   worlds: number;
   steps: number;
   seconds: number;
   /** For how long its process runs, s. */
-  sitting: number | null;
+  elapsed: number | null;
   /** Another text whenever a failure is new or smaller. */
   failures: string;
   verdicts: Record<string, number>;
