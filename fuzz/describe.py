@@ -8,7 +8,6 @@ from pathlib import Path
 
 from fuzz.boundary import boundaries_in_words
 from fuzz.failure import Failure
-from fuzz.oracles import objection_in_words
 from sim.describe import evidence_in_words, frames_in_words
 from sim.drawing.picture import trail_of
 from sim.episode import Episode
@@ -71,6 +70,6 @@ def run_to_draw(failure: Failure) -> tuple[Episode, str]:
     episode = failure.run()
     words = evidence_in_words(episode)
     if not failure.is_breach:
-        return episode, words + objection_in_words(failure.oracle, failure.objection)
+        return episode, words + failure.violation.in_words
     whole = failure.run(through_walls=True)
     return whole, f"{words}: reached a walled-off target in step {whole.steps}"

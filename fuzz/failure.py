@@ -9,11 +9,12 @@ from functools import cached_property
 from pathlib import Path
 
 from fuzz.simplicity import Case, simplicity
+from fuzz.violation import Violation
 from sim.episode import Episode, simulate
 from sim.evidence import Evidence, read_evidence
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
-from sim.verdict import UNENDED, Verdict
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import dumps, read_world, write_world
 from worldgen.world import Cut, FailureRecord, Value, World
@@ -127,20 +128,15 @@ class Failure:
         return None if named is None else str(named)
 
     @property
-    def objection(self) -> dict[str, Value]:
-        """What the oracle said; empty of a failure by its verdict."""
-        said = self.record.evidence.get("objection")
-        return said if isinstance(said, dict) else {}
+    def violation(self) -> Violation:
+        """What is wrong with the run, as the record has it."""
+        facts = self.record.evidence.get("objection")
+        return Violation(self.bucket, self.evidence, self.oracle, facts if isinstance(facts, dict) else {})
 
     @property
     def is_breach(self) -> bool:
         """Whether the target is walled off, so that it is a failure to get there."""
         return isinstance(self.world.certificate, Cut)
-
-    @property
-    def expectations(self) -> tuple[Verdict, ...]:
-        """The verdicts with which a run in this world is as it should be."""
-        return UNENDED if self.is_breach else (Verdict.REACHED,)
 
     @property
     def is_shrunk(self) -> bool:

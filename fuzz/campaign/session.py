@@ -27,7 +27,7 @@ from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
-from fuzz.oracles import Asked, Trial
+from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.names import DATABASE, TIME_STEPS
 from fuzz.search.registry import check_lane
 from fuzz.triage.hazards import is_unsensed
@@ -107,11 +107,11 @@ def configure(
         epoch=epoch,
     )
     with working("loading the simulator and the controller"):
-        _try_out(config, seconds, [Asked.parse(text) for text in oracles])
+        _try_out(config, seconds, [NamedOracle.parse(text) for text in oracles])
     return config
 
 
-def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) -> None:
+def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
     scenario = config.scenario
     outcome = try_out(scenario, seconds)
@@ -125,8 +125,8 @@ def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) 
             seconds=outcome.fault.deadline,
         )
     proved = certified(EMPTY_ARENA) or EMPTY_ARENA
-    for oracle in asked:
-        oracle.objection(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
+    for oracle in oracles:
+        oracle.check(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
 
 
 class CampaignSession:

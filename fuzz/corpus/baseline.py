@@ -8,9 +8,8 @@ from pathlib import Path
 
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.failure import Failure
-from fuzz.oracles import Asked
 from fuzz.triage.crash_bucket import has_facts
-from fuzz.triage.judging import failure_by, failure_of
+from fuzz.triage.judging import failure_of, oracle_of
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import in_plain_place
 from sim.evidence import FaultEvidence
@@ -117,10 +116,7 @@ def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
     if fault:
         return None, fault
     try:
-        if failure.oracle is None:
-            now = failure_of(failure.world, failure.scenario, steps=failure.options.steps)
-        else:
-            now = failure_by(failure.world, failure.scenario, Asked.parse(failure.oracle))
+        now = failure_of(failure.world, failure.scenario, oracle_of(failure), steps=failure.options.steps)
     except WorldgenError as error:
         return None, f"cannot be run here ({error})"
     return now, "does not fail any more"

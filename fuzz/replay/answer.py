@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from fuzz.failure import Failure
-from fuzz.oracles import objection_in_words
 from fuzz.replay.fixed import is_fixed
 from fuzz.triage.judging import Replay, replay
 from fuzz.triage.proofs import certificate_fault
@@ -68,7 +67,7 @@ def answer(failure: Failure, controller: str | None = None) -> Answer:
     record = failure.record
     if outcome.episode is None:
         return Answer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
-    was = _in_short(record.verdict, failure.evidence) + objection_in_words(failure.oracle, failure.objection)
+    was = _in_short(record.verdict, failure.evidence) + failure.violation.in_words
     if outcome.confirmed:
         same = "the same, bit for bit" if outcome.episode.trace_digest == record.trace_digest else "still fails alike"
         return Answer(State.SAME, f"{same}: {was}", outcome, outcome.episode)

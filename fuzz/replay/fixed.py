@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fuzz.failure import Failure
-from fuzz.oracles import Asked, objection_in_words
-from fuzz.triage.judging import judge, judge_asked
+from fuzz.oracles import Oracle, Trial, verdict_oracle
+from fuzz.triage.judging import oracle_of, violation_in
 from fuzz.triage.proofs import certificate_fault, certified
 from sim.controllers.contract import check_contract
 from sim.describe import evidence_in_words
@@ -65,14 +65,7 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
     failure = failure.driven_by(controller)
     world, stored = failure.world, failure.options
     options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
-    asked = None if failure.oracle is None else Asked.parse(failure.oracle)
-    checked, wrong = _checked(world, failure.scenario, options, failure.expectations)
-    episode = checked.seen.episode
-    if asked is None or wrong or checked.reason or episode is None or episode.verdict != Verdict.REACHED:
-        return checked
-    said = judge_asked(world, failure.record.controller, options, asked)[1]
-    words = "" if said is None else _ended(failure.scenario, episode) + objection_in_words(asked.text, said)
-    return Checked(words, checked.seen)
+    return _checked(world, failure.scenario, options, oracle_of(failure))
 
 
 def arrives(world: World, controller: str) -> Checked:
@@ -91,30 +84,30 @@ def arrives(world: World, controller: str) -> Checked:
             at_terminal=True,
         )
     scenario = Scenario.parse(controller)
-    expected = UNENDED if isinstance(proved.certificate, Cut) else (Verdict.REACHED,)
-    return _checked(proved, scenario, scenario.options(proved), expected)[0]
+    return _checked(proved, scenario, scenario.options(proved), verdict_oracle(proved))
 
 
-def _checked(
-    world: World, scenario: Scenario, options: RunOptions, expected: tuple[Verdict, ...]
-) -> tuple[Checked, str]:
-    """The outcome of a run against the verdicts that are right there, and what is wrong with its own verdict."""
+def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Oracle) -> Checked:
+    """Run a scenario, and hold its verdict and what the oracle finds against what is right in such a world."""
     fault = certificate_fault(world)
     if fault:
-        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world)), ""
-    episode, wrong = judge(world, scenario.controller, options)
+        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
+    trial = Trial.recorded(world, scenario.controller, options)
+    episode = trial.episode
     check_contract(scenario.controller, episode.evidence, episode.steps)
     seen = Seen(world, scenario, options, episode)
-    ended = _ended(scenario, episode)
-    if episode.verdict not in expected:
-        what = "the target is walled off" if Verdict.REACHED not in expected else "the target can be reached"
-        joined = ", where" if Verdict.REACHED not in expected else ", though"
-        return Checked(f"{ended}{joined} {what}", seen), wrong
-    return Checked(f"{ended}, but {wrong}" if wrong and Verdict.REACHED in expected else "", seen), wrong
+    ended = f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
 
-
-def _ended(scenario: Scenario, episode: Episode) -> str:
-    return f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
+    # Where the target is walled off, the robot only has to stay out.
+    if isinstance(world.certificate, Cut):
+        stays_out = episode.verdict in UNENDED
+        return Checked("" if stays_out else f"{ended}, where the target is walled off", seen)
+    if episode.verdict != Verdict.REACHED:
+        return Checked(f"{ended}, though the target can be reached", seen)
+    if trial.flaw:
+        return Checked(f"{ended}, but {trial.flaw}", seen)
+    found = violation_in(trial, oracle)
+    return Checked("" if found is None else ended + found.in_words, seen)
 
 
 def who_drives(scenario: Scenario) -> str:

@@ -6,11 +6,9 @@ import functools
 from dataclasses import dataclass, replace
 
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.oracles import Asked, Trial
+from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket, has_facts
-from fuzz.triage.judging import judge
-from fuzz.triage.proofs import certified, walled_off
-from fuzz.triage.signature import failure_class
+from fuzz.triage.judging import oracle_of
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
@@ -47,44 +45,49 @@ class StillFails:
         scenario: What runs.
         verdict: The verdict to keep.
         budget: Steps for verdicts that the run itself proves; others get the budget of their own witness.
+        oracle: The oracle that is to object still.
         manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind of a stalled run,
             the bucket of a crash; empty for any.
-        breach: Whether the target is to stay walled off, and to be reached regardless of walls.
-        asked: The oracle that is to object still, for a failure by one; then the manner is its class.
-        kind: The failure's class, where that is to stay as well; empty for any.
+        bucket: The bucket to keep, if that is to stay as well, as it always is if a user's oracle objects; empty for
+            any.
     """
 
     scenario: Scenario
     verdict: str
     budget: int
+    oracle: Oracle = VERDICT
     manner: str = ""
-    breach: bool = False
-    asked: Asked | None = None
-    kind: str = ""
+    bucket: str = ""
     simulations: int = 0
 
     @classmethod
-    def of(cls, failure: Failure, budget: int | None = None, *, kind: str | None = None) -> StillFails:
-        """The predicate that keeps what a failure's record says.
+    def of(cls, failure: Failure, budget: int | None = None, *, bucket: str | None = None) -> StillFails:
+        """Return the predicate that keeps what a failure's record says.
 
         Args:
             failure: What is shrunk.
-            budget: See above; the record's own where left out.
-            kind: See above; where left out, the record's class if the record says that it was kept.
+            budget: See above; if omitted, the record's own.
+            bucket: See above; if omitted, the record's if the record says that it was kept.
         """
-        if kind is None:
+        oracle = oracle_of(failure)
+        if isinstance(oracle, NamedOracle):
+            bucket = oracle.bucket_of(failure.violation.facts)
+        elif bucket is None:
             details = failure.record.details
-            kind = failure.bucket if details.get("kept") == "class" and "class" in details else ""
-        asked = None if failure.oracle is None else Asked.parse(failure.oracle)
+            bucket = failure.bucket if details.get("kept") == "class" and "class" in details else ""
         return cls(
             failure.scenario,
             failure.verdict,
             failure.options.steps if budget is None else budget,
-            manner=_manner_of(failure.evidence) if asked is None else asked.kind(failure.objection),
-            breach=failure.is_breach,
-            asked=asked,
-            kind=kind,
+            oracle,
+            manner=_manner_of(failure.evidence),
+            bucket=bucket,
         )
+
+    @property
+    def breach(self) -> bool:
+        """Whether the target is to stay walled off, and to be reached regardless of walls."""
+        return self.oracle == BREACH
 
     @property
     def is_proved_by_the_run(self) -> bool:
@@ -94,7 +97,7 @@ class StillFails:
     @property
     def proof_budget(self) -> int | None:
         """Budget that the final failure must have; ``None`` where its witness decides."""
-        return self.budget if self.is_proved_by_the_run and self.asked is None else None
+        return self.budget if self.is_proved_by_the_run else None
 
     @property
     def least_budget(self) -> int:
@@ -128,36 +131,36 @@ class StillFails:
             return False
 
     def _failing(self, candidate: World, scenario: Scenario) -> World | None:
-        if self.asked is not None:
-            return self._objected(self.asked, candidate, scenario)
+        if not self.oracle.by_verdict:
+            return self._objected_to(candidate, scenario)
         if self.is_proved_by_the_run:
             options = scenario.options(candidate, self.budget)
             if not self._fails(candidate, options):
                 return None
-            proved = walled_off(candidate) if self.breach else certified(candidate)
+            proved = self.oracle.prove(candidate)
         else:
-            proved = certified(candidate)
+            proved = self.oracle.prove(candidate)
             if proved is None:
                 return None
             options = scenario.options(proved)
             if not self._fails(proved, options):
                 return None
-        if proved is None or not self.kind:
+        if proved is None or not self.bucket:
             return proved
-        if self.breach:  # whose class hangs on where the robot gets to, walls or not
-            episode, _ = judge(proved, scenario.controller, options)
-        else:
-            episode = simulate(proved, scenario.controller, options, record=True)
-        return proved if failure_class(proved, episode) == self.kind else None
+        return proved if self._is_in_bucket(Trial.recorded(proved, scenario.controller, options)) else None
 
-    def _objected(self, asked: Asked, candidate: World, scenario: Scenario) -> World | None:
-        """The candidate with a fresh witness if the oracle objects in the same manner."""
-        proved = certified(candidate)
+    def _objected_to(self, candidate: World, scenario: Scenario) -> World | None:
+        """Return the candidate with a fresh witness if a user's oracle objects in the same manner."""
+        proved = self.oracle.prove(candidate)
         if proved is None:
             return None
         self.simulations += 1
-        said = asked.objection(Trial(proved, scenario.controller, scenario.options(proved)))
-        return proved if said is not None and asked.kind(said) == self.manner else None
+        trial = Trial(proved, scenario.controller, scenario.options(proved))
+        return proved if self._is_in_bucket(trial) else None
+
+    def _is_in_bucket(self, trial: Trial) -> bool:
+        found = self.oracle.check(trial)
+        return found is not None and found.bucket == self.bucket
 
     def _fails(self, world: World, options: RunOptions) -> bool:
         self.simulations += 1

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
 from fuzz.failure import Failure
+from fuzz.oracles import Trial
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.passes import PASSES, Pass
@@ -16,8 +17,7 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.simplicity import Case
 from fuzz.triage.hazards import HAZARD
-from fuzz.triage.judging import failure_by, failure_of, judge
-from fuzz.triage.signature import failure_class
+from fuzz.triage.judging import failure_of, oracle_of
 from sim.episode import simulate
 from sim.evidence import WallEvidence
 from sim.options.run import MAX_STEPS
@@ -213,7 +213,7 @@ class _Reducer:
         details: dict[str, Value] = {"original": self._failure.id}
         details |= {name: value for name, value in came.items() if name not in _OF_THE_OLD_WORLD}
         details |= made.record.details
-        if self._still_fails.asked is None:
+        if self._still_fails.oracle.by_verdict:
             details |= chance_details(made.world, scenario)
         details |= {
             "shrunk_from": self._failure.world.solid_cells,
@@ -261,10 +261,8 @@ class _Reducer:
 
     def _recorded(self, proved: World) -> Failure | None:
         """The failure with its record, or ``None`` if its oracle objects."""
-        scenario, asked = self._best.scenario, self._still_fails.asked
-        if asked is not None:
-            return failure_by(proved, scenario, asked)
-        return failure_of(proved, scenario, steps=self._still_fails.proof_budget)
+        oracle, budget = self._still_fails.oracle, self._still_fails.proof_budget
+        return failure_of(proved, self._best.scenario, oracle, steps=budget)
 
 
 def _judge(failure: Failure, keep: str) -> StillFails:
@@ -274,15 +272,16 @@ def _judge(failure: Failure, keep: str) -> StillFails:
         InvalidParameter: If it does not fail.
     """
     record, options = failure.record, failure.options
-    kind = ""
+    bucket = ""
     if keep == "class":
-        kind = failure_class(failure.world, judge(failure.world, record.controller, options)[0])
+        found = oracle_of(failure).check(Trial.recorded(failure.world, record.controller, options))
+        bucket = "" if found is None else found.bucket
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
     for budget in (min(more, MAX_STEPS), options.steps):  # with more steps, what overlaps may tunnel in the end
-        still_fails = StillFails.of(failure, budget, kind=kind)
+        still_fails = StillFails.of(failure, budget, bucket=bucket)
         if still_fails(bare(failure.world)) is not None:
             return still_fails
-    by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
+    by = "" if failure.oracle is None else f" with an objection of oracle {failure.oracle}"
     raise InvalidParameter(
         "does-not-fail-so",
         "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target is not {reach}",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
+from fuzz.oracles import VERDICT
 from fuzz.shrink.edits import edited
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
@@ -54,7 +55,7 @@ class Trying:
     def __init__(self, still_fails: StillFails, deadline: float | None) -> None:
         self.careful = False
         self._still_fails, self._deadline = still_fails, deadline
-        whole = still_fails.asked is None and not still_fails.breach and not still_fails.kind
+        whole = still_fails.oracle == VERDICT and not still_fails.bucket
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
         self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
 
@@ -94,7 +95,7 @@ class Trying:
         return EditedRuns(case.world, controller, case.scenario.options(case.world, budget))
 
     def _looks_quickly(self, case: Case) -> bool:
-        return not self.careful and self._still_fails.asked is None and case.world.walls.size <= _MOST_CELLS
+        return not self.careful and self._still_fails.oracle.by_verdict and case.world.walls.size <= _MOST_CELLS
 
     def _settled(self, case: Case, edit: Edit, *, looked: bool) -> Case | None:
         """The case after an edit if it is simpler and still fails.

@@ -14,7 +14,6 @@ from fuzz.corpus.entry import Entry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.describe import seeds_in_words
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.oracles import objection_in_words
 from fuzz.player import drawn_run, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.folder import KNOWN, MOST_FAILURES
@@ -144,7 +143,7 @@ class WallAnswers(Opened):
         return {
             "run": drawn_run(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
-            "words": words + objection_in_words(failure.oracle, failure.objection),
+            "words": words + failure.violation.in_words,
         }
 
     def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[Entry]:

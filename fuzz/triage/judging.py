@@ -1,7 +1,8 @@
 """Judging: from a run to a failure with evidence that holds, and back from a failure's file to the same run.
 
-A run may also fail by an oracle that was asked for: its verdict is then what it is, ``reached`` for one, and the
-evidence names the ``oracle`` and its ``objection`` (:mod:`fuzz.oracles`).
+Campaigns, shrinking, replays and regression tests all ask an oracle here (:func:`violation_in`) before a violation
+counts. If a user's oracle objects, the run's verdict stays what it is, mostly ``reached``, and the failure's evidence
+names the oracle and what it found.
 """
 
 from __future__ import annotations
@@ -9,25 +10,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from fuzz.evidence_checks import check_breach, check_evidence
-from fuzz.failure import Failure, regardless_of_walls
-from fuzz.oracles import Asked, Trial
+from fuzz.failure import Failure
+from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.crash_bucket import FACTS
 from fuzz.triage.hazards import hazard_details
 from fuzz.triage.proofs import certificate_fault
-from fuzz.triage.signature import failure_class
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
-from sim.episode import Episode, prepare, simulate
-from sim.evidence import LoopEvidence, WallEvidence, evidence_table
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import Episode
+from sim.evidence import evidence_table
 from sim.motion import MOTIONS
-from sim.motion.base import THESIS
-from sim.options.run import RunOptions
 from sim.scenario import Scenario
-from sim.verdict import BY_THE_CONTROLLER, Verdict
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
-from worldgen.world import Cut, FailureRecord, Value, World
+from worldgen.world import FailureRecord, Value, World
 
-__all__ = ["Replay", "failure_by", "failure_of", "judge", "judge_asked", "replay"]
+__all__ = ["Replay", "failure_of", "oracle_of", "replay", "violation_in"]
 
 
 @dataclass(frozen=True)
@@ -40,151 +37,97 @@ class Replay:
     episode: Episode | None = None
 
 
-def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, str]:
-    """Runs a scenario, recorded, and lets the oracle of its verdict object.
+def violation_in(trial: Trial, oracle: Oracle) -> Violation | None:
+    """Return what an oracle finds in a run, if the evidence for the run's own verdict holds.
 
-    In a world whose certificate is a cut, the scenario runs once more regardless of walls; ``reached`` in the
-    evidence is the step in which it then arrives.
+    Searches and shrinking may ask an oracle directly, to look which runs are worth this.
 
-    Returns:
-        The episode, and the objection; empty if the verdict holds.
+    Raises:
+        InvalidParameter: If the oracle does not fit the run, or fails.
     """
-    _afresh(controller)
-    episode = simulate(world, controller, options, record=True)
-    trace = episode.trace
-    if isinstance(episode.evidence, LoopEvidence):
-        longer = episode.steps + episode.evidence.period
-        trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
-    if trace is None:  # a controller that failed before its first step leaves none
-        return episode, "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
-    wrong = check_evidence(episode.verdict, world, trace, episode.evidence, options.motion_model())
-    if wrong or not isinstance(world.certificate, Cut):
-        return episode, wrong
-    return _judge_breach(world, controller, options, episode)
+    found = oracle.check(trial)
+    if found is None or (found.is_repeatable and trial.flaw):
+        return None
+    return found
 
 
-def _afresh(controller: str) -> None:
-    """Starts a program anew, so that a failure does not hang on episodes that no file holds."""
-    found = CONTROLLERS.get(controller)
-    if isinstance(found, ProcessController):
-        found.close()
+def oracle_of(failure: Failure) -> Oracle:
+    """Return the oracle whose violation a failure is.
 
-
-def _judge_breach(world: World, controller: str, options: RunOptions, episode: Episode) -> tuple[Episode, str]:
-    wall = episode.evidence
-    if (
-        episode.verdict != Verdict.TUNNEL
-        or not isinstance(wall, WallEvidence)
-        or options.motion_model().kernel != THESIS
-    ):
-        return episode, "the target is walled off, and the robot goes through no wall"
-    whole = simulate(world, controller, regardless_of_walls(options), record=True)
-    if whole.verdict != Verdict.REACHED or whole.trace is None or episode.trace is None:
-        return episode, "the target is walled off, and the robot does not reach it"
-    wall = replace(wall, reached=whole.steps)
-    return replace(episode, evidence=wall), check_breach(world, episode.trace, whole.trace, wall)
+    Raises:
+        InvalidParameter: If it cannot be found here.
+    """
+    return verdict_oracle(failure.world) if failure.oracle is None else NamedOracle.parse(failure.oracle)
 
 
 def failure_of(
-    world: World, scenario: Scenario, *, fewest_steps: int = 0, steps: int | None = None, **details: Value
+    world: World,
+    scenario: Scenario,
+    oracle: Oracle | None = None,
+    *,
+    fewest_steps: int = 0,
+    steps: int | None = None,
+    **details: Value,
 ) -> Failure | None:
-    """The failure of a scenario, or ``None`` if the robot arrives or the verdict is not confirmed.
+    """Return the failure that an oracle finds in a scenario; ``None`` if it finds none, or not the same one twice.
 
     Args:
         world: A world that carries a witness; or a cut, for a breach.
         scenario: What runs in it.
+        oracle: What judges the run; if omitted, its verdict does.
         fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
             ``timeout`` always speak of the witness's budget, also of a robot that arrives after it.
         steps: The budget itself, for verdicts that the run itself proves.
         **details: What else to note.
     """
+    oracle = oracle or verdict_oracle(world)
     options = scenario.options(world)
-    longer = replace(options, steps=steps or max(options.steps, fewest_steps))
-    episode, wrong = judge(world, scenario.controller, longer)
+    longer = replace(options, steps=steps or max(options.steps, fewest_steps)) if oracle.by_verdict else options
+    trial = Trial.recorded(world, scenario.controller, longer)
+    episode = trial.episode
+
+    # A robot that needs more than the witness's budget is judged by that budget.
     late = episode.verdict == Verdict.REACHED and episode.steps > options.steps
     if longer != options and (late or episode.verdict in (Verdict.STALLED, Verdict.TIMEOUT)):
-        episode, wrong = judge(world, scenario.controller, options)
-    else:
-        options = longer
-    if episode.verdict == Verdict.REACHED or wrong:
+        trial = Trial.recorded(world, scenario.controller, options)
+
+    found = violation_in(trial, oracle)
+    if found is None or not _comes_again(trial, found, oracle):
         return None
-    if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
-        again = simulate(world, scenario.controller, options)
-        if (again.verdict, again.trace_digest, _repeatable(evidence_table(again.evidence))) != (
-            episode.verdict,
-            episode.trace_digest,
-            _repeatable(evidence_table(episode.evidence)),
-        ):
-            return None  # a controller that does not do the same twice: nothing that a file could replay
-    kind = failure_class(world, episode)
-    details = {**hazard_details(episode.verdict, kind, scenario), **details}
-    return _recorded(world, scenario, options, episode, evidence_table(episode.evidence), kind, details)
-
-
-def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value) -> Failure | None:
-    """The failure of a scenario to which an oracle objects, or ``None`` if it does not, or not twice alike.
-
-    Args:
-        world: A world that carries a witness.
-        scenario: What runs in it.
-        asked: The oracle.
-        **details: What else to note.
-    """
-    options = scenario.options(world)
-    episode, said = judge_asked(world, scenario.controller, options, asked)
-    if said is None:
-        return None
-    if _comes_again(said) and not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
-        again, same = judge_asked(world, scenario.controller, options, asked)
-        if same != said or again.trace_digest != episode.trace_digest:
-            return None
-    evidence: dict[str, Value] = {**evidence_table(episode.evidence), "oracle": asked.text, "objection": said}
-    return _recorded(world, scenario, options, episode, evidence, asked.kind(said), details)
-
-
-def _recorded(
-    world: World,
-    scenario: Scenario,
-    options: RunOptions,
-    episode: Episode,
-    evidence: Mapping[str, Value],
-    kind: str,
-    details: Mapping[str, Value],
-) -> Failure:
-    """The failure with the record of what went wrong; ``kind`` is its class."""
+    if oracle.by_verdict:
+        details = {**hazard_details(trial.episode.verdict, found.bucket, scenario), **details}
     record = FailureRecord(
         controller=scenario.controller,
         motion=scenario.motion,
         seed=scenario.seed,
-        verdict=episode.verdict.value,
-        trace_digest=episode.trace_digest,
-        parameters=options.parameters(),
-        evidence=evidence,
-        details={"class": kind, "motion_version": MOTIONS.get(scenario.motion).version, **details},
+        verdict=trial.episode.verdict.value,
+        trace_digest=trial.episode.trace_digest,
+        parameters=trial.options.parameters(),
+        evidence=found.table,
+        details={"class": found.bucket, "motion_version": MOTIONS.get(scenario.motion).version, **details},
     )
     return Failure(replace(world, failure=None), record)
 
 
-def judge_asked(
-    world: World, controller: str, options: RunOptions, asked: Asked
-) -> tuple[Episode, dict[str, Value] | None]:
-    """Runs a scenario, recorded, and asks an oracle about it.
+def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
+    """Return True if a second run shows the same, for otherwise a file could not replay it."""
+    # A compiled controller cannot do otherwise.
+    if not found.is_repeatable or isinstance(CONTROLLERS.get(trial.controller), CompiledController):
+        return True
+    if oracle.by_verdict:
+        return _identity(trial.again()) == _identity(trial.episode)
+    second = Trial.recorded(trial.world, trial.controller, trial.options)
+    other = violation_in(second, oracle)
+    is_same = other is not None and other.facts == found.facts
+    return is_same and second.episode.trace_digest == trial.episode.trace_digest
 
-    Returns:
-        The episode, and the objection; ``None`` also if already the verdict does not hold.
-    """
-    episode, wrong = judge(world, controller, options)
-    said = asked.objection(Trial(world, controller, options, episode))
-    return episode, None if said is None or (wrong and _comes_again(said)) else said
 
-
-def _comes_again(objection: Mapping[str, Value]) -> bool:
-    """Whether the run and the objection come again with the same bytes."""
-    return objection.get("repeatable") is not False
+def _identity(episode: Episode) -> tuple[object, ...]:
+    return episode.verdict, episode.trace_digest, _repeatable(evidence_table(episode.evidence))
 
 
 def replay(failure: Failure, controller: str | None = None) -> Replay:
-    """Runs a failure again from its file and compares verdict, evidence, digest and certificate.
+    """Run a failure again from its file and compare verdict, evidence, digest and certificate.
 
     Args:
         failure: From its file.
@@ -195,42 +138,39 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     """
     failure = failure.driven_by(controller)
     record, options = failure.record, failure.options
-    if failure.oracle is not None:
-        return _replay_asked(failure, failure.oracle)
-    if record.verdict == Verdict.REACHED:
+    if failure.oracle is not None and not failure.violation.facts:
+        return Replay("error", False, "the evidence names no oracle and objection")
+    if failure.oracle is None and record.verdict == Verdict.REACHED:
         return Replay("reached", False, "the file records that the robot arrived, which is no failure")
     try:
-        episode, wrong = judge(failure.world, record.controller, options)
+        oracle = oracle_of(failure)
+        trial = Trial.recorded(failure.world, record.controller, options)
+        found = violation_in(trial, oracle)
     except WorldgenError as error:
         return Replay("error", False, str(error))
-    reason = _difference(record, episode) or wrong or certificate_fault(failure.world)
+    reason = _what_differs(failure, trial, found) or certificate_fault(failure.world)
+    episode = trial.episode
+    if found is not None and found.evidence is not None:
+        episode = replace(episode, evidence=found.evidence)
     return Replay(episode.verdict, not reason, reason, episode)
 
 
-def _replay_asked(failure: Failure, oracle: str) -> Replay:
-    """The replay of a failure by an oracle that was asked for."""
-    record = failure.record
-    if not failure.objection:
-        return Replay("error", False, "the evidence names no oracle and objection")
-    try:
-        asked = Asked.parse(oracle)
-        episode, said = judge_asked(failure.world, record.controller, failure.options, asked)
-    except WorldgenError as error:
-        return Replay("error", False, str(error))
-    if said is None:
-        return Replay(episode.verdict, False, f"oracle {asked.text} does not object to the run", episode)
-    if _comes_again(said):
-        reason = _difference(record, episode, {"oracle": asked.text, "objection": said})
-    else:
-        is_alike = asked.kind(said) == asked.kind(failure.objection)
-        reason = "" if is_alike else f"oracle {asked.text} objects otherwise: {said}"
-    reason = reason or certificate_fault(failure.world)
-    return Replay(episode.verdict, not reason, reason, episode)
+def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> str:
+    """Return what is not as it was recorded; empty if nothing."""
+    if found is None and failure.oracle is not None:
+        return f"oracle {failure.oracle} does not object to the run"
+    if found is None:
+        unchanged = Violation(failure.bucket, trial.episode.evidence)
+        return _difference(failure.record, trial.episode, unchanged.table) or trial.flaw or "the run is no failure"
+    if found.is_repeatable:
+        return _difference(failure.record, trial.episode, found.table)
+    # Nothing else of such a run comes again.
+    is_alike = found.facts.get("kind") == failure.violation.facts.get("kind")
+    return "" if is_alike else f"oracle {found.oracle} objects otherwise: {dict(found.facts)}"
 
 
-def _difference(record: FailureRecord, episode: Episode, said: Mapping[str, Value] | None = None) -> str:
-    """What is not as it was recorded; empty if nothing. ``said`` is what the record's oracle says now."""
-    evidence = {**evidence_table(episode.evidence), **(said or {})}
+def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
+    """Return what a run, with this evidence for it, does otherwise than its record says; empty if nothing."""
     made, now = record.details.get("motion_version"), MOTIONS.get(record.motion).version
     other = f" (recorded with version {made} of {record.motion}, this is {now})" if made not in (None, now) else ""
     if episode.verdict != record.verdict:
@@ -243,7 +183,7 @@ def _difference(record: FailureRecord, episode: Episode, said: Mapping[str, Valu
 
 
 def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
-    """The evidence without what may differ in a replay.
+    """Return the evidence without what may differ in a replay.
 
     A program's stderr and how far it came with an answer depend on the clock, the line in which a class raised moves
     when its file is edited, and files from before buckets of crashes have no facts for them.

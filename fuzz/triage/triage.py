@@ -10,10 +10,10 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline
 from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
-from fuzz.oracles import Asked, Trial
+from fuzz.oracles import BREACH, VERDICT, NamedOracle, Oracle, Trial
 from fuzz.triage.crash_bucket import crash_bucket
-from fuzz.triage.judging import failure_by, failure_of
-from fuzz.triage.proofs import certified, walled_off
+from fuzz.triage.judging import failure_of
+from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
@@ -40,7 +40,7 @@ class Door:
 
     def __init__(self, config: CampaignConfig, result: UnitResult, deadline: Deadline = NO_DEADLINE) -> None:
         self._config, self.result, self._deadline = config, result, deadline
-        self._asked = [Asked.parse(text) for text in config.oracles]
+        self._oracles = [NamedOracle.parse(text) for text in config.oracles]
         self._failed: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
         self._proof_steps = _PROOF_STEPS // config.slower
@@ -100,33 +100,31 @@ class Door:
 
     def _proved(self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]) -> str:
         """Prove, classify and keep a run; return its class, or nothing if it is no failure."""
-        details["found_by"] = self.result.lane
         if verdict == "breach":
-            sealed = walled_off(world)
             steps = scenario.options(world).steps
-            return self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, **details))
-        proved = world if world.certificate else certified(world)
-        with contextlib.suppress(InvalidParameter):  # too long to be recorded, so nothing that could be shown
-            if proved is not None:
-                return self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, **details))
-        return ""
+            return self._judged(BREACH, BREACH.prove(world), scenario, steps=steps, **details)
+        return self._judged(VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details)
 
     def ask(self, world: World, scenario: Scenario) -> str:
-        """Lets every oracle that was asked for judge the run, with its witness's budget; the class of the last one."""
-        kept = ""
-        if not self._asked:
-            return kept
-        proved = world if world.certificate else certified(world)
+        """Let every oracle that was asked for judge the run, with its witness's budget; return the last one's class."""
+        proved = _with_witness(world) if self._oracles else None
         if proved is None:
-            return kept
+            return ""
+        kept = ""
         trial = Trial(proved, scenario.controller, scenario.options(proved))
-        for asked in self._asked:
-            said = asked.objection(trial)
-            if said is None or not self._is_one_of_few("oracle", asked.kind(said)):
-                continue
-            with contextlib.suppress(InvalidParameter):  # too long to be recorded
-                kept = self._keep(failure_by(proved, scenario, asked, found_by=self.result.lane)) or kept
+        for oracle in self._oracles:
+            found = oracle.check(trial)
+            if found is not None and self._is_one_of_few("oracle", found.bucket):
+                kept = self._judged(oracle, proved, scenario) or kept
         return kept
+
+    def _judged(self, oracle: Oracle, world: World | None, scenario: Scenario, **settings: Any) -> str:
+        """Judge a run in a proved world and keep the failure; return its class, or nothing if there is none."""
+        if world is not None:
+            # A run that is too long to be recorded is nothing that could be shown.
+            with contextlib.suppress(InvalidParameter):
+                return self._keep(failure_of(world, scenario, oracle, found_by=self.result.lane, **settings))
+        return ""
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
@@ -141,6 +139,10 @@ class Door:
         if before is None or failure.size < before.size:
             self.result.failures[kind] = failure
         return kind
+
+
+def _with_witness(world: World) -> World | None:
+    return world if world.certificate else certified(world)
 
 
 def first_look(outcome: Outcome) -> str:

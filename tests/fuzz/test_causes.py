@@ -10,7 +10,8 @@ import pytest
 from fuzz.chance import seeds_that_fail
 from fuzz.evidence_checks import check_breach, check_evidence
 from fuzz.failure import Failure, regardless_of_walls
-from fuzz.triage.judging import failure_of, judge, replay
+from fuzz.oracles import BREACH, Trial
+from fuzz.triage.judging import failure_of, oracle_of, replay, violation_in
 from fuzz.triage.signature import failure_class
 from sim import simulate
 from sim.episode import prepare
@@ -29,9 +30,10 @@ def judged(name):
     world = read_world(FAULTS / f"{name}.grid")
     failure = Failure.of(world)
     record, options = failure.record, failure.options
-    episode, wrong = judge(world, record.controller, options)
-    assert wrong == ""
-    return world, episode, options
+    trial = Trial.recorded(world, record.controller, options)
+    found = violation_in(trial, oracle_of(failure))
+    assert found is not None
+    return world, replace(trial.episode, evidence=found.evidence), options
 
 
 def flaw_of(name, **changes):
@@ -133,7 +135,8 @@ def test_a_breach_by_another_run_is_refused():
 def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
     world = replace(judged("thesis-1-breach")[0], failure=None)
     assert failure_of(world, Scenario.parse("thesis-1+repaired", motion="stepped")) is None
-    assert "goes through no wall" in judge(world, "thesis-1", Scenario("thesis-1", "swept").options(world, 5000))[1]
+    trial = Trial.recorded(world, "thesis-1", Scenario("thesis-1", "swept").options(world, 5000))
+    assert BREACH.check(trial) is None
 
 
 def test_a_breach_is_not_confirmed_with_a_cut_that_does_not_hold():

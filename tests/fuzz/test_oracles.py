@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.oracles import Asked, Trial, objection_in_words
+from fuzz.oracles import NamedOracle, Trial, Violation
 from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
 from fuzz.replay.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
-from fuzz.triage.judging import failure_by, replay
+from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -37,11 +37,12 @@ BLOCK = certified(
 
 def objection(text, controller="bug1", world=BLOCK, **options):
     trial = Trial(world, controller, RunOptions(steps=4000, **options))
-    return Asked.parse(text).objection(trial)
+    found = NamedOracle.parse(text).check(trial)
+    return None if found is None else found.facts
 
 
 def failing(text, controller="bug1", world=BLOCK):
-    return failure_by(world, Scenario(controller), Asked.parse(text))
+    return failure_of(world, Scenario(controller), NamedOracle.parse(text))
 
 
 @pytest.fixture
@@ -239,7 +240,7 @@ HALL = certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 12), (0, 3)))))
 def test_walls_far_from_a_robot_that_feels_its_way_change_nothing(motion):
     trial = Trial(HALL, "turn-right", RunOptions(motion, 4000))
     assert walled_where_unnoticed(trial).solid_cells > HALL.solid_cells + 10
-    assert Asked.parse("wall").objection(trial) is None
+    assert NamedOracle.parse("wall").check(trial) is None
 
 
 @pytest.mark.gate
@@ -333,14 +334,17 @@ def test_numbers_of_numpy_are_evidence_like_others(tmp_path):
 def test_an_oracle_without_a_number_takes_none(tmp_path):
     (tmp_path / "mine.py").write_text("def mine(trial): return {'kind': 'a/b c', 'x': [1, (2, 3)]}\n")
     with raises(InvalidParameter, "takes-no-number"):
-        Asked.parse(f"{tmp_path}/mine.py:mine=3")
-    asked = Asked.parse(f"{tmp_path}/mine.py:mine")
-    assert asked.kind(objection(asked.text)) == "mine-a-b-c" and objection(asked.text)["x"] == [1, [2, 3]]
+        NamedOracle.parse(f"{tmp_path}/mine.py:mine=3")
+    oracle = NamedOracle.parse(f"{tmp_path}/mine.py:mine")
+    found = oracle.check(Trial(BLOCK, "bug1", RunOptions(steps=4000)))
+    assert found.bucket == "mine-a-b-c"
+    assert found.facts["x"] == [1, [2, 3]]
 
 
-def test_an_objection_is_put_in_words():
-    assert objection_in_words("detour=2", {"kind": "x", "ratio": 2.5}) == ", but oracle detour=2 objects: ratio 2.5"
-    assert objection_in_words(None, {}) == ""
+def test_a_violation_is_described():
+    found = Violation("detour-x", None, "detour=2", {"kind": "x", "ratio": 2.5})
+    assert found.in_words == ", but oracle detour=2 objects: ratio 2.5"
+    assert Violation("loop", None).in_words == ""
 
 
 def test_a_detour_is_fixed_when_the_oracle_has_nothing_to_say(tmp_path):

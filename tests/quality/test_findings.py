@@ -24,8 +24,8 @@ def campaign(controller, motion, time_steps=(0.015,)):
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
 @pytest.mark.parametrize("motion", ["swept", "stepped"])
 def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controller, motion):
-    loops = [w for w in campaign(controller, motion).best.values() if w.record.verdict == "loop"]
-    assert loops and min(world.solid_cells for world in loops) <= 4
+    loops = [failure for failure in campaign(controller, motion).best.values() if failure.record.verdict == "loop"]
+    assert loops and min(failure.world.solid_cells for failure in loops) <= 4
 
 
 @pytest.mark.nightly

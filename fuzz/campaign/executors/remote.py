@@ -18,7 +18,7 @@ from hypothesis.errors import HypothesisDeprecationWarning
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.store import Fingerprint, fingerprint_of
 from fuzz.campaign.store.fingerprint import digest_of
-from fuzz.oracles import ORACLES, Asked
+from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
@@ -73,7 +73,7 @@ class RemoteJob:
 
 def _places(config: CampaignConfig) -> list[str]:
     """The Python files that a configuration names."""
-    names = [config.scenario.controller, *config.families, *(Asked.parse(text).name for text in config.oracles)]
+    names = [config.scenario.controller, *config.families, *(NamedOracle.parse(text).name for text in config.oracles)]
     return sorted({name.rpartition(":")[0] for name in names if name.rpartition(":")[0].endswith(".py")})
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.variation import Variation
-from fuzz.oracles import ORACLES, Asked
+from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
@@ -169,7 +169,7 @@ def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
         else:
             yield f"family {name}", _digest_of_source(FAMILIES, name)
     for text in config.oracles:
-        yield f"oracle {text}", _digest_of_source(ORACLES, Asked.parse(text).name)
+        yield f"oracle {text}", _digest_of_source(ORACLES, NamedOracle.parse(text).name)
 
 
 def _digest_of_source(registry: Registry[Any], name: str) -> str:

@@ -1,4 +1,4 @@
-"""Asking an oracle: its name and number as the command line writes them, and its answer, checked."""
+"""Oracles that ``--oracle`` names: a function, perhaps its number, and the check of what it returns."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.evidence_checks import EVIDENCE_CHECKS
+from fuzz.oracles.oracle import Oracle
 from fuzz.oracles.trial import Trial
-from sim.verdict import BY_THE_CONTROLLER
+from fuzz.violation import Violation
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.world import Value
 
-__all__ = ["ORACLES", "Asked", "objection_in_words"]
+__all__ = ["ORACLES", "NamedOracle", "OracleFunction"]
 
-Oracle = Callable[..., Any]
+OracleFunction = Callable[..., Any]
 
 _DEEPEST = 16  # tables and lists in one another
 _WRITTEN = re.compile(r"(?P<name>.+?)(?:=(?P<number>[^=:/\\]*))?", re.DOTALL)
-_TAKEN = (*EVIDENCE_CHECKS, *BY_THE_CONTROLLER, "breach")
+_TAKEN = (*Verdict, "breach")
 
 
-def _accept(name: str, thing: Any) -> Oracle:
-    """Whatever can be called with a trial, or with a trial and a number.
+def _accept(name: str, thing: Any) -> OracleFunction:
+    """Return whatever can be called with a trial, or with a trial and a number.
 
     Raises:
         InvalidParameter: If it cannot be called so.
@@ -42,38 +43,40 @@ def _accept(name: str, thing: Any) -> Oracle:
         raise InvalidParameter(
             "wrong-signature", "oracle {name!r} takes {signature}", _HOW, name=name, signature=inspect.signature(thing)
         )
-    found: Oracle = thing
+    found: OracleFunction = thing
     return found
 
 
 _HOW = "write a function of a trial, or of a trial and a number; docs/oracles.md has one"
 
-ORACLES: Registry[Oracle] = Registry("worldgen.oracles", "oracle", _accept)
+ORACLES: Registry[OracleFunction] = Registry("worldgen.oracles", "oracle", _accept)
 
 
-def _places(oracle: Oracle) -> list[inspect.Parameter]:
-    """The parameters that may be given by place."""
+def _places(function: OracleFunction) -> list[inspect.Parameter]:
+    """Return the parameters that may be given by place."""
     kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    return [one for one in inspect.signature(oracle).parameters.values() if one.kind in kinds]
+    return [one for one in inspect.signature(function).parameters.values() if one.kind in kinds]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """An oracle and its number.
+class NamedOracle(Oracle):
+    """An oracle that a user asks for: a function, and perhaps a number.
 
     Args:
         text: As it was written: ``detour=5``.
-        oracle: The function.
-        numbers: What it gets beside the trial: nothing, or one number.
+        function: Called with the trial and the numbers; it returns what it finds, or ``None``.
+        numbers: Nothing, or one number.
     """
 
+    by_verdict = False
+
     text: str
-    oracle: Oracle = field(repr=False)
+    function: OracleFunction = field(repr=False)
     numbers: tuple[float, ...] = ()
 
     @classmethod
-    def parse(cls, text: str) -> Asked:
-        """Reads ``NAME`` or ``NAME=NUMBER``.
+    def parse(cls, text: str) -> NamedOracle:
+        """Read ``NAME`` or ``NAME=NUMBER``.
 
         Raises:
             InvalidParameter: If there is no such oracle, or it wants a number, or none.
@@ -84,12 +87,12 @@ class Asked:
                 "empty-name", "an empty text names no oracle", "give one of {oracles!l}", oracles=list(ORACLES)
             )
         name, number = parts["name"], parts["number"]
-        oracle = ORACLES.get(name)
+        function = ORACLES.get(name)
         if _plain(name) in _TAKEN:
             raise InvalidParameter(
                 "name-is-a-verdict", "oracle {name!r} is called like a verdict", "give it another name", name=name
             )
-        second = _places(oracle)[1:]
+        second = _places(function)[1:]
         if number is None:
             if second and second[0].default is inspect.Parameter.empty:
                 raise InvalidParameter(
@@ -99,7 +102,7 @@ class Asked:
                     name=name,
                     number=second[0].name,
                 )
-            return cls(text.strip(), oracle)
+            return cls(text.strip(), function)
         if not second:
             raise InvalidParameter(
                 "takes-no-number",
@@ -108,28 +111,36 @@ class Asked:
                 at_terminal=True,
                 name=name,
             )
-        return cls(text.strip(), oracle, (_number(text, number),))
+        return cls(text.strip(), function, (_number(text, number),))
 
     @property
     def name(self) -> str:
         """What it was written with, without its number."""
         return self.text.rpartition("=")[0] if self.numbers else self.text
 
-    def kind(self, objection: Mapping[str, Value]) -> str:
-        """The class of a failure that it found: its name, and the objection's ``kind``, fit for a file name."""
-        words = [self.text.partition("=")[0] if ":" not in self.text else self.text, str(objection.get("kind", ""))]
+    def bucket_of(self, facts: Mapping[str, Value]) -> str:
+        """Return the bucket of what it found: its name, and the ``kind`` among the facts, fit for a file name."""
+        own_name = self.text.partition("=")[0] if ":" not in self.text else self.text
+        words = [own_name, str(facts.get("kind", ""))]
         return "-".join(plain for plain in map(_plain, words) if plain)
 
-    def objection(self, trial: Trial) -> dict[str, Value] | None:
-        """What the oracle has against a run; ``None`` if nothing.
+    def check(self, trial: Trial) -> Violation | None:
+        """Return what the function finds in a run; ``None`` if nothing.
 
         Raises:
-            InvalidParameter: If the oracle fails, or its answer is no table that a file could hold.
+            InvalidParameter: If the function fails, or returns what is not a table that a file could hold.
         """
+        facts = self._facts(trial)
+        if facts is None:
+            return None
+        return Violation(self.bucket_of(facts), trial.episode.evidence, self.text, facts)
+
+    def _facts(self, trial: Trial) -> dict[str, Value] | None:
         try:
             with user_code(f"oracle {self.text!r}"):
-                answer = self.oracle(trial, *self.numbers)
+                answer = self.function(trial, *self.numbers)
         except InvalidParameter as error:
+            # What the oracle itself refuses, such as its number, is not a failure of its code.
             if isinstance(error.__cause__, WorldgenError):
                 raise error.__cause__ from None
             raise
@@ -148,16 +159,8 @@ class Asked:
         return {name: _plain_value(one) for name, one in answer.items()}
 
 
-def objection_in_words(oracle: str | None, objection: Mapping[str, Value]) -> str:
-    """The oracle's objection, to stand behind a failure's verdict; empty without an oracle."""
-    if oracle is None:
-        return ""
-    words = ", ".join(f"{name} {value}" for name, value in objection.items() if name not in ("kind", "repeatable"))
-    return f", but oracle {oracle} objects: {words or 'it does'}"
-
-
 def _plain(name: str) -> str:
-    """A name without its place and number, of letters, digits, ``_`` and ``-``."""
+    """Return a name without its place and number, of letters, digits, ``_`` and ``-``."""
     last = name.rpartition(":")[2].partition("=")[0]
     return re.sub(r"[^A-Za-z0-9_]+", "-", last).strip("-")
 
@@ -179,7 +182,7 @@ def _number(text: str, number: str) -> float:
 
 
 def _fits(value: object, depth: int = 0) -> bool:
-    """Whether a `.grid` file can hold it."""
+    """Return True if a `.grid` file can hold it."""
     if isinstance(value, Mapping | list | tuple):
         parts = value.values() if isinstance(value, Mapping) else value
         named = not isinstance(value, Mapping) or all(isinstance(name, str) for name in value)
@@ -190,7 +193,7 @@ def _fits(value: object, depth: int = 0) -> bool:
 
 
 def _plain_value(value: Any) -> Any:
-    """Tables as dicts, lists and tuples as lists, numbers of NumPy as Python's."""
+    """Return tables as dicts, lists and tuples as lists, NumPy's numbers as Python's."""
     if isinstance(value, Mapping):
         return {name: _plain_value(one) for name, one in value.items()}
     if isinstance(value, list | tuple):

@@ -1,0 +1,65 @@
+"""The oracles that every run meets: a robot arrives where it can, and stays out where its target is walled off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fuzz.evidence_checks import check_breach
+from fuzz.oracles.oracle import Oracle
+from fuzz.oracles.trial import Trial
+from fuzz.triage.proofs import walled_off
+from fuzz.triage.signature import failure_class
+from fuzz.violation import Violation
+from sim.evidence import WallEvidence
+from sim.motion.base import THESIS
+from sim.verdict import Verdict
+from worldgen.world import Cut, World
+
+__all__ = ["BREACH", "VERDICT", "BreachOracle", "VerdictOracle", "verdict_oracle"]
+
+
+@dataclass(frozen=True)
+class VerdictOracle(Oracle):
+    """Objects to a run that does not end ``reached``, though the target can be reached."""
+
+    def check(self, trial: Trial) -> Violation | None:
+        """Return the verdict as a violation, if it is one."""
+        if isinstance(trial.world.certificate, Cut) or trial.episode.verdict == Verdict.REACHED:
+            return None
+        recorded = replace(trial.episode, trace=trial.trace)
+        return Violation(failure_class(trial.world, recorded), recorded.evidence)
+
+
+@dataclass(frozen=True)
+class BreachOracle(Oracle):
+    """Objects to a robot that goes through a wall and, where walls end nothing, on to its walled-off target."""
+
+    def prove(self, world: World) -> World | None:
+        """Return the world with a cut around its target; ``None`` if it is not provably walled off."""
+        return walled_off(world)
+
+    def check(self, trial: Trial) -> Violation | None:
+        """Return the breach; its evidence names the step in which the robot arrives if walls end nothing."""
+        wall = trial.episode.evidence
+        is_through_a_wall = trial.episode.verdict == Verdict.TUNNEL and isinstance(trial.world.certificate, Cut)
+        if not is_through_a_wall or not isinstance(wall, WallEvidence) or trial.trace is None:
+            return None
+        if trial.options.motion_model().kernel != THESIS:
+            return None
+        whole = trial.again(record=True, thesis=replace(trial.options.thesis, keep_going=True))
+        if whole.verdict != Verdict.REACHED or whole.trace is None:
+            return None
+        wall = replace(wall, reached=whole.steps)
+        if check_breach(trial.world, trial.trace, whole.trace, wall):
+            return None
+        recorded = replace(trial.episode, evidence=wall, trace=trial.trace)
+        return Violation(failure_class(trial.world, recorded), wall)
+
+
+VERDICT = VerdictOracle()
+BREACH = BreachOracle()
+
+
+def verdict_oracle(world: World) -> Oracle:
+    """Return the oracle that judges runs in a world by their verdict, as its certificate says what is right there."""
+    return BREACH if isinstance(world.certificate, Cut) else VERDICT

@@ -1,0 +1,35 @@
+"""What an oracle is: it looks at a trial and returns a violation, or nothing."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+from fuzz.oracles.trial import Trial
+from fuzz.triage.proofs import certified
+from fuzz.violation import Violation
+from worldgen.world import World
+
+__all__ = ["Oracle"]
+
+
+class Oracle(ABC):
+    """Judges runs. It returns what it finds; it raises only if it is misused, or is itself at fault."""
+
+    by_verdict: ClassVar[bool] = True
+    """Whether the run's verdict itself is the violation."""
+
+    def prove(self, world: World) -> World | None:
+        """Return the world with the certificate that a violation needs, here a witness; ``None`` if it has none."""
+        return certified(world)
+
+    @abstractmethod
+    def check(self, trial: Trial) -> Violation | None:
+        """Return what is wrong with a run; ``None`` if nothing is.
+
+        Args:
+            trial: The run, and the means to run it again.
+
+        Raises:
+            InvalidParameter: If the oracle does not fit the run, or fails.
+        """
