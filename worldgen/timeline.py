@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import LATEST
 from worldgen.errors import InvalidWorld
 from worldgen.support.frozen import HoldsFrozen, frozen
 
@@ -43,7 +44,7 @@ class Timeline(HoldsFrozen):
     """Events in order of time, as parallel arrays.
 
     Args:
-        times: (n,) float64, s, finite, not negative, never falling.
+        times: (n,) float64, s, 0 to ``worldgen.domain.LATEST``, never falling.
         ix: (n,) int64, column.
         iy: (n,) int64, row, 0 the lowest y.
         states: (n,) uint8, values of :class:`CellState`.
@@ -63,6 +64,15 @@ class Timeline(HoldsFrozen):
             )
         if not np.isfinite(self.times).all() or (self.times < 0).any():
             raise InvalidWorld("not-finite", "timeline: every time must be a finite number of seconds, 0 or later")
+        if (self.times > LATEST).any():
+            raise InvalidWorld(
+                "out-of-range",
+                "timeline: a change at {value:g} s is later than {high:g} s",
+                "let it come earlier",
+                name="time",
+                value=self.times.max(),
+                high=LATEST,
+            )
         if (np.diff(self.times) < 0).any():
             at = int(np.argmax(np.diff(self.times) < 0)) + 1
             raise InvalidWorld(

@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES, MAX_SIDE, number_fault, radius_fault, speed_fault
 from worldgen.errors import InvalidWorld
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.timeline import Timeline
@@ -23,7 +24,6 @@ __all__ = [
     "DEFAULT_CELL_SIZE",
     "DEFAULT_ROBOT_RADIUS",
     "DEFAULT_ROBOT_SPEED",
-    "MAX_SIDE",
     "Certificate",
     "Cut",
     "FailureRecord",
@@ -39,7 +39,6 @@ __all__ = [
 DEFAULT_CELL_SIZE = 0.1  # m
 DEFAULT_ROBOT_RADIUS = 0.07  # m
 DEFAULT_ROBOT_SPEED = 2.0  # m/s
-MAX_SIDE = 20_000  # cells; a longer row in a file is a fault, not a world
 
 Value: TypeAlias = "bool | int | float | str | list[Value] | dict[str, Value]"
 """What a TOML header can hold."""
@@ -213,7 +212,7 @@ class World(HoldsFrozen):
         failure: What went wrong in it, if the world is a failure's.
 
     Raises:
-        InvalidWorld: If a number is not finite or not positive, or a point lies outside the grid.
+        InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside the grid.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -237,9 +236,14 @@ class World(HoldsFrozen):
                 height=self.height,
                 max_side=MAX_SIDE,
             )
-        for name in ("cell_size", "robot_radius", "robot_speed"):
-            _check_positive(name, getattr(self, name))
-        _check_positive("target radius", self.target.radius)
+        for fault in (
+            number_fault("cell_size", self.cell_size, CELL_SIZES, "m"),
+            radius_fault("robot_radius", self.robot_radius, self.cell_size),
+            speed_fault("robot_speed", self.robot_speed, self.cell_size),
+            radius_fault("target radius", self.target.radius, self.cell_size),
+        ):
+            if fault is not None:
+                raise InvalidWorld.of(fault)
         if not math.isfinite(self.start.heading):
             raise InvalidWorld(
                 "not-finite", "start heading {heading}: must be a finite number of radians", heading=self.start.heading
@@ -262,8 +266,7 @@ class World(HoldsFrozen):
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width, height = self.width * self.cell_size, self.height * self.cell_size
-        finite = math.isfinite(x) and math.isfinite(y)  # the width of enormous cells may not be
-        if not (finite and 0.0 <= x <= width and 0.0 <= y <= height):
+        if not (0.0 <= x <= width and 0.0 <= y <= height):  # also true for nan
             raise InvalidWorld(
                 "outside-grid",
                 "{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m",
@@ -307,8 +310,3 @@ class World(HoldsFrozen):
         )  # fmt: skip
 
     __hash__ = None  # type: ignore[assignment]
-
-
-def _check_positive(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidWorld("not-positive", "{name}={value}: must be a finite number above 0", name=name, value=value)

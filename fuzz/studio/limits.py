@@ -9,7 +9,7 @@ from typing import TypedDict
 
 from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
-from worldgen.world import MAX_SIDE
+from worldgen.domain import MAX_SIDE
 
 __all__ = [
     "LENGTHS",

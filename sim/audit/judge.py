@@ -216,8 +216,7 @@ def _check(name: str, value: float, least: float) -> None:
 
 
 def _check_places(trajectory: Trajectory, size: float) -> None:
-    with np.errstate(over="ignore"):
-        far = np.flatnonzero(np.maximum(np.abs(trajectory.x), np.abs(trajectory.y)) / size > _FURTHEST)
+    far = np.flatnonzero(np.maximum(np.abs(trajectory.x), np.abs(trajectory.y)) / size > _FURTHEST)
     if len(far):
         raise InvalidParameter(
             "out-of-range",

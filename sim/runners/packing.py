@@ -9,30 +9,20 @@ from fractions import Fraction
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import UNIT, clear_distance_sq, exact, in_cells, radius_in_cells
 from worldgen.timeline import Event
-from worldgen.world import MAX_SIDE, World
+from worldgen.world import World
 
 __all__ = ["disc_numbers", "event_step", "event_time", "start_overlaps", "target_sq"]
 
-_NEVER = 2**62  # a step that no run gets to
-
 
 def disc_numbers(world: World) -> tuple[int, int]:
-    """Squared clear distance of the robot's disc, lattice units squared, and its root, rounded up.
-
-    Raises:
-        InvalidWorld: If the disc is larger than any world.
-    """
-    radius = radius_in_cells(world)
-    if radius > MAX_SIDE:
-        raise start_overlaps(world)
-    clear_sq = clear_distance_sq(radius)
+    """Squared clear distance of the robot's disc, lattice units squared, and its root, rounded up."""
+    clear_sq = clear_distance_sq(radius_in_cells(world))
     return clear_sq, math.isqrt(clear_sq - 1) + 1
 
 
 def target_sq(world: World) -> int:
     """Squared radius of the target, lattice units squared, rounded down."""
     within = in_cells(world.target.radius, world.cell_size) * UNIT
-    within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
     return math.floor(within * within)
 
 
@@ -50,7 +40,7 @@ def start_overlaps(world: World) -> InvalidWorld:
 
 def event_step(event: Event, time_step: float) -> int:
     """The step at whose beginning an event counts: that in which it falls, at least the first."""
-    return min(max(1, math.ceil(exact(event.time) / exact(time_step))), _NEVER)
+    return max(1, math.ceil(exact(event.time) / exact(time_step)))
 
 
 def event_time(event: Event, time_step: float, unit: int) -> tuple[int, int]:
@@ -65,4 +55,4 @@ def event_time(event: Event, time_step: float, unit: int) -> tuple[int, int]:
 def _step_and_rest(time: float, time_step: float, unit: int) -> tuple[int, int]:
     steps = exact(time) / exact(time_step)
     whole, rest = divmod(math.floor(steps * unit + Fraction(1, 2)), unit)
-    return min(whole + 1, _NEVER), rest
+    return whole + 1, rest

@@ -446,7 +446,7 @@ def test_a_world_with_changes_comes_back_from_its_message():
 
 def test_a_world_whose_lengths_the_page_would_round_to_nothing_is_refused_in_words():
     tiny = World(
-        np.zeros((3, 3), np.bool_), Pose(1e-300, 1e-300, 0.0), Target(2e-300, 2e-300, 1e-301), cell_size=1e-300
+        np.zeros((3, 3), np.bool_), Pose(1e-6, 1e-6, 0.0), Target(2e-6, 2e-6, 1e-7), cell_size=1e-6, robot_radius=1e-7
     )
     with raises(InvalidWorld, "out-of-range"):
         message_of(tiny)

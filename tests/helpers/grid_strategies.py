@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
+from worldgen.domain import CELL_SIZES, LATEST, RADII, SPEEDS
 from worldgen.files.grid import dumps
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
@@ -16,7 +17,7 @@ from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness
 __all__ = ["damaged_files", "values", "worlds_with_everything"]
 
 _finite = st.floats(allow_nan=False, allow_infinity=False)
-_lengths = st.sampled_from([0.1, 0.05, 1.0, 0.3]) | st.floats(1e-300, 1e300)
+_sides = st.sampled_from([0.1, 0.05, 1.0, 0.3]) | st.floats(*CELL_SIZES)
 _integers = st.integers(-(2**200), 2**200) | st.integers(0, 2**64 - 1)
 _indices = st.integers(-(2**63), 2**63 - 1) | st.integers(-1, 12)
 
@@ -31,6 +32,12 @@ def values():
     )
 
 
+def _within(limits, size):
+    """Numbers within limits in cells, in m; often ones that a robot has."""
+    low, high = (limit * size for limit in limits)
+    return st.sampled_from([share * size for share in (0.5, 1.0, 3.0)]) | st.floats(low, high)
+
+
 def _tables():
     return st.dictionaries(st.text(max_size=5), values(), max_size=3)
 
@@ -39,7 +46,7 @@ def _tables():
 def _timelines(draw, width, height):
     events = st.builds(
         Event,
-        st.floats(0.0, allow_infinity=False),
+        st.floats(0.0, LATEST),
         st.integers(0, width - 1),
         st.integers(0, height - 1),
         st.sampled_from(CellState),
@@ -65,7 +72,8 @@ def worlds_with_everything(draw):
     """Worlds of up to 8 x 8 cells, any optional part there or not."""
     width, height = draw(st.integers(1, 8)), draw(st.integers(1, 8))
     cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
-    size = draw(_lengths)
+    size = draw(_sides)
+    radii = _within(RADII, size)
     across, up = st.floats(0.0, width * size), st.floats(0.0, height * size)
     names = st.text(max_size=6)
     metrics = st.dictionaries(st.text(max_size=5), _finite | _integers, max_size=3)
@@ -74,10 +82,10 @@ def worlds_with_everything(draw):
     return World(
         np.array(cells).reshape(height, width),
         draw(st.builds(Pose, across, up, _finite)),
-        draw(st.builds(Target, across, up, _lengths)),
+        draw(st.builds(Target, across, up, radii)),
         cell_size=size,
-        robot_radius=draw(_lengths),
-        robot_speed=draw(_lengths | st.just(2.0)),
+        robot_radius=draw(radii),
+        robot_speed=draw(_within(SPEEDS, size) | st.just(2.0)),
         timeline=draw(_timelines(width, height)),
         certificate=draw(st.none() | _witnesses() | _cuts()),
         provenance=draw(st.none() | provenances),

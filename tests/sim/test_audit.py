@@ -24,7 +24,7 @@ from tests.helpers.audit_referee import second_opinion
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import changing_worlds, drawn, still_worlds
 from tests.helpers.raising import raises
-from worldgen import FormatError, InvalidParameter, Pose, Timeline, World, generate, read_world, write_world
+from worldgen import FormatError, InvalidParameter, Pose, Target, Timeline, World, generate, read_world, write_world
 from worldgen.timeline import CellState, Event
 
 FREE, SOLID, BURNING = CellState
@@ -427,9 +427,9 @@ def test_options_out_of_range_are_refused(options, expected):
 
 
 def test_places_beyond_all_cells_are_refused():
-    tiny = World(ROOM.walls, replace(ROOM.start, x=0.0, y=0.0), replace(ROOM.target, x=0.0, y=0.0), cell_size=1e-300)
+    tiny = World(ROOM.walls, Pose(0.0, 0.0), Target(0.0, 0.0, 1e-6), cell_size=1e-6, robot_radius=1e-6)
     with raises(InvalidParameter, "out-of-range"):
-        audit(tiny, path((0, 1, 1), (1, 1, 1)))
+        audit(tiny, path((0, 1e4, 1), (1, 1e4, 1)))
 
 
 @pytest.fixture

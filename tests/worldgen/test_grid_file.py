@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.grid_strategies import damaged_files, values, worlds_with_everything
 from tests.helpers.raising import raises
+from worldgen.domain import CELL_SIZES, LATEST, RADII, SPEEDS
 from worldgen.errors import FormatError, InvalidWorld, OutputError
 from worldgen.files.grid import disk, dumps, loads, read_world, world_digest, write_world
 from worldgen.files.grid.schema import EXPANSION_FLOOR, MAX_HEADER_BYTES
@@ -241,14 +242,46 @@ def test_marked_cells_are_free_and_never_written():
     assert b"%cells\n.#.\n%end\n" in dumps(world)
 
 
-def test_the_smallest_cells_have_targets():
-    world = loads(b"%worldgen-grid 1\ncell_size = 5e-324\nrobot_radius = 1e-300\n%cells\nSG\n%end\n")
-    assert world.target.radius > 0.0
-
-
-def test_a_start_at_infinity_is_refused_although_enormous_cells_reach_so_far():
+@pytest.mark.parametrize("x", [float("inf"), float("nan"), -1e-9])
+def test_a_start_outside_the_grid_is_refused(x):
     with raises(InvalidWorld, "outside-grid", name="start"):
-        World(np.zeros((5, 5), bool), Pose(float("inf"), 0.0), Target(0.0, 0.0, 1.0), cell_size=1.7e308)
+        World(np.zeros((5, 5), bool), Pose(x, 0.0), Target(0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("cell_size", CELL_SIZES)
+@pytest.mark.parametrize("share", RADII)
+@pytest.mark.parametrize("pace", SPEEDS)
+def test_a_world_at_the_ends_of_its_domain_comes_back_from_its_file(cell_size, share, pace):
+    target = Target(0.0, 0.0, share * cell_size)
+    timeline = Timeline.of([(LATEST, 1, 1, CellState.SOLID)])
+    numbers = {"cell_size": cell_size, "robot_radius": share * cell_size, "robot_speed": pace * cell_size}
+    world = World(np.zeros((3, 3), bool), Pose(0.0, 0.0), target, timeline=timeline, **numbers)
+    assert loads(dumps(world)) == world
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("cell_size", 0.9e-6),
+        ("cell_size", 1.1e6),
+        ("robot_radius", 0.9e-7),
+        ("robot_radius", 2001.0),
+        ("robot_speed", 0.9e-7),
+        ("robot_speed", 1.1e8),
+        ("target radius", 0.9e-7),
+        ("target radius", 2001.0),
+    ],
+)
+def test_a_number_that_no_robot_has_is_refused(name, value):
+    radius = value if name == "target radius" else 0.05
+    numbers = {} if name == "target radius" else {name: value}
+    with raises(InvalidWorld, "out-of-range", name=name, value=value):
+        World(np.zeros((3, 3), bool), Pose(0.15, 0.15), Target(0.25, 0.25, radius), **numbers)
+
+
+def test_a_change_after_31_years_is_refused():
+    with raises(InvalidWorld, "out-of-range", name="time", value=1.1e9):
+        Timeline.of([(1.1e9, 0, 0, CellState.SOLID)])
 
 
 def test_an_empty_certificate_is_kept():

@@ -106,9 +106,9 @@ def _maps(
     unknown: str | None,
 ) -> list[FolderMaps | GeneratedMaps]:
     """The maps of all sources: files and folders together, so that scenarios find their maps, then generators."""
+    from worldgen.domain import CELL_SIZES
     from worldgen.family import check_between
     from worldgen.interop.census import folder_maps, generated_maps
-    from worldgen.interop.foreign_map import CELL_SIZES
     from worldgen.world import DEFAULT_CELL_SIZE
 
     if cell_size is not None:

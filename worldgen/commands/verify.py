@@ -86,7 +86,7 @@ def verify_world(world: World, radius: float | None = None, deadline: float | No
     from worldgen.world import Witness
 
     asked = world.robot_radius if radius is None else radius
-    check_radius(asked)
+    check_radius(asked, world.cell_size)
     check_deadline(deadline)
     decision, afresh = Decision(UNDECIDED, world.certificate, ""), False
     if not _answers(world, asked, deadline):

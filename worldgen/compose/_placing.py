@@ -15,11 +15,12 @@ from worldgen.compose._marks import HALF, START, TARGET, Mark, mark_at, marks_of
 from worldgen.compose._sizes import whole
 from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
 from worldgen.compose._world import usual, way_of
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_choice
 from worldgen.lattice import in_cells
 from worldgen.random_streams import RandomStream
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, MAX_SIDE
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from worldgen.compose.piece import Piece

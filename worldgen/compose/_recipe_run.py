@@ -12,10 +12,10 @@ from worldgen.compose._sizes import TooLarge, check_size, whole
 from worldgen.compose._values import Scalar, Spec, value_of
 from worldgen.compose.piece import Piece
 from worldgen.compose.sources import above, beside, of_family, rectangle, row_size
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
-from worldgen.world import MAX_SIDE
 
 __all__ = ["Run", "Work"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
-from worldgen.world import MAX_SIDE
 
 __all__ = ["MAX_CELLS", "TooLarge", "check_size", "whole"]
 

@@ -16,6 +16,7 @@ from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, ma
 from worldgen.compose._placing import corner_of, overlaid, put_down
 from worldgen.compose._sizes import check_size, whole
 from worldgen.compose._world import proved, usual, world_of
+from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, check_choice
 from worldgen.lattice import TURN
@@ -26,7 +27,6 @@ from worldgen.world import (
     DEFAULT_CELL_SIZE,
     DEFAULT_ROBOT_RADIUS,
     DEFAULT_ROBOT_SPEED,
-    MAX_SIDE,
     World,
 )
 
@@ -404,7 +404,7 @@ class Piece:
             if value is not None:
                 check_between(name, value, 1e-6, 1e6, unit)
         if cell_size is not None:
-            check_between("cell_size", cell_size, 1e-6, 1e6, "m")
+            check_between("cell_size", cell_size, *CELL_SIZES, "m")
         return replace(
             self,
             robot_radius=self.robot_radius if radius is None else radius,

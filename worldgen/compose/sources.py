@@ -15,6 +15,7 @@ import numpy.typing as npt
 from worldgen.compose._marks import START, TARGET, Mark, frozen, marks_of
 from worldgen.compose._sizes import TooLarge, check_size, whole
 from worldgen.compose.piece import Piece
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import FAMILIES, Family, check_choice, family
 from worldgen.generation import generate
@@ -22,7 +23,7 @@ from worldgen.interop.recognising import read_map
 from worldgen.lattice import in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.support.rows import flip_rows
-from worldgen.world import MAX_SIDE, Value, World
+from worldgen.world import Value, World
 
 T = TypeVar("T")
 

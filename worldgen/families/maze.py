@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import (
     CHOSEN,
@@ -34,7 +35,7 @@ from worldgen.families.parts.mazes import (
 )
 from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
-from worldgen.world import MAX_SIDE, World
+from worldgen.world import World
 
 __all__ = ["maze"]
 

@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError
 from worldgen.lattice import exact
-from worldgen.world import MAX_SIDE, Value, World
+from worldgen.world import Value, World
 
 __all__ = [
-    "CELL_SIZES",
     "FLOOR_ROBOT",
     "GRID_AGENT",
     "MAX_CELLS",
@@ -32,7 +32,6 @@ __all__ = [
     "unix_text",
 ]
 
-CELL_SIZES = (1e-6, 1e6)  # m; beyond, a coordinate in m has no digits left for the pose lattice
 MAX_CELLS = 64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
 MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, read_bounded
 from worldgen.interop.format import FORMATS, Format, split_options
 from worldgen.interop.sidecar import read_sidecar, with_sidecar
 from worldgen.world import Value

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
 from worldgen.reach.timed.confinement import Confinement
 from worldgen.world import Certificate
@@ -34,33 +34,39 @@ class Decision:
     confinement: Confinement | None = None
 
 
-def check_radius(radius: float) -> None:
-    """Refuses a radius that no disc has.
+def check_radius(radius: float, cell_size: float) -> None:
+    """Refuse a radius that no robot has.
+
+    Args:
+        radius: m.
+        cell_size: Side of the world's cells, m.
 
     Raises:
-        InvalidParameter: If it is not a finite number above 0.
+        InvalidParameter: If it is outside `worldgen.domain.RADII`.
     """
-    if not (math.isfinite(radius) and radius > 0):
-        raise InvalidParameter("not-positive", "radius={radius} m: must be a finite number above 0", radius=radius)
+    fault = radius_fault("radius", radius, cell_size)
+    if fault is not None:
+        raise InvalidParameter.of(fault)
 
 
 def check_margin(margin: float) -> None:
-    """Refuses a margin by which nothing can be late.
+    """Refuse a margin by which nothing can be late.
 
     Raises:
-        InvalidParameter: If it is not a finite number, 0 or above.
+        InvalidParameter: If it is below 0, or above `worldgen.domain.LATEST`.
     """
-    if not (math.isfinite(margin) and margin >= 0):
-        raise InvalidParameter("below-minimum", "margin={margin} s: must be a finite number, 0 or above", margin=margin)
+    if not 0.0 <= margin <= LATEST:
+        raise InvalidParameter(
+            "out-of-range", "margin={margin} s: must be 0 to {high:g} s", name="margin", margin=margin, high=LATEST
+        )
 
 
 def check_deadline(deadline: float | None) -> None:
-    """Refuses a deadline that is no time.
+    """Refuse a deadline that is no time.
 
     Raises:
-        InvalidParameter: If it is given and not a finite number above 0.
+        InvalidParameter: If it is given, and not above 0 or above `worldgen.domain.LATEST`.
     """
-    if deadline is not None and not (math.isfinite(deadline) and deadline > 0):
-        raise InvalidParameter(
-            "not-positive", "deadline={deadline} s: must be a finite number above 0", deadline=deadline
-        )
+    fault = None if deadline is None else number_fault("deadline", deadline, (0.0, LATEST), "s")
+    if fault is not None:
+        raise InvalidParameter.of(fault)

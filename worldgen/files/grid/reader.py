@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from worldgen.domain import CELL_SIZES, LATEST, number_fault
 from worldgen.errors import FormatError, InvalidWorld, Message, NotAGrid
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.records import (
@@ -59,6 +60,9 @@ def loads(data: bytes, source: str | None = None) -> World:
     blocks = _split(file, header_end)
     check_keys(header)
     cell_size = read_number(header, "cell_size")
+    fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
+    if fault is not None:
+        raise header.fault(fault, "cell_size")
     robot_radius = read_number(header, "robot_radius")
     robot_speed = read_number(header, "robot_speed", default=DEFAULT_ROBOT_SPEED)
     provenance, failure = read_provenance(header), read_failure(header)
@@ -71,8 +75,9 @@ def loads(data: bytes, source: str | None = None) -> World:
             cells.walls, start, target, cell_size, robot_radius, robot_speed,
             timeline, certificate, provenance, failure,
         )  # fmt: skip
-    except InvalidWorld as error:  # start or target outside the grid: all else is checked above
-        key, mark = ("target", cells.target) if error.facts.get("name") == "target" else ("start", cells.start)
+    except InvalidWorld as error:  # a number that no world has, or start or target outside the grid
+        key = str(error.facts["name"]).removesuffix(" radius")
+        mark = {"start": cells.start, "target": cells.target}.get(key)
         line = header.line_of(key) if mark is None else mark.line
         raise FormatError.of(error.message, line=line, source=source) from error
 
@@ -245,31 +250,20 @@ def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]
                 key=key,
             )
             raise FormatError.of(message, line=mark.line, source=header.source)
-    if cells.start is None:
-        start = Pose(*read_triple(header, "start"))
-    else:
-        start = Pose(*_centre(header, cells.start, cell_size))
+    numbers = read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
+    start = Pose(*numbers)
     if cells.target is None:
         return start, Target(*read_triple(header, "target"))
-    radius = lattice_to_metres(UNIT // 2, cell_size)  # above 0 even for the smallest float64
-    return start, Target(*_centre(header, cells.target, cell_size), radius)
+    radius = lattice_to_metres(UNIT // 2, cell_size)
+    return start, Target(*_centre(cells.target, cell_size), radius)
 
 
-def _centre(header: Header, mark: Mark, cell_size: float) -> tuple[float, float]:
+def _centre(mark: Mark, cell_size: float) -> tuple[float, float]:
     """Centre of a cell, m, correctly rounded."""
-    try:
-        return (
-            lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),
-            lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
-        )
-    except OverflowError:
-        message = Message(
-            "too-large",
-            "cell_size is {cell_size}; the marked cell lies beyond the range of a float64",
-            "make it smaller",
-            cell_size=cell_size,
-        )
-        raise header.fault(message, "cell_size") from None
+    return (
+        lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),
+        lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
+    )
 
 
 def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
@@ -301,6 +295,18 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
             "sort the lines by time",
             time=times[row],
             previous=times[row - 1],
+        )
+        raise block.fault(message, row)
+    late = times > LATEST
+    if late.any():
+        row = int(np.argmax(late))
+        message = Message(
+            "out-of-range",
+            "%timeline: time is {time}",
+            "a change comes at {latest:g} s at the latest",
+            name="time",
+            time=times[row],
+            latest=LATEST,
         )
         raise block.fault(message, row)
     return Timeline(times, ix, iy, states)

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
 from worldgen.support.frozen import hand_over
 from worldgen.support.rows import flip_rows
-from worldgen.world import MAX_SIDE
 
 __all__ = ["Block", "Cells", "Mark", "read_cells", "read_columns"]
 

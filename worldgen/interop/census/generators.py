@@ -19,10 +19,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.census.case import CensusMap, Ends, Refused, cell_ends
-from worldgen.interop.foreign_map import CELL_SIZES, check_sides
+from worldgen.interop.foreign_map import check_sides
 from worldgen.plugins.registry import Registry, user_code
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value

@@ -9,9 +9,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places

@@ -16,9 +16,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES
 from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import check_choice
-from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
 from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places

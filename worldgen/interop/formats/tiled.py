@@ -17,9 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from worldgen.domain import CELL_SIZES
 from worldgen.errors import Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import CELL_SIZES, GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
 from worldgen.interop.readers.grey_image import png_bytes
 from worldgen.interop.readers.tiled_parts import (

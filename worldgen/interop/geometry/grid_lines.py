@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 
 from worldgen.errors import InvalidWorld
-from worldgen.interop.foreign_map import CELL_SIZES
 from worldgen.interop.format import Destination
 from worldgen.lattice import exact
 from worldgen.world import World
@@ -24,20 +23,11 @@ class GridLines:
         bits: Of a coordinate's significand, in the file or the programs that read it: 24 for float32.
 
     Raises:
-        InvalidWorld: If cells are too small or large to be told in m, or so far from the frame's origin that rounding
-            moves a line by more than a thousandth of a cell.
+        InvalidWorld: If cells are so far from the frame's origin that rounding moves a line by more than a thousandth
+            of a cell.
     """
 
     def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
-        if not CELL_SIZES[0] <= world.cell_size <= CELL_SIZES[1]:
-            raise InvalidWorld(
-                "out-of-range",
-                "cells of {cell_size:g} m; a file in metres has cells of {low:g} to {high:g} m",
-                "export a world with such",
-                cell_size=world.cell_size,
-                low=CELL_SIZES[0],
-                high=CELL_SIZES[1],
-            )
         cell, (x, y) = exact(world.cell_size), (exact(value) for value in destination.origin)
         self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
         self.y = {iy: iy * cell + y for iy in range(-1, world.height + 2)}

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.interop.foreign_map import CELL_SIZES
+from worldgen.domain import CELL_SIZES
 from worldgen.interop.format import Destination
 from worldgen.interop.geometry.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.interop.geometry.grid_lines import GridLines

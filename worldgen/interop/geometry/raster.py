@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidWorld
 from worldgen.interop.geometry.boxes import merged_boxes
-from worldgen.world import MAX_SIDE
 
 __all__ = ["Box", "Circle", "Raster", "natural_cell_size"]
 

@@ -17,14 +17,15 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidWorld, Message
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.raster import Box, Circle, Raster, natural_cell_size
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.lattice import exact
-from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value, World
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["MAX_BYTES", "OURS", "grid_line", "read_gazebo_world"]
 

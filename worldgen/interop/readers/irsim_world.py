@@ -13,16 +13,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.geometry.raster import Box, Raster, natural_cell_size
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_grey_image
 from worldgen.interop.readers.sibling_file import companion
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.support.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
+from worldgen.world import DEFAULT_CELL_SIZE, Value
 
 __all__ = ["MAX_YAML_BYTES", "read_irsim"]
 

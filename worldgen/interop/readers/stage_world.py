@@ -15,15 +15,16 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.geometry.degrees import radians
 from worldgen.interop.geometry.raster import Raster
 from worldgen.interop.readers.grey_image import read_grey_image
 from worldgen.interop.readers.sibling_file import companion
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
 from worldgen.support.rows import flip_rows
-from worldgen.world import MAX_SIDE, Value
+from worldgen.world import Value
 
 __all__ = ["RINGED", "TARGET", "read_stage"]
 

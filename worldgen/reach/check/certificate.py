@@ -2,7 +2,7 @@
 
 A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A cut's gaps
 and its winding are whole numbers of cells and halves, so they are checked exactly; of a target's disc that reaches
-over the chain, the poses that count are worked out to 160 digits, and what is doubtful goes against the certificate.
+over the chain, the poses that count are worked out to 180 digits, and what is doubtful goes against the certificate.
 """
 
 from __future__ import annotations

@@ -2,10 +2,9 @@
 
 Each connected part of those poses has one that is nearest to the disc's centre. There the way to the centre is
 barred by one cell or by two: so it is the centre, the nearest point to it on the edge of one cell's neighbourhood, or a
-point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 160
+point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 180
 digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
-is doubtful goes against the certificate. Where robot or disc are smaller than a cell, there are as many more digits,
-and the doubt is as much smaller. Only how near a thing has to be to be looked at is decided in floats.
+is doubtful goes against the certificate. Only how near a thing has to be to be looked at is decided in floats.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ import numpy.typing as npt
 
 __all__ = ["TooMuch", "poses_to_part"]
 
-_DIGITS = 160  # numbers of 17 digits give poses that are off by 1e-32 cell, and by less
+_DIGITS = 180  # of places, of what is left of them beside the least radius, and of the roots of that
 _CERTAIN = 80  # digits that a root near zero keeps of them
 _MOST = 4_000_000  # points looked at
 
@@ -50,9 +49,8 @@ def poses_to_part(
         TooMuch: If there are too many points to look at.
     """
     with decimal.localcontext() as context:
-        finer = max(0, *(-_decimal(length).adjusted() for length in (radius, reach)))  # zeros at the front
-        context.prec = _DIGITS + 3 * finer  # for places, what is left of them beside the radius, and the roots of that
-        doubt = Decimal(10) ** -(_CERTAIN + finer)  # cells
+        context.prec = _DIGITS
+        doubt = Decimal(10) ** -_CERTAIN  # cells
         size, middle, width = _decimal(radius), (_decimal(centre[0]), _decimal(centre[1])), _decimal(reach)
         cells = _cells_near(blocked, float(radius) + float(reach) + 0.01, centre)
         there = set(cells)

@@ -22,14 +22,13 @@ __all__ = ["ROUNDING", "ask_still", "points_of", "witness_of"]
 
 _HALF = UNIT // 2
 _LU = Fraction(1, UNIT)
-_NO_ROOM = 2**30  # a radius in lu for which no grid has room
 
 ROUNDING = Fraction(1, 2**120)
 """Share of the radius by which a way to a pose that is no fraction may be too near."""
 
 
 def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
-    """Return a question about a world, without its start; None if a number is too large.
+    """Return a question about a world, without its start; None if a number has too many digits.
 
     Args:
         world: One that is still.
@@ -48,11 +47,11 @@ def _known(radius: float, cell_size: float, speed: float, place: tuple[float, fl
     disc = disc_of(*place, cell_size)
     known = _numbers_of(radius, cell_size, speed)
     target = described_target(cells, disc)
-    if known is None or target is None:
+    if known is None:
         return None
     made = ffi.new("WgStill *", known[0])
     made.target = target[0]
-    made.both = _both(cells, disc.radius)[0]
+    made.both = described_disc(cells + disc.radius / UNIT)[0]
     made.toward_x, made.toward_y = round(disc.x / _HALF), round(disc.y / _HALF)
     goal = lattice_centre(disc)
     if goal is not None:
@@ -80,13 +79,6 @@ def _numbers_of(metres: float, cell_size: float, speed: float) -> Any:
     except OverflowError:
         return None
     return made if made.pace.metre_under < 2**53 and ticks < 2**53 else None
-
-
-def _both(radius: Fraction, reach: Fraction) -> Any:
-    """Return a disc as wide as a robot, cells, and a target, lu, together."""
-    if radius * UNIT + reach >= _NO_ROOM:
-        return ffi.new("WgDisc *", (_NO_ROOM, _NO_ROOM**2, float(_NO_ROOM**2)))
-    return described_disc(radius + reach / UNIT)
 
 
 def points_of(found: Any) -> list[ExactPoint]:

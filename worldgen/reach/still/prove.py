@@ -62,15 +62,11 @@ def decide(
         InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
     """
     radius = world.robot_radius if radius is None else radius
-    check_radius(radius)
+    check_radius(radius, world.cell_size)
     check_margin(margin)
-    try:
-        with np.errstate(all="ignore"):  # event times near the largest float
-            if world.is_dynamic:
-                return _decide_changing(world, radius, margin)
-            return _Question(world, radius).answer(certificate=certificate, cut=certificate and cut)
-    except OverflowError:
-        return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
+    if world.is_dynamic:
+        return _decide_changing(world, radius, margin)
+    return _Question(world, radius).answer(certificate=certificate, cut=certificate and cut)
 
 
 def decide_many(worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True) -> list[Decision]:

@@ -34,7 +34,6 @@ _MOST = 3_000  # corners of cells near the disc; with more it is too large to lo
 _WORK = 100_000_000  # likewise, pairs of a pose and a cell
 
 _LONGEST = 2**61  # parts of a cell, and lengths in these; C has room for no more
-_LARGEST = 20_000  # cells; so is any grid that C takes
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -77,7 +76,7 @@ def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
         disc: The target's disc.
     """
     target = described_target(walls.radius, disc)
-    if target is None or not target.scale:
+    if not target.scale:
         return plain_poses(walls, disc)
     made = ffi.new("WgPoses **")
     listed = ffi.new("WgListed *")
@@ -89,13 +88,8 @@ def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
 
 @functools.lru_cache(maxsize=1024)
 def described_target(radius: Fraction, disc: Disc) -> Any:
-    """Return a robot's radius, cells, and a target's disc as C reads them; None if they are too large.
-
-    Its scale is 0 if the numbers have too many digits.
-    """
+    """Return a robot's radius, cells, and a target's disc as C reads them; the scale is 0 if they are too long."""
     x, y, reach = (value / UNIT for value in disc)
-    if radius > _LARGEST or reach > _LARGEST or max(abs(x), abs(y)) > _LARGEST:
-        return None
     floats = (float(x), float(y), float(radius), float(reach))
     made = ffi.new("WgTarget *", (0, 0, 0, 0, -1, *floats))
     for values in ((x, y, radius, reach), (x, y, radius)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from worldgen.domain import RADII
 from worldgen.errors import InvalidParameter
 from worldgen.reach.decision import REACHABLE
 from worldgen.reach.still.prove import decide
@@ -9,11 +10,9 @@ from worldgen.world import World
 
 __all__ = ["widest_disc"]
 
-_LEAST = 1e-12  # cells; smaller discs are not asked for
-
 
 def widest_disc(world: World) -> float:
-    """The largest radius, m, with which a disc can get from the start to the target; 0 if none can.
+    """The largest radius, m, with which a disc can get from the start to the target; 0 if no disc of a robot can.
 
     Found by halving: a smaller disc gets wherever a larger one does. The answer is right to the last bit, that is,
     the next larger float is too large.
@@ -31,7 +30,7 @@ def widest_disc(world: World) -> float:
     low, high = 0.0, min(world.width, world.height) * world.cell_size
     while True:
         middle = low + (high - low) / 2
-        if middle in (low, high) or high < _LEAST * world.cell_size:
+        if middle in (low, high) or middle < RADII[0] * world.cell_size:
             return low
         if decide(world, radius=middle, certificate=False).result == REACHABLE:
             low = middle

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from worldgen.lattice import UNIT, in_cells
 from worldgen.reach.decision import BLOCKED, UNDECIDED, Decision, check_deadline, check_radius
 from worldgen.reach.still.disc import target_disc
@@ -47,7 +45,7 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
         InvalidParameter: If the radius or the deadline is not a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
-    check_radius(radius)
+    check_radius(radius, world.cell_size)
     check_deadline(deadline)
     ahead = world if deadline is None else until(world, deadline)
     arrivals = []
@@ -65,11 +63,7 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
     if decision.result == BLOCKED and not arrivals:
         return decision
     late = f"the earliest path found takes {min(arrivals):.6g} s" if arrivals else ""
-    try:
-        with np.errstate(all="ignore"):  # event times near the largest float
-            return _confined(ahead, radius, deadline, late or decision.reason)
-    except OverflowError:
-        return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
+    return _confined(ahead, radius, deadline, late or decision.reason)
 
 
 def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
@@ -117,21 +111,17 @@ def latest_start(world: World, deadline: float | None = None, *, radius: float |
         InvalidParameter: If the radius or the deadline is not a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
-    check_radius(radius)
+    check_radius(radius, world.cell_size)
     check_deadline(deadline)
     start: ExactPoint = (
         in_cells(world.start.x, world.cell_size) * UNIT,
         in_cells(world.start.y, world.cell_size) * UNIT,
     )
-    try:
-        with np.errstate(all="ignore"):
-            walls = ChangingWalls(world, Spans(world), in_cells(radius, world.cell_size))
-            for k in _NODES:
-                if k > 2 and k * k * world.walls.size > _MOST_NODES:
-                    break
-                found = find_latest_start(world, walls, k, start, target_disc(world), deadline)
-                if found is not None:
-                    return found if deadline is None else min(found, math.nextafter(deadline, 0.0))
-    except OverflowError:
-        pass
+    walls = ChangingWalls(world, Spans(world), in_cells(radius, world.cell_size))
+    for k in _NODES:
+        if k > 2 and k * k * world.walls.size > _MOST_NODES:
+            break
+        found = find_latest_start(world, walls, k, start, target_disc(world), deadline)
+        if found is not None:
+            return found if deadline is None else min(found, math.nextafter(deadline, 0.0))
     return None

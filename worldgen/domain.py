@@ -1,0 +1,58 @@
+"""The numbers that a world may have.
+
+The limits are far beyond what a robot has, and near enough that a length in 1/1024 cell, its square and a time in
+microseconds fit into 64 bits. So nothing behind them needs a case for numbers that are too large or too small.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from worldgen.errors import Message
+
+__all__ = ["CELL_SIZES", "LATEST", "MAX_SIDE", "RADII", "SPEEDS", "number_fault", "radius_fault", "speed_fault"]
+
+MAX_SIDE: Final = 20_000
+"""Most cells of a row or a column."""
+
+CELL_SIZES: Final = (1e-6, 1e6)
+"""Side of a cell, m."""
+
+RADII: Final = (1e-6, float(MAX_SIDE))
+"""Radius of the robot's disc, and of the target's, in cells."""
+
+SPEEDS: Final = (1e-6, 1e9)
+"""Top speed, in cells a second."""
+
+LATEST: Final = 1e9
+"""Latest time of a change, s; 31 years."""
+
+
+def radius_fault(name: str, radius: float, cell_size: float) -> Message | None:
+    """Return what is wrong with a radius in m; None if it is one that a robot or a target can have."""
+    return number_fault(name, radius, (RADII[0] * cell_size, RADII[1] * cell_size), "m")
+
+
+def speed_fault(name: str, speed: float, cell_size: float) -> Message | None:
+    """Return what is wrong with a speed in m/s; None if it is one that a robot can have."""
+    return number_fault(name, speed, (SPEEDS[0] * cell_size, SPEEDS[1] * cell_size), "m/s")
+
+
+def number_fault(name: str, value: float, limits: tuple[float, float], unit: str) -> Message | None:
+    """Return what is wrong with a number that is above 0 and within two limits; None if nothing is."""
+    if not (math.isfinite(value) and value > 0.0):
+        return Message("not-positive", "{name}={value}: must be a finite number above 0", name=name, value=value)
+    low, high = limits
+    if low <= value <= high:
+        return None
+    return Message(
+        "out-of-range",
+        "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
+        "give one between",
+        name=name,
+        value=value,
+        low=low,
+        high=high,
+        unit=unit,
+    )
