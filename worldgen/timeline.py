@@ -92,6 +92,32 @@ class Timeline(HoldsFrozen):
         ordered = sorted(events, key=lambda event: event[0])
         return cls(*(np.array([event[k] for event in ordered]) for k in range(4))) if ordered else cls()
 
+    @property
+    def last_time(self) -> float:
+        """When the last change comes, s; 0 if nothing ever changes."""
+        return float(self.times[-1]) if len(self) else 0.0
+
+    def count_until(self, time: float) -> int:
+        """Return how many events come at a time, s, or before it."""
+        return int(np.searchsorted(self.times, time, side="right"))
+
+    def only(self, kept: npt.NDArray[np.bool_]) -> Timeline:
+        """Return the timeline of the events that ``kept``, (n,) bool, marks."""
+        return Timeline(self.times[kept], self.ix[kept], self.iy[kept], self.states[kept])
+
+    def is_within(self, width: int, height: int) -> bool:
+        """Return whether every event is of a cell of a grid with so many columns and rows."""
+        columns = (self.ix >= 0) & (self.ix < width)
+        rows = (self.iy >= 0) & (self.iy < height)
+        return bool((columns & rows).all())
+
+    def cells_that_become(self, *states: CellState, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+        """Mark the cells of a grid that some event puts into one of ``states``; without states, all that change."""
+        chosen = np.isin(self.states, states) if states else np.ones(len(self), np.bool_)
+        marked = np.zeros(shape, np.bool_)
+        marked[self.iy[chosen], self.ix[chosen]] = True
+        return marked
+
     def __len__(self) -> int:
         return len(self.times)
 

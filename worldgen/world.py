@@ -18,7 +18,7 @@ import numpy.typing as npt
 from worldgen.domain import CELL_SIZES, MAX_SIDE, number_fault, radius_fault, speed_fault
 from worldgen.errors import InvalidWorld
 from worldgen.support.frozen import HoldsFrozen, frozen
-from worldgen.timeline import Timeline
+from worldgen.timeline import CellState, Timeline
 
 __all__ = [
     "DEFAULT_CELL_SIZE",
@@ -250,13 +250,7 @@ class World(HoldsFrozen):
             )
         for name, point in (("start", self.start), ("target", self.target)):
             self._check_inside(name, point.x, point.y)
-        line = self.timeline
-        if len(line) and not (
-            (line.ix >= 0).all()
-            and (line.iy >= 0).all()
-            and (line.ix < self.width).all()
-            and (line.iy < self.height).all()
-        ):
+        if not self.timeline.is_within(self.width, self.height):
             raise InvalidWorld(
                 "outside-grid",
                 "timeline: every cell must lie in the grid of {width} x {height} cells",
@@ -297,6 +291,17 @@ class World(HoldsFrozen):
     def solid_cells(self) -> int:
         """Number of solid cells at time 0."""
         return int(np.count_nonzero(self.walls))
+
+    def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
+        """Return the state of every cell at a time, s: (height, width) uint8, values of :class:`CellState`."""
+        return self.cells_after(self.timeline.count_until(time))
+
+    def cells_after(self, count: int) -> npt.NDArray[np.uint8]:
+        """Return the state of every cell after the first ``count`` events of the timeline."""
+        line = self.timeline
+        cells = np.where(self.walls, np.uint8(CellState.SOLID), np.uint8(CellState.FREE))
+        cells[line.iy[:count], line.ix[:count]] = line.states[:count]  # of one cell's events the last stays
+        return cells
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, World):

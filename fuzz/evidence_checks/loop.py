@@ -32,7 +32,7 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
         return "the controller keeps memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
         return f"the trace ends at step {trace.steps}, before the second period does"
-    if world.is_dynamic and entry * _decimal(trace.time_step) < _decimal(float(world.timeline.times[-1])):
+    if entry * _decimal(trace.time_step) < _decimal(world.timeline.last_time):
         return "the world still changes after the loop's entry"
     one = trace.states[entry : entry + period + 1]
     two = trace.states[entry + period : entry + 2 * period + 1]

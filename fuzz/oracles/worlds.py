@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from worldgen.lattice import exact
-from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
 __all__ = ["mirrored", "scaled", "shifted", "turned"]
@@ -24,7 +23,7 @@ def turned(world: World) -> World:
         walls=world.walls.T[:, ::-1].copy(),
         start=Pose(_across(world, world.height, start.y), start.x, start.heading + math.pi / 2),
         target=Target(_across(world, world.height, target.y), target.x, target.radius),
-        timeline=Timeline(line.times, world.height - 1 - line.iy, line.ix, line.states),
+        timeline=replace(line, ix=world.height - 1 - line.iy, iy=line.ix),
     )
 
 
@@ -36,7 +35,7 @@ def mirrored(world: World) -> World:
         walls=world.walls[:, ::-1].copy(),
         start=Pose(_across(world, world.width, start.x), start.y, math.pi - start.heading),
         target=replace(target, x=_across(world, world.width, target.x)),
-        timeline=Timeline(line.times, world.width - 1 - line.ix, line.iy, line.states),
+        timeline=replace(line, ix=world.width - 1 - line.ix),
     )
 
 
@@ -49,7 +48,7 @@ def shifted(world: World) -> World:
         walls=np.pad(world.walls, ((_ROWS, 0), (_COLUMNS, 0)), constant_values=True),
         start=replace(start, x=float(exact(start.x) + right), y=float(exact(start.y) + up)),
         target=replace(target, x=float(exact(target.x) + right), y=float(exact(target.y) + up)),
-        timeline=Timeline(line.times, line.ix + _COLUMNS, line.iy + _ROWS, line.states),
+        timeline=replace(line, ix=line.ix + _COLUMNS, iy=line.iy + _ROWS),
     )
 
 

@@ -101,7 +101,7 @@ def _of_the_world(world: World) -> list[Row]:
         ("robot", f"radius {world.robot_radius:.4g} m, at most {world.robot_speed:.4g} m/s"),
     ]
     if world.is_dynamic:
-        rows.append(("changes", f"{len(line):,}, the last at {float(line.times[-1]):.6g} s"))
+        rows.append(("changes", f"{len(line):,}, the last at {line.last_time:.6g} s"))
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))

@@ -11,7 +11,6 @@ import numpy as np
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
-from worldgen.timeline import Timeline
 from worldgen.world import World
 
 __all__ = ["bare", "changed", "drop_columns", "drop_events", "drop_rows", "edited", "free_cells", "with_time"]
@@ -43,7 +42,7 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
     line = world.timeline
     keep = (line.iy < first) | (line.iy >= top)
     rows = np.where(line.iy >= top, line.iy - count, line.iy)
-    timeline = Timeline(line.times[keep], line.ix[keep], rows[keep], line.states[keep])
+    timeline = replace(line, iy=rows).only(keep)
     return changed(world, walls=walls, start=start, target=target, timeline=timeline)
 
 
@@ -58,7 +57,7 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
     line = world.timeline
     keep = (line.ix < first) | (line.ix >= right)
     columns = np.where(line.ix >= right, line.ix - count, line.ix)
-    timeline = Timeline(line.times[keep], columns[keep], line.iy[keep], line.states[keep])
+    timeline = replace(line, ix=columns).only(keep)
     return changed(world, walls=walls, start=start, target=target, timeline=timeline)
 
 
@@ -69,7 +68,7 @@ def drop_events(world: World, first: int, count: int) -> World | None:
         return None
     keep = np.ones(len(line), bool)
     keep[first : first + count] = False
-    return replace(world, timeline=Timeline(line.times[keep], line.ix[keep], line.iy[keep], line.states[keep]))
+    return replace(world, timeline=line.only(keep))
 
 
 def with_time(world: World, event: int, time: float) -> World | None:

@@ -60,9 +60,7 @@ class Surroundings:
 
     def __init__(self, world: World) -> None:
         self.height, self.width = world.walls.shape
-        line = world.timeline
-        changing = np.zeros(world.walls.shape, np.bool_)
-        changing[line.iy, line.ix] = True
+        changing = world.timeline.cells_that_become(shape=world.walls.shape)
         self._still = np.pad(world.walls & ~changing, 1, constant_values=True)
         columns = np.arange(self.width + 2, dtype=np.int32)
         ahead = np.where(self._still, columns, np.int32(self.width + 1))

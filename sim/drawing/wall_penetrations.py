@@ -52,14 +52,11 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     """Steps and cells, more than once where the robot stays in one."""
     side, line = world.cell_size, world.timeline
     steps, x, y = trace.path_step, trace.path_x / side, trace.path_y / side
-    cells = np.where(world.walls, CellState.SOLID, CellState.FREE)
     changes = np.searchsorted(steps * trace.time_step, line.times, side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
-    done = 0
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        while done < len(changes) and changes[done] <= begin:
-            cells[line.iy[done], line.ix[done]] = line.states[done]
-            done += 1
+        done = int(np.searchsorted(changes, begin, side="right"))
+        cells = world.cells_after(done)
         solid = np.pad(cells == CellState.SOLID, 1, constant_values=True)
         yield from _discs(solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side)
         before = max(0, begin - 1)

@@ -18,6 +18,7 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.packing import disc_numbers, target_sq
 from worldgen.lattice import metres_to_lattice
 from worldgen.support.ccall import check, pointer, writable
+from worldgen.timeline import CellState
 from worldgen.world import World
 
 __all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_way"]
@@ -186,12 +187,13 @@ def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
         regardless_of_time: Whether to keep away only from what is solid for ever: then ``True`` shows nothing either
             of a world that changes, but without such a way there is hardly another.
     """
-    side, line = world.cell_size, world.timeline
+    side = world.cell_size
+    shape = world.walls.shape
     cells = np.array(world.walls, np.uint8, order="C")
     if regardless_of_time:
-        cells[line.iy[line.states == 0], line.ix[line.states == 0]] = 0
+        cells[world.timeline.cells_that_become(CellState.FREE, shape=shape)] = lib.WG_FREE
     else:
-        cells[line.iy[line.states > 0], line.ix[line.states > 0]] = lib.WG_SOLID
+        cells[world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=shape)] = lib.WG_SOLID
     points = (world.start.x, world.start.y, world.target.x, world.target.y)
     sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
     disc = ffi.new("WgDisc *", disc_numbers(world))[0]

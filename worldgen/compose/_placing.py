@@ -150,8 +150,8 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
     if how == "carve":
         says &= host.mask
     mask = host.mask | says
-    line = part.timeline
-    events = Events((line.iy + low_y) * host.width + line.ix + low_x, line.times, line.states)
+    events = Events.of(part.timeline, host.width)
+    events = events._replace(cells=events.cells + low_y * host.width + low_x)
     both = put_together(Events.of(host.timeline, host.width), events, host.solid, host.mask, solid, says, how)
     solid = np.where(says, state_of_two(host.solid, host.mask, solid, how), host.solid)
     return replace(agreed, solid=solid, mask=mask, timeline=timeline_of(both, host.width))

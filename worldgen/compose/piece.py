@@ -81,8 +81,7 @@ class Piece:
         object.__setattr__(self, "marks", frozen(self.marks))
         line = self.timeline
         if len(line):
-            inside = (line.ix >= 0) & (line.ix < self.width) & (line.iy >= 0) & (line.iy < self.height)
-            if not inside.all():
+            if not line.is_within(self.width, self.height):
                 raise InvalidParameter(
                     "outside-grid", "a piece's timeline has a cell outside of it", "cut the timeline, or the world"
                 )
@@ -296,16 +295,11 @@ class Piece:
 
     def walls(self) -> Piece:
         """Its walls alone: it says nothing of cells that are free and stay so."""
-        return self.masked(self.solid | self._changing())
+        return self.masked(self.solid | self.timeline.cells_that_become(shape=self.solid.shape))
 
     def floor(self) -> Piece:
         """Its floor alone: it says nothing of cells that are solid and stay so."""
-        return self.masked(~self.solid | self._changing())
-
-    def _changing(self) -> Bools:
-        cells = np.zeros_like(self.solid)
-        cells[self.timeline.iy, self.timeline.ix] = True
-        return cells
+        return self.masked(~self.solid | self.timeline.cells_that_become(shape=self.solid.shape))
 
     def filled(self, fill: str) -> Piece:
         """What it said nothing of is ``solid`` or ``free``."""

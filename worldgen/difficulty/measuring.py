@@ -44,14 +44,14 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     if "difficulty" in wanted:
         wanted |= frozenset(INPUTS)
     certificate = world.certificate if world.certificate is not None else reach.decide(world).certificate
-    solid = _at_start(world)
+    solid = world.cells_at(0.0) != CellState.FREE
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
     if wanted & _BOTTLENECK:
         radius = bottleneck(world, solid)
         found |= {"bottleneck": radius, "bottleneck_radii": radius / world.robot_radius}
     if world.is_dynamic:
-        line = world.timeline
-        found["changing"] = len(np.unique(line.iy * world.width + line.ix)) / solid.size
+        changing = world.timeline.cells_that_become(shape=solid.shape)
+        found["changing"] = int(np.count_nonzero(changing)) / solid.size
     if isinstance(certificate, Witness) and len(certificate.times):
         way = way_of(world, certificate)
         found |= _along(world, certificate, way)
@@ -66,17 +66,6 @@ def with_metrics(world: World) -> World:
     if world.provenance is None:
         return world
     return replace(world, provenance=replace(world.provenance, metrics=measure(world).as_dict()))
-
-
-def _at_start(world: World) -> Bools:
-    """(height, width) bool, what is solid or burning at time 0."""
-    if not world.is_dynamic:
-        return world.walls
-    solid = np.array(world.walls)
-    line = world.timeline
-    for iy, ix, state in zip(*(values[line.times <= 0.0] for values in (line.iy, line.ix, line.states)), strict=True):
-        solid[iy, ix] = state != CellState.FREE
-    return solid
 
 
 def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:

@@ -149,12 +149,7 @@ def frozen_at(world: World, time: float) -> World:
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter("below-minimum", "at={time:g} is no time", "give seconds from 0 on", time=time)
-    walls = world.walls.copy()
-    line = world.timeline
-    for when, ix, iy, state in zip(line.times, line.ix, line.iy, line.states, strict=True):
-        if when > time:
-            break
-        walls[iy, ix] = state != CellState.FREE
+    walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic
     return world if same else replace(world, walls=walls, timeline=Timeline(), certificate=None, failure=None)
 

@@ -107,7 +107,7 @@ class _Stage:
         self.line = 19.0 * frame.unit
         height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
         self.size = frame.picture_width, height
-        self.cells = np.where(world.walls, CellState.SOLID, CellState.FREE).astype(np.uint8)
+        self.cells = world.cells_after(0)
         self.changes = 0  # that are in the cells
         self.ground: Image.Image | None = None
         self.trails = [trail for k, drive in enumerate(drives) for trail in _trails(drive, frame, self._colour(k))]
@@ -133,11 +133,9 @@ class _Stage:
         )
 
     def _ground_at(self, time: float) -> Image.Image:
-        line = self.world.timeline
-        until = int(np.searchsorted(line.times, time + 1e-9, side="right"))
+        until = self.world.timeline.count_until(time + 1e-9)
         if self.ground is None or until > self.changes:
-            for k in range(self.changes, until):
-                self.cells[line.iy[k], line.ix[k]] = line.states[k]
+            self.cells = self.world.cells_after(until)
             self.changes = until
             solid, burning = self.cells == CellState.SOLID, self.cells == CellState.BURNING
             parts = moment_parts(self.world, self.frame, solid, burning, self.size[1])

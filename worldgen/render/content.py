@@ -35,14 +35,11 @@ class Changes:
     def of(cls, world: World) -> Changes:
         """The changes of a world; nothing is set in a static one."""
         line = world.timeline
-
-        def ever(chosen: Mask) -> Mask:
-            mask = np.zeros(world.walls.shape, np.bool_)
-            mask[line.iy[chosen], line.ix[chosen]] = True
-            return mask
-
-        solid = line.states == CellState.SOLID
-        return cls(ever(line.states == CellState.BURNING), ever(solid) & ~world.walls, ever(~solid) & world.walls)
+        shape = world.walls.shape
+        burns = line.cells_that_become(CellState.BURNING, shape=shape)
+        closes = line.cells_that_become(CellState.SOLID, shape=shape) & ~world.walls
+        opens = line.cells_that_become(CellState.FREE, CellState.BURNING, shape=shape) & world.walls
+        return cls(burns, closes, opens)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -79,7 +79,7 @@ def _known(world: World) -> list[tuple[str, str]]:
         ("robot", f"radius {world.robot_radius:.6g} m, speed {world.robot_speed:.6g} m/s"),
     ]
     if world.is_dynamic:
-        rows.append(("changes", f"{len(world.timeline)} until {float(world.timeline.times[-1]):.6g} s"))
+        rows.append(("changes", f"{len(world.timeline)} until {world.timeline.last_time:.6g} s"))
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through"))

@@ -162,12 +162,10 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
 
 def always_solid(world: World) -> npt.NDArray[np.bool_]:
     """The cells that are solid at all times, (height, width) bool; of a world that stands still, its walls."""
-    line = world.timeline
-    solid, later = world.walls.copy(), line.times > 0
-    solid[line.iy[~later], line.ix[~later]] = line.states[~later] == CellState.SOLID
-    opened = later & (line.states != CellState.SOLID)
-    solid[line.iy[opened], line.ix[opened]] = False
-    return solid
+    later = world.timeline.only(world.timeline.times > 0)
+    opened = later.cells_that_become(CellState.FREE, CellState.BURNING, shape=world.walls.shape)
+    always: npt.NDArray[np.bool_] = (world.cells_at(0.0) == CellState.SOLID) & ~opened
+    return always
 
 
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:

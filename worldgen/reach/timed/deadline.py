@@ -14,7 +14,6 @@ from worldgen.reach.timed.confine import confine
 from worldgen.reach.timed.latest import find_latest_start
 from worldgen.reach.timed.retime import hasten
 from worldgen.reach.timed.spans import ChangingWalls, Spans
-from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
 
 __all__ = ["decide_in_time", "latest_start", "until"]
@@ -86,12 +85,8 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
 
 def until(world: World, deadline: float) -> World:
     """The world without what changes after a deadline, which is nothing to a robot that is to arrive by then."""
-    line = world.timeline
-    kept = line.times <= deadline
-    if bool(kept.all()):
-        return world
-    early = Timeline(line.times[kept], line.ix[kept], line.iy[kept], line.states[kept])
-    return replace(world, timeline=early, certificate=None)
+    kept = world.timeline.times <= deadline
+    return world if kept.all() else replace(world, timeline=world.timeline.only(kept), certificate=None)
 
 
 def latest_start(world: World, deadline: float | None = None, *, radius: float | None = None) -> float | None:

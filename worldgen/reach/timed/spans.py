@@ -51,7 +51,7 @@ class Spans:
         line, size = world.timeline, world.walls.size
         self.width = world.width
         self.ticks = ticks_per_second(world.cell_size, world.robot_speed)
-        last = max(float(line.times.max(initial=0.0)), early)
+        last = max(line.last_time, early)
         while self.ticks > 1 and last * self.ticks > _LAST:
             self.ticks //= 10
         place = line.iy * world.width + line.ix
