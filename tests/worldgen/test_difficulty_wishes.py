@@ -53,6 +53,8 @@ WRONG = [
     ("__import__('os')", {"code": "unknown-name", "name": "__import__"}, 0),
     ("detour > 1e999", {"code": "too-large"}, 9),
     ("(" * 60 + "detour" + ")" * 60 + " > 3", {"code": "nested-too-deep", "most": 50}, 51),
+    ("-" * 300 + "detour < 0", {"code": "nested-too-deep", "most": 250}, 0),
+    ("1" + " + 1" * 300 + " > 0", {"code": "nested-too-deep", "most": 250}, 0),
 ]
 
 

@@ -1,4 +1,4 @@
-"""Wishes about metrics: ``detour > 3 and bottleneck < 1.2r``, read by a parser of our own, never run as code.
+"""Wishes about metrics: ``detour > 3 and bottleneck < 1.2r``, read by Python's own parser, never run as code.
 
 Grammar, loosest first: ``or``, ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``,
 ``* /``, signs, parentheses, names of metrics, numbers. A number may carry a unit: ``m``, ``s``, or ``r``, the robot's
@@ -7,11 +7,12 @@ radius.
 
 from __future__ import annotations
 
+import ast
 import difflib
 import math
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple, NoReturn
 
@@ -23,6 +24,7 @@ __all__ = ["Expression", "parse"]
 UNITS: Final = ("m", "s", "r")
 MOST_CHARACTERS: Final = 2000
 MOST_NESTED: Final = 50
+_DEEPEST: Final = 250  # levels of the syntax tree; Python allows a thousand calls within each other
 _EMPTY: Final = 2.0  # violation of a comparison with a metric that the world does not have: more than any other
 
 _TOKEN = re.compile(
@@ -30,6 +32,13 @@ _TOKEN = re.compile(
     r"|(?P<mark><=|>=|==|!=|[<>+\-*/()])|(?P<end>\Z)|(?P<wrong>.))",
     re.DOTALL | re.ASCII,
 )
+_BEGINNERS = frozenset({"(", "and", "or", "not", "+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="})
+_BETWEEN = _BEGINNERS - {"(", "not"}
+_CONDITION_NEXT = frozenset({"(", "and", "or", "not"})
+_MARKS: Final[dict[type[ast.AST], str]] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
+    ast.Eq: "==", ast.NotEq: "!=",
+}  # fmt: skip
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 _HOLDS: Final[dict[str, Callable[[float, float], bool]]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
@@ -87,171 +96,81 @@ def parse(text: str) -> Expression:
             characters=len(text),
             most=MOST_CHARACTERS,
         )
-    parser = _Parser(text)
-    found = parser.either(0)
-    if parser.kind != "end":
-        parser.fail(Message("wrong-form", "{came} is too much here", "join wishes with and, or", came=parser.shown))
-    return Expression(text, frozenset(parser.names), parser.wish(found, 0))
+    scan = _Scan(text)
+    try:
+        tree = ast.parse(f"({scan.structure})", mode="eval").body
+    except (SyntaxError, MemoryError, RecursionError):  # the scan leaves nothing to refuse but signs without end
+        tree = None
+    if tree is None or _levels(tree) > _DEEPEST:
+        scan.fail(_too_deep(_DEEPEST), 0)
+    return Expression(text, frozenset(scan.names), _Meaning(scan).wish(tree, len(text) - len(text.lstrip())))
 
 
-class _Parser:
-    """Recursive descent over the tokens; ``at`` is where the current one begins."""
+class _Scan:
+    """The words of a text, checked from left to right.
+
+    Attributes:
+        operands: What each number and metric means, by the place where it begins.
+        structure: The text with a name of the same length for each of them, which Python's own parser can read.
+    """
 
     def __init__(self, text: str) -> None:
-        self.text, self.names = text, set[str]()
-        self._tokens = self._scan()
-        self._depth = 0
-        self._next()
+        self.text = text
+        self.names: set[str] = set()
+        self.operands: dict[int, _Number] = {}
+        self.structure = ""
+        open_brackets = 0
+        before = "("  # as if the whole were in parentheses
+        for token in _TOKEN.finditer(text):
+            kind = "number" if token["number"] is not None else str(token.lastgroup)
+            word, at = token[kind], token.start(kind)
+            if open_brackets > MOST_NESTED:
+                self.fail(_too_deep(MOST_NESTED), at)
+            if kind == "wrong":
+                self.fail(Message("wrong-form", "{word!r} has no meaning here", word=word), at)
 
-    def _scan(self) -> Iterator[re.Match[str]]:
-        place = 0
-        while True:
-            token = _TOKEN.match(self.text, place)
-            if token is None:  # the last alternative but one takes any character
-                raise InvalidParameter("wrong-form", "the wish cannot be read", "write it on one line")
-            yield token
-            place = token.end()
+            # Operands and operators take turns, so what came before tells what may come now.
+            begins = before in _BEGINNERS
+            is_operand = kind == "number" or (kind == "word" and word not in ("and", "or", "not"))
+            if begins:
+                fits = is_operand or word in ("(", "+", "-") or (word == "not" and before in _CONDITION_NEXT)
+            elif open_brackets:
+                fits = word in _BETWEEN or word == ")"
+            else:
+                fits = word in _BETWEEN or kind == "end"
+            if not fits:
+                self.fail(_misplaced("the end" if kind == "end" else repr(word), begins, open_brackets), at)
 
-    def _next(self) -> None:
-        token = next(self._tokens)
-        self.kind = "number" if token["number"] is not None else str(token.lastgroup)
-        self.at = token.start(self.kind)
-        self.word = token[self.kind]
-        self.unit = token["unit"]
-        if self.kind == "wrong":
-            self.fail(Message("wrong-form", "{word!r} has no meaning here", word=self.word))
+            # Numbers and metrics get their meaning here; signs and brackets are left to the parser.
+            if is_operand:
+                self.operands[at] = self._constant(token, at) if kind == "number" else self._metric(word, at)
+                word = "_" * (token.end() - at)
+            open_brackets += {"(": 1, ")": -1}.get(word, 0)
+            self.structure += " " * (at - token.start()) + word
+            before = "" if is_operand else word
+            if kind == "end":
+                break
 
-    @property
-    def shown(self) -> str:
-        """The current token for messages."""
-        return "the end" if self.kind == "end" else repr(self.word)
-
-    def fail(self, message: Message, at: int | None = None) -> NoReturn:
-        """Raises the error with a mark under the place."""
-        place = self.at if at is None else at
+    def fail(self, message: Message, place: int) -> NoReturn:
+        """Raise the error with a mark under the place."""
         line = "".join(c if c.isprintable() else " " for c in self.text)
         first = max(0, place - 60)
         piece = line[first : first + 100]
         marked = message.before("\n  {line}\n  {mark:>{column}}", line=piece, mark="^", column=place - first + 1)
         raise InvalidParameter.of(marked)
 
-    def _takes(self, *words: str) -> str | None:
-        if self.kind in ("mark", "word") and self.word in words:
-            word = self.word
-            self._next()
-            return word
-        return None
-
-    def wish(self, part: _Number | _Wish, at: int) -> _Wish:
-        """Refuses a number where a condition belongs."""
-        if isinstance(part, _Number):
-            self.fail(Message("wrong-form", "this is a number, not a condition", "compare it, as in detour > 3"), at)
-        return part
-
-    def number(self, part: _Number | _Wish, at: int) -> _Number:
-        """Refuses a condition where a number belongs."""
-        if isinstance(part, _Wish):
-            self.fail(
-                Message("wrong-form", "this is a condition, not a number; it cannot be compared or reckoned with"), at
-            )
-        return part
-
-    def either(self, depth: int) -> _Number | _Wish:
-        """``a or b``."""
-        if depth > MOST_NESTED:
-            self.fail(
-                Message(
-                    "nested-too-deep",
-                    "nested deeper than {most} levels",
-                    "take parentheses and signs away",
-                    most=MOST_NESTED,
-                )
-            )
-        at, found = self.at, self._both(depth)
-        while self._takes("or"):
-            one, second = self.wish(found, at), self.at
-            found = _or(one, self.wish(self._both(depth), second))
-        return found
-
-    def _both(self, depth: int) -> _Number | _Wish:
-        at, found = self.at, self._denial(depth)
-        while self._takes("and"):
-            one, second = self.wish(found, at), self.at
-            found = _and(one, self.wish(self._denial(depth), second))
-        return found
-
-    def _denial(self, depth: int) -> _Number | _Wish:
-        denied = 0
-        while self._takes("not"):
-            denied += 1
-        at, found = self.at, self._comparison(depth)
-        if denied:
-            found = self.wish(found, at)
-        return found.opposite() if denied % 2 and isinstance(found, _Wish) else found
-
-    def _comparison(self, depth: int) -> _Number | _Wish:
-        at, found = self.at, self._sum(depth)
-        parts: list[_Wish] = []
-        left = found
-        while (mark := self._takes(*_OPPOSITE)) is not None:
-            one, second = self.number(left, at), self.at
-            left = self._sum(depth)
-            parts.append(_compare(mark, one, self.number(left, second)))
-            at = second
-        for part in parts[1:]:
-            parts[0] = _and(parts[0], part)
-        return parts[0] if parts else found
-
-    def _sum(self, depth: int) -> _Number | _Wish:
-        at, found = self.at, self._product(depth)
-        while (mark := self._takes("+", "-")) is not None:
-            one, second = self.number(found, at), self.at
-            found = _reckon(mark, one, self.number(self._product(depth), second))
-        return found
-
-    def _product(self, depth: int) -> _Number | _Wish:
-        at, found = self.at, self._signed(depth)
-        while (mark := self._takes("*", "/")) is not None:
-            one, second = self.number(found, at), self.at
-            found = _reckon(mark, one, self.number(self._signed(depth), second))
-        return found
-
-    def _signed(self, depth: int) -> _Number | _Wish:
-        minus, signs = False, 0
-        while (mark := self._takes("+", "-")) is not None:
-            minus, signs = minus != (mark == "-"), signs + 1
-        at, found = self.at, self._atom(depth)
-        if not signs:
-            return found
-        value = self.number(found, at).value
-        return _Number(lambda metrics, radius: -value(metrics, radius)) if minus else _Number(value)
-
-    def _atom(self, depth: int) -> _Number | _Wish:
-        if self._takes("("):
-            found = self.either(depth + 1)
-            if not self._takes(")"):
-                self.fail(Message("wrong-form", "{came} where a closing parenthesis belongs", came=self.shown))
-            return found
-        if self.kind == "number":
-            return self._constant()
-        if self.kind == "word" and self.word not in ("and", "or", "not"):
-            return self._metric()
-        self.fail(Message("wrong-form", "{came} where a metric or a number belongs", came=self.shown))
-
-    def _constant(self) -> _Number:
-        value, unit = float(self.word), self.unit
+    def _constant(self, token: re.Match[str], at: int) -> _Number:
+        value, unit = float(token["number"]), token["unit"]
         if not math.isfinite(value):
-            self.fail(Message("too-large", "this number is beyond the range of a float64", "give a smaller one"))
+            self.fail(Message("too-large", "this number is beyond the range of a float64", "give a smaller one"), at)
         if unit is not None and unit not in UNITS:
             self.fail(
                 Message("unknown-name", "{name!r} is no unit", "write m, s, or r for the robot's radius", name=unit),
-                self.at + len(self.word),
+                token.start("unit"),
             )
-        self._next()
         return _Number(lambda _, radius: value * radius if unit == "r" else value)
 
-    def _metric(self) -> _Number:
-        name = self.word
+    def _metric(self, name: str, at: int) -> _Number:
         if name not in METRICS:
             near = "".join(difflib.get_close_matches(name, METRICS, n=1))
             message = Message(
@@ -262,10 +181,86 @@ class _Parser:
                 near=near,
                 known=list(METRICS),
             )
-            self.fail(message)
+            self.fail(message, at)
         self.names.add(name)
-        self._next()
         return _Number(lambda metrics, _: metrics.get(name, math.nan))
+
+
+def _misplaced(came: str, begins: bool, open_brackets: int) -> Message:
+    """Return what is wrong with a word that does not fit what is before it."""
+    if begins:
+        return Message("wrong-form", "{came} where a metric or a number belongs", came=came)
+    if open_brackets:
+        return Message("wrong-form", "{came} where a closing parenthesis belongs", came=came)
+    return Message("wrong-form", "{came} is too much here", "join wishes with and, or", came=came)
+
+
+def _too_deep(most: int) -> Message:
+    return Message("nested-too-deep", "nested deeper than {most} levels", "take parentheses and signs away", most=most)
+
+
+class _Meaning:
+    """What the nodes of a syntax tree mean; ``at`` is the place in the text where a node begins."""
+
+    def __init__(self, scan: _Scan) -> None:
+        self._scan = scan
+
+    def wish(self, node: ast.expr, at: int) -> _Wish:
+        """Return a condition; refuse a number in its place."""
+        if isinstance(node, ast.Compare):
+            return self._comparison(node, at)
+        if isinstance(node, ast.BoolOp):
+            join = _and if isinstance(node.op, ast.And) else _or
+            found = self.wish(node.values[0], at)
+            for value in node.values[1:]:
+                found = join(found, self.wish(value, _place(value)))
+            return found
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            return self.wish(node.operand, _place(node.operand)).opposite()
+        message = Message("wrong-form", "this is a number, not a condition", "compare it, as in detour > 3")
+        self._scan.fail(message, at)
+
+    def number(self, node: ast.expr, at: int) -> _Number:
+        """Return a number; refuse a condition in its place."""
+        if isinstance(node, ast.Name):
+            return self._scan.operands[_place(node)]
+        if isinstance(node, ast.BinOp):
+            left = self.number(node.left, at)
+            right = self.number(node.right, _place(node.right))
+            return _reckon(_MARKS[type(node.op)], left, right)
+        if isinstance(node, ast.UnaryOp) and not isinstance(node.op, ast.Not):
+            value = self.number(node.operand, _place(node.operand)).value
+            return _Number(
+                (lambda metrics, radius: -value(metrics, radius)) if isinstance(node.op, ast.USub) else value
+            )
+        message = Message("wrong-form", "this is a condition, not a number; it cannot be compared or reckoned with")
+        self._scan.fail(message, at)
+
+    def _comparison(self, node: ast.Compare, at: int) -> _Wish:
+        left = self.number(node.left, at)
+        found: _Wish | None = None
+        for mark, other in zip(node.ops, node.comparators, strict=True):
+            right = self.number(other, _place(other))
+            part = _compare(_MARKS[type(mark)], left, right)
+            found = part if found is None else _and(found, part)
+            left = right
+        assert found is not None, "a comparison has a right side"
+        return found
+
+
+def _levels(tree: ast.expr) -> int:
+    """Return how many nodes of a syntax tree are within each other."""
+    levels = 0
+    nodes: list[ast.AST] = [tree]
+    while nodes:
+        nodes = [child for node in nodes for child in ast.iter_child_nodes(node)]
+        levels += 1
+    return levels
+
+
+def _place(node: ast.expr) -> int:
+    """Return where in the text a node begins; the parser sees one parenthesis before it."""
+    return node.col_offset - 1
 
 
 def _reckon(mark: str, one: _Number, other: _Number) -> _Number:
