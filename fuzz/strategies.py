@@ -19,6 +19,7 @@ from sim.scenario import Scenario
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, Parameter
 from worldgen.generation import generate
+from worldgen.parameters import find_parameter
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, Witness, World
 
@@ -48,16 +49,8 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
         InvalidParameter: If the family or a parameter is unknown.
     """
     made_by = FAMILIES.get(family)
-    unknown = set(fixed) - set(made_by.defaults())
-    if unknown:
-        raise InvalidParameter(
-            "unknown-name",
-            "{family} has no parameter {name!r}",
-            "it has {known!l}",
-            family=family,
-            name=min(unknown),
-            known=list(made_by.defaults()),
-        )
+    for name in sorted(fixed):
+        find_parameter(name, made_by.parameters, family)
     drawn: dict[str, Value] = {}
     for parameter in made_by.parameters:
         if parameter.name not in fixed and (choices := _choices(family, parameter)) is not None:

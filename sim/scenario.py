@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
-from sim.options.run import RunOptions, step_budget, switch_class, switch_sets
+from sim.options.run import TIME_STEP, RunOptions, option_without_effect, step_budget, switch_class, switch_sets
 from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import parameters_of_fields, split_options
 from worldgen.world import Value, World
 
 __all__ = ["Scenario"]
 
-# ``./a+b/mine.py:Robot+noise`` ends in one variation; a ``+`` in a folder's name begins none.
-_VARIATION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
-_VARIED = re.compile(rf"(?P<name>.+?)(?P<variations>(?:{_VARIATION})*)", re.DOTALL)
+_MOTION = next(option for option in parameters_of_fields(RunOptions) if option.name == "motion")
 
 
 @dataclass(frozen=True)
@@ -61,28 +60,14 @@ class Scenario:
         Raises:
             InvalidParameter: If the text names no controller, or a variation is unknown or out of range.
         """
-        controller, variations = _split(text.strip())
-        given: list[tuple[str, str | None]] = []
-        for variation in variations:
-            name, equals, value = variation[1:].partition("=")
-            said: str | None = value.strip() if equals else None
-            if name in PROGRAM_OPTIONS and not is_process_name(controller):
-                raise InvalidParameter(
-                    "option-misplaced",
-                    "+{name} is an option of programs and stands before the colon: write 'cmd{variation}:{controller}'",
-                    name=name,
-                    variation=variation,
-                    controller=controller,
-                )
-            if name == "motion":
-                motion = _said(name, said, "stepped")
-            elif name in ("time_step", "time-step"):
-                time_step = _seconds(_said(name, said, "0.03"))
-            else:
-                given.append((name, said))
+        controller, options = _split(text.strip())
+        if not is_process_name(controller):
+            _refuse_program_options(controller, options)
+        motion = _MOTION.parse(options.pop("motion"), "run") if "motion" in options else motion
+        time_step = TIME_STEP.parse(options.pop("time_step"), "run") if "time_step" in options else time_step
         values: dict[str, Value] = {}
-        for name, said in given:
-            values |= _parsed(motion, name, said)
+        for name, value in options.items():
+            values |= _parsed(motion, name, value)
         return cls(controller, motion, time_step, seed, **(switch_sets(motion, values) if values else {}))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
@@ -124,56 +109,38 @@ class Scenario:
         return replace(self, seed=seed)
 
 
-def _split(text: str) -> tuple[str, list[str]]:
-    """Name and variations; of a program's command line, which begins at the first colon, nothing is a variation."""
+def _split(text: str) -> tuple[str, dict[str, str | None]]:
+    """Return name and options; in a program's command line, which begins at the first colon, nothing is an option."""
     if not is_process_name(text):
-        parts = _VARIED.fullmatch(text)
-        if parts is None:
-            raise InvalidParameter(
-                "empty-name", "an empty text names no controller", "give one, such as thesis-1 or ./mine.py:Robot"
-            )
-        return parts["name"], re.findall(_VARIATION, parts["variations"])
+        return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
     head, colon, command = text.partition(":")
-    variations = re.findall(_VARIATION, head)
-    if "".join(["cmd", *variations]) != head:  # as it is, it will be refused with the way out
-        return text, []
+    name, options = split_options(head, "cmd+motion=endpoint:./mine")
     own = ("motion", "time_step", *RobotOptions.names())
-    of_the_run = [one for one in variations if one[1:].partition("=")[0].replace("-", "_") in own]
-    of_the_program = [one for one in variations if one not in of_the_run]
-    return "".join(["cmd", *of_the_program, colon, command]), of_the_run
+    of_the_run = {option: value for option, value in options.items() if option in own}
+    words = [name]
+    for option, value in options.items():
+        if option not in own:
+            words.append(option if value is None else f"{option}={value}")
+    return "+".join(words) + colon + command, of_the_run
 
 
-def _said(name: str, text: str | None, example: str) -> str:
-    if not text:
-        raise InvalidParameter(
-            "option-needs-value", "option {name!r} needs a value", "write +{name}={example}", name=name, example=example
-        )
-    return text
+def _refuse_program_options(controller: str, options: Mapping[str, str | None]) -> None:
+    for name in options:
+        if name in PROGRAM_OPTIONS:
+            value = "" if options[name] is None else f"={options[name]}"
+            raise InvalidParameter(
+                "option-misplaced",
+                "+{name} is an option of programs and stands before the colon: write 'cmd+{name}{value}:{controller}'",
+                name=name,
+                value=value,
+                controller=controller,
+            )
 
 
 def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
-    """One option as written; one of another motion model's gets a sentence that says so."""
+    """Return one option as written; one of another motion model's gets a sentence that says so."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
-    plain = name.replace("-", "_")
-    if plain not in (*own.names(), *own.TOGETHER) and plain in (*other.names(), *other.TOGETHER):
-        where = "swept or endpoint" if own is ThesisOptions else "stepped"
-        raise InvalidParameter(
-            "option-without-effect",
-            "option {name!r} means nothing to motion {motion!r}",
-            "take --motion {where}, or leave it out",
-            at_terminal=True,
-            name=name,
-            motion=motion,
-            where=where,
-        )
+    if name not in (*own.names(), *own.TOGETHER) and name in (*other.names(), *other.TOGETHER):
+        raise option_without_effect(motion, name)
     return own.parse(name, text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InvalidParameter(
-            "not-a-number", "time_step={text!r} is no number", "write seconds, like 0.015", text=text
-        ) from None

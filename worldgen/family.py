@@ -20,6 +20,7 @@ from worldgen.parameters import (
     check_choice,
     check_declared,
     check_positive,
+    find_parameter,
     parameters_of,
 )
 from worldgen.plugins.registry import Registry
@@ -124,15 +125,8 @@ class Family:
         for name in params:
             if name in self.constants:
                 self._check_constant(name, params[name])
-            elif name not in known:
-                raise InvalidParameter(
-                    "unknown-name",
-                    "{family} has no parameter {parameter!r}",
-                    "it has {known!l}",
-                    family=self.name,
-                    parameter=name,
-                    known=list(known),
-                )
+            else:
+                find_parameter(name, self.parameters, self.name)
         complete = {
             name: parameter.accept(params.get(name, parameter.default), self.name) for name, parameter in known.items()
         }

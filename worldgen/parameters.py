@@ -1,21 +1,30 @@
-"""Parameters as functions declare them: keyword-only, with a plain default that gives the type."""
+"""Declared options: keyword-only parameters of a function, or fields of a dataclass; a default gives the type.
+
+Families and formats declare theirs as functions; the robot, the thesis's simulator and campaigns as dataclasses.
+Command line, JSON and the studio's forms come from the same :class:`Parameter` objects.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import difflib
+import functools
 import inspect
 import math
 import re
 import typing
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from worldgen.errors import InvalidParameter
-from worldgen.world import Value
 
 __all__ = [
     "Bounds",
+    "Group",
     "Parameter",
     "argument_notes",
     "check_at_least",
@@ -23,11 +32,23 @@ __all__ = [
     "check_choice",
     "check_declared",
     "check_positive",
+    "find_parameter",
     "parameters_of",
+    "parameters_of_fields",
+    "parse_options",
+    "split_options",
 ]
 
 _INT64 = 2**63  # a file holds no larger whole number
 _PLAIN = (bool, int, float, str)
+_KINDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
+_LIST_EXAMPLE = "0.25:0.5"
+
+# ``./a+b/mine.py:Robot+noise`` ends in one option; a ``+`` in a folder's name begins none.
+_OPTION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
+_WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
+# After a registered name, which has no slash, a value may hold one: ``tiled+layer=walls/low``.
+_REGISTERED = re.compile(r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL)
 _SWITCH = {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
 
 
@@ -100,30 +121,52 @@ class Bounds:
 
 
 @dataclass(frozen=True)
+class Group:
+    """Heading under which a form shows an option: ``slip: Annotated[float, Bounds(0, 1), Group("Forces")]``."""
+
+    heading: str
+
+
+@dataclass(frozen=True)
 class Parameter:
-    """One parameter of a family or a format, as its function declares it.
+    """One declared option: a parameter of a family or a format, or a field of a dataclass of options.
 
     Args:
         name: Name in Python; on the command line with dashes.
-        default: Its type is the parameter's type: bool, int, float or str.
+        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple of floats.
         choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
         help: Its entry in the docstring's ``Args``, on one line.
         bounds: What a number may be, from ``Annotated``; None if only the function itself can say.
+        group: Heading in a form, from ``Annotated``; empty if it has none.
     """
 
     name: str
-    default: bool | int | float | str
+    default: Any
     choices: tuple[str, ...] = ()
     help: str = ""
     bounds: Bounds | None = None
+    group: str = ""
 
-    def accept(self, value: Value, owner: str) -> Value:
-        """The value, as a float where the default is one.
+    @property
+    def example(self) -> str:
+        """A value as a user could write it."""
+        if isinstance(self.default, tuple):
+            return _LIST_EXAMPLE
+        return self.choices[-1] if self.choices else str(self.default)
+
+    def accept(self, value: Any, owner: str) -> Any:
+        """Return the value in the default's type: a whole number as a float if the default is one.
+
+        NumPy's numbers count as Python's.
 
         Raises:
             InvalidParameter: If it has another type than the default, is out of bounds, or none of the choices.
         """
         kind = type(self.default)
+        if isinstance(value, np.generic):
+            value = value.item()
+        if kind is tuple:
+            return self._accept_list(value, owner)
         if kind is float and type(value) is int:
             with contextlib.suppress(OverflowError):  # what no float holds is refused as it is
                 value = float(value)
@@ -136,46 +179,30 @@ class Parameter:
                 name=self.name,
             )
         if type(value) is not kind:
-            raise InvalidParameter(
-                "wrong-type",
-                "{owner}: {name}={value!r} is a {kind}",
-                "give a {expected}",
-                owner=owner,
-                name=self.name,
-                value=value,
-                kind=type(value).__name__,
-                expected=kind.__name__,
-            )
+            raise self._wrong_type(value, owner)
         if isinstance(value, float) and not math.isfinite(value):
-            raise InvalidParameter(
-                "not-finite",
-                "{owner}: {name}={value} is not finite",
-                "give a finite number",
-                owner=owner,
-                name=self.name,
-                value=value,
-            )
+            raise self._not_finite(value, owner)
         if self.choices:
-            check_choice(self.name, str(value), self.choices)
+            check_choice(self.name, value, self.choices)
         if self.bounds is not None and isinstance(value, int | float):
             self.bounds.check(self.name, value)
         return value
 
-    def parse(self, text: str | None, owner: str) -> Value:
-        """The value that a word says: ``+mode=scale``, ``+negate`` or ``+negate=on``.
+    def parse(self, text: str | None, owner: str) -> Any:
+        """Return the value that a word says: ``+mode=scale``, ``+negate``, ``+negate=on`` or ``+draws=0.25:0.5``.
 
         Args:
-            text: The word; None where nothing but the name was said.
+            text: The word; None if only the name was given.
             owner: What the parameter belongs to, for messages.
 
         Raises:
-            InvalidParameter: If the word is no value of the parameter's type, or is missing.
+            InvalidParameter: If the word is not a value of the parameter's type, or is missing.
         """
         kind = type(self.default)
         if kind is bool:
             if text is not None and text.lower() not in _SWITCH:
                 raise InvalidParameter(
-                    "unknown-name",
+                    "not-a-truth-value",
                     "{owner}: {name}={text!r} is neither on nor off",
                     "write one of these",
                     owner=owner,
@@ -184,30 +211,152 @@ class Parameter:
                 )
             return text is None or _SWITCH[text.lower()]
         if not text:
-            example = self.choices[-1] if self.choices else self.default
             raise InvalidParameter(
                 "missing-value",
                 "{owner}: {name} needs a value",
                 "write {name}={example}",
                 owner=owner,
                 name=self.name,
-                example=example,
+                example=self.example,
             )
         try:
-            return self.accept(kind(text), owner)
+            value = tuple(map(float, text.split(":"))) if kind is tuple else kind(text)
         except ValueError as error:
-            if isinstance(error, InvalidParameter):
-                raise
-            number = "whole number" if kind is int else "number"
             raise InvalidParameter(
                 "not-a-number",
-                "{owner}: {name}={text!r} is no {expected}",
-                "write one",
+                "{owner}: {name}={text!r} is not a {expected}",
+                "write one like {example}",
                 owner=owner,
                 name=self.name,
                 text=text[:40],
-                expected=number,
+                expected=_KINDS[kind],
+                example=self.example,
             ) from error
+        return self.accept(value, owner)
+
+    def _accept_list(self, value: Any, owner: str) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple) or not all(map(_is_number, value)):
+            raise self._wrong_type(value, owner)
+        numbers = tuple(map(float, value))
+        if not all(map(math.isfinite, numbers)):
+            raise self._not_finite(value, owner)
+        return numbers
+
+    def _wrong_type(self, value: Any, owner: str) -> InvalidParameter:
+        return InvalidParameter(
+            "wrong-type",
+            "{owner}: {name}={value!r} is a {kind}",
+            "give a {expected}",
+            owner=owner,
+            name=self.name,
+            value=value,
+            kind=type(value).__name__,
+            expected=_KINDS[tuple] if isinstance(self.default, tuple) else type(self.default).__name__,
+        )
+
+    def _not_finite(self, value: Any, owner: str) -> InvalidParameter:
+        return InvalidParameter(
+            "not-finite",
+            "{owner}: {name}={value} is not finite",
+            "give a finite number",
+            owner=owner,
+            name=self.name,
+            value=value,
+        )
+
+
+def split_options(text: str, example: str = "NAME+option=value") -> tuple[str, dict[str, str | None]]:
+    """Return the name and the options of ``NAME+option=value+switch``; dashes in an option's name become underscores.
+
+    This is the one grammar for controllers, formats and families. A ``+`` inside a path begins no option.
+
+    Args:
+        text: As a user wrote it.
+        example: A text that would be right, for messages: ``ros+mode=scale``.
+
+    Returns:
+        The name, and by option its value's text; None for an option without ``=``.
+
+    Raises:
+        InvalidParameter: If a name is missing, or an option is there twice.
+    """
+    parts = _REGISTERED.fullmatch(text.strip()) or _WRITTEN.fullmatch(text.strip())
+    if parts is None:
+        raise InvalidParameter("empty-name", "an empty text is not a name", "write one like {example}", example=example)
+    if parts["name"].startswith("+") or re.search(r"\+(?:$|\+|=)", parts["name"]):
+        raise InvalidParameter(
+            "wrong-form", "{text!q} lacks a name next to a +", "write one like {example}", text=text, example=example
+        )
+    options: dict[str, str | None] = {}
+    for word in parts["options"].split("+")[1:]:
+        option, equals, value = word.partition("=")
+        option = option.replace("-", "_")
+        if option in options:
+            raise InvalidParameter("twice", "{text!q} has {option} twice", "keep one", text=text, option=option)
+        options[option] = value.strip() if equals else None
+    return parts["name"], options
+
+
+def find_parameter(name: str, known: Iterable[Parameter], owner: str, also: Collection[str] = ()) -> Parameter:
+    """Return the option of that name.
+
+    Args:
+        name: With underscores.
+        known: All that there are.
+        owner: What they belong to, for messages.
+        also: Other names that the message offers.
+
+    Raises:
+        InvalidParameter: If there is none.
+    """
+    by_name = {parameter.name: parameter for parameter in known}
+    if name in by_name:
+        return by_name[name]
+    names = [*also, *by_name]
+    close = difflib.get_close_matches(name, names, n=1)
+    hint = "did you mean {close!r}? " if close else ""
+    raise InvalidParameter(
+        "unknown-name",
+        "{owner} has no option {name!r}",
+        hint + ("it has {known!l}" if names else "it has none; leave it out"),
+        owner=owner,
+        name=name,
+        close="".join(close),
+        known=names,
+    )
+
+
+def parse_options(words: Mapping[str, str | None], known: Iterable[Parameter], owner: str) -> dict[str, Any]:
+    """Return the values of options as :func:`split_options` reads them.
+
+    Raises:
+        InvalidParameter: If an option is unknown, or its text is not a value of it.
+    """
+    known = tuple(known)
+    found = {}
+    for name, text in words.items():
+        parameter = find_parameter(name, known, owner)
+        found[parameter.name] = parameter.parse(text, owner)
+    return found
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+@functools.cache
+def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
+    """Return the fields of a dataclass of options as declared, in order of declaration.
+
+    A field whose default is no bool, number, word or tuple of numbers is no option and is left out.
+    """
+    hints = typing.get_type_hints(options, include_extras=True)
+    notes = argument_notes(options.__doc__ or "")
+    return tuple(
+        _declared(field.name, field.default, hints[field.name], notes)
+        for field in dataclasses.fields(options)
+        if isinstance(field.default, (*_PLAIN, tuple))
+    )
 
 
 def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, ...]:
@@ -232,7 +381,7 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
         ) from error
     notes = argument_notes(function.__doc__ or "")
     return tuple(
-        Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""), _bounds(hints.get(name)))
+        _declared(name, parameter.default, hints.get(name), notes)
         for name, parameter in inspect.signature(function).parameters.items()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY
     )
@@ -271,12 +420,18 @@ def check_declared(
             )
 
 
-def _choices(hint: Any) -> tuple[str, ...]:
-    return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
-
-
-def _bounds(hint: Any) -> Bounds | None:
-    return next((note for note in getattr(hint, "__metadata__", ()) if isinstance(note, Bounds)), None)
+def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> Parameter:
+    """One option from its default, its annotation and the docstring's entries."""
+    details = getattr(hint, "__metadata__", ())
+    plain = typing.get_args(hint)[0] if details else hint
+    return Parameter(
+        name,
+        default,
+        typing.get_args(plain) if typing.get_origin(plain) is typing.Literal else (),
+        notes.get(name, ""),
+        next((detail for detail in details if isinstance(detail, Bounds)), None),
+        next((detail.heading for detail in details if isinstance(detail, Group)), ""),
+    )
 
 
 def argument_notes(docstring: str) -> dict[str, str]:

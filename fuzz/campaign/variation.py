@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
-from sim.options.run import RunOptions, switch_class, switch_sets
+from sim.options.run import TIME_STEP, switch_class, switch_sets
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Provenance, Value, World
@@ -65,9 +65,7 @@ class Variation:
                     value=value,
                     unit=unit,
                 )
-        elif self.name == "time_step":
-            RunOptions(motion=scenario.motion, time_step=value)  # type: ignore[arg-type]
-        else:
+        elif self.name != "time_step":
             _with_option(scenario, self.name, value)
 
 
@@ -103,8 +101,11 @@ def map_provenance(world: World) -> Provenance | None:
 
 
 def _value(name: str, word: str, scenario: Scenario) -> Value:
-    if name not in (*_OF_THE_ROBOT, "time_step"):
-        return switch_class(scenario.motion).parse(name, word).get(name, True)
+    if name == "time_step":
+        seconds: float = TIME_STEP.parse(word, "run")
+        return seconds
+    if name not in _OF_THE_ROBOT:
+        return switch_class(scenario.motion).parse(name, word)[name]
     try:
         return float(word)
     except ValueError:

@@ -152,35 +152,16 @@ def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[st
     """What ``--set`` fixes, with the types that the families declare."""
     from worldgen.errors import InvalidParameter
     from worldgen.family import FAMILIES
+    from worldgen.parameters import parse_options
 
-    known = {parameter.name: parameter for name in families for parameter in FAMILIES.get(name).parameters}
-    found: dict[str, Value] = {}
+    words: dict[str, str | None] = {}
     for setting in settings:
         name, equals, text = setting.partition("=")
-        parameter = known.get(name.strip().replace("-", "_"))
-        if not equals or parameter is None:
-            raise InvalidParameter(
-                "unknown-name",
-                "{option} {setting}: write NAME=VALUE with a parameter of {of}",
-                "{known!l:none is named}",
-                option="--set",
-                of="--family",
-                setting=setting,
-                known=list(known),
-            )
-        kind = type(parameter.default)
-        try:
-            found[parameter.name] = {"true": True, "false": False}[text] if kind is bool else kind(text)
-        except (ValueError, KeyError):
-            raise InvalidParameter(
-                "not-a-number",
-                "{option} {setting}: {value!r} is no {kind}",
-                option="--set",
-                setting=setting,
-                value=text,
-                kind=kind.__name__,
-            ) from None
-    return found
+        if not equals:
+            raise InvalidParameter("no-value", "--set {setting} has no value", "write NAME=VALUE", setting=setting)
+        words[name.strip().replace("-", "_")] = text.strip()
+    known = [parameter for name in families for parameter in FAMILIES.get(name).parameters]
+    return parse_options(words, known, f"--family {', '.join(families)}" if families else "--set without --family")
 
 
 def _pose(text: str) -> Pose:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,6 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.options.declared import Switches
 from sim.options.robot import RobotOptions
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.scenario import Scenario
@@ -28,7 +25,7 @@ from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS
-from worldgen.parameters import Bounds, Parameter, argument_notes
+from worldgen.parameters import Bounds, Parameter
 
 __all__ = ["catalogue"]
 
@@ -84,6 +81,8 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
         "above": bounds.above,
         "chosen": bounds.chosen,
         "bounds": bounds.words,
+        "unit": bounds.unit,
+        "group": parameter.group,
         "help": parameter.help,
     }
 
@@ -145,31 +144,11 @@ def _motion(name: str) -> dict[str, Any]:
         "name": name,
         "about": motion.summary,
         "thesis": thesis,
-        "options": _options(ThesisOptions if thesis else RobotOptions),
-    }
-
-
-def _options(kind: type[Switches]) -> list[dict[str, Any]]:
-    notes = argument_notes(kind.__doc__ or "")
-    defaults = {one.name: one.default for one in fields(kind)}
-    return [
-        _option(kind, name, defaults[name]) | {"help": notes.get(name, ""), "group": heading}
-        for heading, names in kind.GROUPS.items()
-        for name in names
-        if not isinstance(defaults[name], tuple)  # lists are the command line's
-    ]
-
-
-def _option(kind: type[Switches], name: str, default: Any) -> dict[str, Any]:
-    low, high, unit = kind.RANGES.get(name, (-math.inf, math.inf, ""))
-    return {
-        "name": name,
-        "default": default,
-        "kind": type(default).__name__,
-        "choices": list(kind.CHOICES.get(name, ())),
-        "low": low if math.isfinite(low) else None,
-        "high": high if math.isfinite(high) else None,
-        "unit": unit.strip(),
+        "options": [
+            _parameter(option)
+            for option in (ThesisOptions if thesis else RobotOptions).declared()
+            if not isinstance(option.default, tuple)  # lists are the command line's
+        ],
     }
 
 

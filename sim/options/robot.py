@@ -6,21 +6,23 @@ All are off by default: the robot then turns and changes its speed at once, and 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import typing
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
-from sim.options.declared import Switches
+from sim.options.declared import OptionSet
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import Bounds, Group
 
-__all__ = ["MAX_BEAMS", "SIGNALS", "RobotOptions"]
+__all__ = ["MAX_BEAMS", "SIGNALS", "RobotOptions", "Signal"]
 
 MAX_BEAMS = 1000
-SIGNALS = ("open", "weakened", "blocked")
+Signal = Literal["open", "weakened", "blocked"]
+SIGNALS: tuple[Signal, ...] = typing.get_args(Signal)
 
 
 @dataclass(frozen=True)
-class RobotOptions(Switches):
+class RobotOptions(OptionSet):
     """How the robot moves and senses under ``swept`` and ``endpoint``; a failure stores what is not at its default.
 
     Args:
@@ -53,57 +55,28 @@ class RobotOptions(Switches):
         InvalidParameter: If a value is out of range.
     """
 
-    turn_limit: float = 0.0
-    acceleration: float = 0.0
-    friction: float = 0.0
-    wall_friction: float = 0.0
-    slip: float = 0.0
-    odometry_noise: float = 0.0
-    sensor_cells: int = 1
-    sensor_range: float = 0.0
-    sensor_field: float = 0.0
-    sensor_noise: float = 0.0
-    signal: str = "open"
-    smoke: float = 0.0
-    smoke_reach: int = 2
-    beams: int = 0
-    beam_range: float = 5.0
-    beam_field: float = 0.0
-    beam_noise: float = 0.0
-    beam_dropout: float = 0.0
-    lattice: int = 0
-    coin: int = 0
+    turn_limit: Annotated[float, Bounds(0, 1e6, "rad/s"), Group("Forces")] = 0.0
+    acceleration: Annotated[float, Bounds(0, 1e6, "m/s2"), Group("Forces")] = 0.0
+    friction: Annotated[float, Bounds(0, 1e6, "m/s2"), Group("Forces")] = 0.0
+    wall_friction: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0
+    slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0
+    odometry_noise: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0
+    sensor_cells: Annotated[int, Bounds(1, 10, "cells"), Group("Sensor")] = 1
+    sensor_range: Annotated[float, Bounds(0, 1e6, "m"), Group("Sensor")] = 0.0
+    sensor_field: Annotated[float, Bounds(0, 2 * math.pi, "rad"), Group("Sensor")] = 0.0
+    sensor_noise: Annotated[float, Bounds(0, 1), Group("Sensor")] = 0.0
+    signal: Annotated[Signal, Group("Sensor")] = "open"
+    smoke: Annotated[float, Bounds(0, 1), Group("Sensor")] = 0.0
+    smoke_reach: Annotated[int, Bounds(0, 10, "cells"), Group("Sensor")] = 2
+    beams: Annotated[int, Bounds(0, MAX_BEAMS), Group("Beams")] = 0
+    beam_range: Annotated[float, Bounds(1e-6, 1e6, "m"), Group("Beams")] = 5.0
+    beam_field: Annotated[float, Bounds(0, 2 * math.pi, "rad"), Group("Beams")] = 0.0
+    beam_noise: Annotated[float, Bounds(0, 1), Group("Beams")] = 0.0
+    beam_dropout: Annotated[float, Bounds(0, 1), Group("Beams")] = 0.0
+    lattice: Annotated[int, Bounds(0, 1024), Group("Lattice")] = 0
+    coin: Annotated[int, Bounds(0, 65536), Group("Lattice")] = 0
 
-    RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {
-        "turn_limit": (0, 1e6, " rad/s"),
-        "acceleration": (0, 1e6, " m/s2"),
-        "friction": (0, 1e6, " m/s2"),
-        "wall_friction": (0, 1, ""),
-        "slip": (0, 1, ""),
-        "odometry_noise": (0, 1, ""),
-        "sensor_cells": (1, 10, " cells"),
-        "sensor_range": (0, 1e6, " m"),
-        "sensor_field": (0, 2 * math.pi, " rad"),
-        "sensor_noise": (0, 1, ""),
-        "smoke": (0, 1, ""),
-        "smoke_reach": (0, 10, " cells"),
-        "beams": (0, MAX_BEAMS, ""),
-        "beam_range": (1e-6, 1e6, " m"),
-        "beam_field": (0, 2 * math.pi, " rad"),
-        "beam_noise": (0, 1, ""),
-        "beam_dropout": (0, 1, ""),
-        "lattice": (0, 1024, ""),
-        "coin": (0, 65536, ""),
-    }
-    CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"signal": SIGNALS}
-    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "Sensor": (
-            "sensor_cells", "sensor_range", "sensor_field", "sensor_noise", "signal", "smoke", "smoke_reach",
-        ),
-        "Beams": ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout"),
-        "Forces": ("turn_limit", "acceleration", "friction", "wall_friction", "slip", "odometry_noise"),
-        "Lattice": ("lattice", "coin"),
-    }  # fmt: skip
+    OWNER: ClassVar[str] = "robot"
 
     def __post_init__(self) -> None:
         super().__post_init__()

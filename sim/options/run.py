@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Annotated, Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
+from worldgen.parameters import Bounds, parameters_of_fields
 from worldgen.world import Pose, Value, Witness, World
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "check_recordable",
     "check_step_length",
     "check_world",
+    "option_without_effect",
     "options_of",
     "poses_of",
     "seeds_of",
@@ -72,31 +74,13 @@ class RunOptions:
     """
 
     motion: str = "swept"
-    steps: int = _STEPS_WITHOUT_WITNESS
-    time_step: float = DEFAULT_TIME_STEP
+    steps: Annotated[int, Bounds(1, MAX_STEPS)] = _STEPS_WITHOUT_WITNESS
+    time_step: Annotated[float, Bounds(0.001, 10.0, "s")] = DEFAULT_TIME_STEP
     seed: int = 0
     thesis: ThesisOptions = field(default_factory=ThesisOptions)
     robot: RobotOptions = field(default_factory=RobotOptions)
 
     def __post_init__(self) -> None:
-        step: object = self.time_step
-        if not _is_number(step):
-            raise InvalidParameter(
-                "not-a-number",
-                "time_step={time_step} is no number",
-                "give seconds, such as 0.015",
-                time_step=_shown(step),
-            )
-        low, high = TIME_STEPS
-        if not low <= step <= high:  # also true for nan
-            raise InvalidParameter(
-                "out-of-range",
-                "time_step={time_step!q} s is outside {low:g} to {high:g} s",
-                "give one between",
-                time_step=step,
-                low=low,
-                high=high,
-            )
         for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
             if not isinstance(getattr(self, name), kind):
                 wanted = "a motion model's name" if kind is str else kind.__name__
@@ -108,7 +92,7 @@ class RunOptions:
                     value=_shown(getattr(self, name)),
                     wanted=wanted,
                 )
-        object.__setattr__(self, "time_step", float(step))
+        object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
 
@@ -137,6 +121,10 @@ class RunOptions:
         return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
 
+TIME_STEP = next(option for option in parameters_of_fields(RunOptions) if option.name == "time_step")
+"""The option, for whoever reads one from text."""
+
+
 def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
     """The set of options that goes with a motion model.
 
@@ -156,17 +144,21 @@ def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
     other = RobotOptions if own is ThesisOptions else ThesisOptions
     strange = [name for name in values if name not in own.names() and name in other.names()]
     if strange:
-        where = "swept or endpoint" if own is ThesisOptions else "stepped"
-        raise InvalidParameter(
-            "option-without-effect",
-            "option {option!r} means nothing to motion {motion!r}",
-            "take --motion {where}, or leave it out",
-            at_terminal=True,
-            option=strange[0],
-            motion=motion,
-            where=where,
-        )
-    return {"thesis" if own is ThesisOptions else "robot": own.of(values)}
+        raise option_without_effect(motion, strange[0])
+    return {own.OWNER: own.of(values)}
+
+
+def option_without_effect(motion: str, name: str) -> InvalidParameter:
+    """Return the error for an option of another motion model."""
+    return InvalidParameter(
+        "option-without-effect",
+        "option {option!r} means nothing to motion {motion!r}",
+        "take --motion {where}, or leave it out",
+        at_terminal=True,
+        option=name,
+        motion=motion,
+        where="swept or endpoint" if switch_class(motion) is ThesisOptions else "stepped",
+    )
 
 
 def check_recordable(steps: int) -> None:

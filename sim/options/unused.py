@@ -53,7 +53,8 @@ def coarse_forces(scenario: Scenario) -> list[str]:
     """Return a sentence about forces under a motion model that rounds every move to whole pixels; else nothing."""
     if switch_class(scenario.motion) is not ThesisOptions:
         return []
-    forces = [name for name in scenario.thesis.changed() if name in ThesisOptions.GROUPS["Forces"]]
+    known = {one.name for one in ThesisOptions.declared() if one.group == "Forces"}
+    forces = [name for name in scenario.thesis.changed() if name in known]
     if not forces:
         return []
     options = ", ".join(f"+{name}" for name in forces)

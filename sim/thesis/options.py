@@ -1,4 +1,4 @@
-"""Switches of the thesis's simulator: what its own program let one set, and what its author left to be done.
+"""Options of the thesis's simulator: what its own program let one set, and what its author left to be done.
 
 The defaults are the program as it was. ``docs/thesis.md`` says of each where it comes from.
 """
@@ -6,22 +6,25 @@ The defaults are the program as it was. ``docs/thesis.md`` says of each where it
 from __future__ import annotations
 
 import math
+import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
-from sim.options.declared import Switches
+from sim.options.declared import OptionSet
+from sim.options.robot import SIGNALS, Signal
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import Bounds, Group
 
 __all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions"]
 
-ARBITERS = ("A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible")
-SIGNALS = ("open", "weakened", "blocked")
+Arbiter = Literal["A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible"]
+ARBITERS: tuple[Arbiter, ...] = typing.get_args(Arbiter)
 REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 
 @dataclass(frozen=True)
-class ThesisOptions(Switches):
+class ThesisOptions(OptionSet):
     """How the motion model ``stepped`` and the thesis's robot work; a failure stores what is not at its default.
 
     Args:
@@ -52,47 +55,27 @@ class ThesisOptions(Switches):
         InvalidParameter: If a value is out of range.
     """
 
-    sensor_range: int = 36
-    noise: bool = False
-    collide_ticks: int = 5
-    drive_ticks: int = 2
-    turn_angle: float = math.pi / 2
-    arbiter: str = "A0"
-    repair_slide: bool = False
-    repair_back_off: bool = False
-    repair_corner: bool = False
-    keep_going: bool = False
-    acceleration: float = 0.0
-    friction: float = 0.0
-    wall_friction: float = 0.0
-    slip: float = 0.0
-    sensor_field: float = 0.0
-    sensor_noise: float = 0.0
-    signal: str = "open"
-    map_scale: int = 1
-    draws: tuple[float, ...] = ()
+    sensor_range: Annotated[int, Bounds(36, 1000, "px"), Group("Sensor")] = 36
+    noise: Annotated[bool, Group("Sensor")] = False
+    collide_ticks: Annotated[int, Bounds(0, 1000, "ticks"), Group("Behaviours")] = 5
+    drive_ticks: Annotated[int, Bounds(0, 1000, "ticks"), Group("Behaviours")] = 2
+    turn_angle: Annotated[float, Bounds(0, math.pi, "rad"), Group("Behaviours")] = math.pi / 2
+    arbiter: Annotated[Arbiter, Group("Behaviours")] = "A0"
+    repair_slide: Annotated[bool, Group("Faults")] = False
+    repair_back_off: Annotated[bool, Group("Faults")] = False
+    repair_corner: Annotated[bool, Group("Faults")] = False
+    keep_going: Annotated[bool, Group("Faults")] = False
+    acceleration: Annotated[float, Bounds(0, 1e6, "m/s2"), Group("Forces")] = 0.0
+    friction: Annotated[float, Bounds(0, 1e6, "m/s2"), Group("Forces")] = 0.0
+    wall_friction: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0
+    slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0
+    sensor_field: Annotated[float, Bounds(0, 2 * math.pi, "rad"), Group("Sensor")] = 0.0
+    sensor_noise: Annotated[float, Bounds(0, 1), Group("Sensor")] = 0.0
+    signal: Annotated[Signal, Group("Sensor")] = "open"
+    map_scale: Annotated[int, Bounds(1, 100, "cells"), Group("Sensor")] = 1
+    draws: Annotated[tuple[float, ...], Group("Behaviours")] = ()
 
-    RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {
-        "sensor_range": (36, 1000, " px"),
-        "collide_ticks": (0, 1000, " ticks"),
-        "drive_ticks": (0, 1000, " ticks"),
-        "turn_angle": (0, math.pi, " rad"),
-        "acceleration": (0, 1e6, " m/s2"),
-        "friction": (0, 1e6, " m/s2"),
-        "wall_friction": (0, 1, ""),
-        "slip": (0, 1, ""),
-        "sensor_field": (0, 2 * math.pi, " rad"),
-        "sensor_noise": (0, 1, ""),
-        "map_scale": (1, 100, " cells"),
-    }
-    CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"arbiter": ARBITERS, "signal": SIGNALS}
-    EXAMPLES: ClassVar[Mapping[str, str]] = {"draws": "0.25:0.5"}
-    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "Behaviours": ("collide_ticks", "drive_ticks", "turn_angle", "arbiter", "draws"),
-        "Sensor": ("sensor_range", "noise", "signal", "sensor_field", "sensor_noise", "map_scale"),
-        "Faults": (*REPAIRS, "keep_going"),
-        "Forces": ("acceleration", "friction", "wall_friction", "slip"),
-    }
+    OWNER: ClassVar[str] = "thesis"
     TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {"repaired": REPAIRS}
 
     def __post_init__(self) -> None:

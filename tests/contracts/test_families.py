@@ -182,7 +182,7 @@ def test_coordinates_are_short_decimals(name, shape):
 
 @every_family
 def test_an_unknown_parameter_is_refused(name):
-    with raises(InvalidParameter, "unknown-name", parameter="sise"):
+    with raises(InvalidParameter, "unknown-name", name="sise"):
         generate(name, sise=30)
 
 

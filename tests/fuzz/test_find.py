@@ -258,14 +258,14 @@ def test_force_overwrites(tmp_path):
         (("--no-edit",), "name one with --family"),
         (("--no-edit", "--family", "trap", "--symmetric"), "give --no-edit or --symmetric"),
         (("--family", "mace"), "did you mean 'maze'?"),
-        (("--family", "trap", "--set", "deep=3"), "write NAME=VALUE with a parameter of --family"),
-        (("--family", "trap", "--set", "depth=deep"), "'deep' is no int"),
+        (("--family", "trap", "--set", "deep=3"), "--family trap has no option 'deep'"),
+        (("--family", "trap", "--set", "depth=deep"), "depth='deep' is not a whole number"),
         (("--family", "trap", "--set", "depth=-4"), "depth=-4"),
         (("--from", "absent.grid"), "absent.grid"),
         (("--start", "1,2"), "is not X,Y,HEADING"),
         (("--start", "99,99,0"), "start"),
         (("--motion", "flying"), "no motion model is called 'flying'"),
-        (("--time-step", "0"), "time_step=0.0 s is outside"),
+        (("--time-step", "0"), "time_step=0 s is outside"),
     ],
 )
 def test_bad_options_are_one_line_and_code_2(args, message, tmp_path):

@@ -404,7 +404,7 @@ def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
 @pytest.mark.parametrize("name", ["seed", "tries", "progress"])
 def test_what_is_no_parameter_of_a_family_is_told(page, name, more):
     said = page.ask("generate", family="trap", seed="1", parameters={name: 3}, **more)
-    assert f"trap has no parameter '{name}'" in said["error"]["problem"]
+    assert f"trap has no option '{name}'" in said["error"]["problem"]
 
 
 def test_half_of_a_character_is_the_message_s_fault(page):

@@ -383,8 +383,8 @@ def test_the_same_run_comes_out_for_a_python_and_a_compiled_controller_with_ever
         ({"signal": "off"}, {"code": "unknown-name", "name": "signal"}),
         ({"smoke": 1.5}, {"code": "out-of-range", "name": "smoke", "value": 1.5, "high": 1}),
         ({"smoke_reach": 11}, {"code": "out-of-range", "name": "smoke_reach", "value": 11, "high": 10}),
-        ({"slip": True}, {"code": "wrong-type", "name": "slip", "kind": "float"}),
-        ({"beam_range": math.inf}, {"code": "out-of-range", "name": "beam_range", "low": 1e-06}),
+        ({"slip": True}, {"code": "wrong-type", "name": "slip", "expected": "float"}),
+        ({"beam_range": math.inf}, {"code": "not-finite", "name": "beam_range"}),
     ],
 )
 def test_a_bad_option_gets_a_sentence(switches, expected):

@@ -277,7 +277,12 @@ def test_the_escape_turns_by_the_turn_angle_to_the_side_of_the_rule(rule, side, 
 
 @pytest.mark.parametrize("kind", [ThesisOptions, RobotOptions])
 def test_each_option_stands_under_one_heading(kind):
-    assert sorted(name for names in kind.GROUPS.values() for name in names) == sorted(kind.names())
+    assert all(option.group for option in kind.declared())
+
+
+@pytest.mark.parametrize("kind", [ThesisOptions, RobotOptions])
+def test_each_option_has_help(kind):
+    assert [option.name for option in kind.declared() if not option.help] == []
 
 
 def test_a_quarter_turn_is_the_thesis_s_own_to_the_last_bit():

@@ -72,7 +72,7 @@ def test_a_wish_that_is_none_is_refused(wish, code):
 
 
 def test_a_parameter_that_the_family_never_takes_is_refused_at_once():
-    with raises(InvalidParameter, "unknown-name", parameter="braid"):
+    with raises(InvalidParameter, "unknown-name", name="braid"):
         search_world("trap", "detour > 1", braid=1.0)
 
 

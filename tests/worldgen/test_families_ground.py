@@ -83,25 +83,19 @@ def test_a_ground_that_is_no_square_cannot_be_mirrored(plugin):
 @pytest.mark.parametrize(
     ("over", "expected"),
     [
-        ("", {"code": "missing"}),
+        ("", {"code": "empty-name"}),
         ("fire", {"code": "world-changes", "over": "fire", "family": "fire"}),
         ("shift+over=maze", {"code": "world-changes", "family": "shift"}),
         ("mase", {"code": "unknown-name", "name": "mase", "noun": "family", "near": "maze"}),
         ("maze+size=40", {"code": "not-of-the-ground", "name": "size", "over": "maze+size=40"}),
         ("maze+robot-radius=0.1", {"code": "not-of-the-ground", "name": "robot_radius"}),
-        ("maze+passages=3", {"code": "unknown-name", "parameter": "passages", "family": "maze"}),
-        (
-            "maze+passage=wide",
-            {"code": "wrong-type", "name": "passage", "given": "passage=wide", "expected": "a whole number"},
-        ),
-        ("maze+passage", {"code": "wrong-type", "name": "passage", "given": "passage", "expected": "a whole number"}),
-        (
-            "trap+inside=maybe",
-            {"code": "wrong-type", "name": "inside", "given": "inside=maybe", "expected": "true or false"},
-        ),
+        ("maze+passages=3", {"code": "unknown-name", "name": "passages", "owner": "over=maze+passages=3: maze"}),
+        ("maze+passage=wide", {"code": "not-a-number", "name": "passage", "text": "wide", "expected": "whole number"}),
+        ("maze+passage", {"code": "missing-value", "name": "passage"}),
+        ("trap+inside=maybe", {"code": "not-a-truth-value", "name": "inside", "text": "maybe"}),
         ("maze+algorithm=ellen", {"code": "unknown-name", "name": "algorithm", "value": "ellen"}),
         ("maze+braid=2", {"code": "out-of-range", "name": "braid"}),
-        ("rooms+door=nan", {"code": "wrong-type", "name": "door", "given": "door=nan", "expected": "a whole number"}),
+        ("rooms+door=nan", {"code": "not-a-number", "name": "door", "expected": "whole number"}),
     ],
 )
 def test_a_wrong_ground_is_refused(over, expected):

@@ -297,7 +297,7 @@ def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
     [
         ("thesys", {"code": "unknown-name", "name": "thesys", "noun": "format", "near": "thesis"}),
         ("grid", {"code": "only-read", "format": "grid"}),
-        ("thesis+nois=on", {"code": "unknown-name", "name": "nois", "format": "thesis", "way": "out"}),
+        ("thesis+nois=on", {"code": "unknown-name", "name": "nois", "owner": "format thesis on the way out"}),
         ("thesis+noise=maybe", {"code": "unknown-name", "name": "noise", "value": "maybe"}),
         ("thesis+noise", {"code": "missing-value", "name": "noise", "owner": "thesis"}),
         ("worldgen.world:World", {"code": "wrong-type", "name": "worldgen.world:World"}),

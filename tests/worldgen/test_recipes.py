@@ -109,7 +109,7 @@ def test_a_recipe_whose_parts_change_is_told_from_one_that_stands_still_and_gets
     [
         ({"size": 5}, {"code": "out-of-range", "name": "size", "value": 5, "low": 6}),
         ({"side": "top"}, {"code": "unknown-name", "name": "side", "value": "top"}),
-        ({"sise": 5}, {"code": "unknown-name", "parameter": "sise", "family": "recipe:small"}),
+        ({"sise": 5}, {"code": "unknown-name", "name": "sise", "owner": "recipe:small"}),
         (
             {"recipe": "another"},
             {"code": "other-version", "name": "recipe", "family": "recipe:small", "value": "another"},

@@ -441,7 +441,7 @@ def test_a_manifest_with_a_fault_is_refused_with_its_line(whole, tmp_path, old, 
 def test_a_manifest_with_an_unknown_parameter_is_refused_before_anything_is_made(whole, tmp_path):
     manifest = edited(whole, tmp_path, '"params": {}', '"params": {"seed": 5}')
     result = run("regenerate", manifest, "--out", tmp_path / "o")
-    assert result.code == 2 and "trap has no parameter 'seed'" in result.err and not (tmp_path / "o").exists()
+    assert result.code == 2 and "trap has no option 'seed'" in result.err and not (tmp_path / "o").exists()
 
 
 def test_a_familys_own_file_is_named_again(tmp_path):
@@ -525,7 +525,7 @@ def test_a_stream_without_a_count_has_no_end_and_goes_on_at_0():
 
 @pytest.mark.parametrize(
     ("params", "expected"),
-    [({"sise": 3}, {"code": "unknown-name", "parameter": "sise"}), ({"count": -1}, {"code": "below-minimum"})],
+    [({"sise": 3}, {"code": "unknown-name", "name": "sise"}), ({"count": -1}, {"code": "below-minimum"})],
 )
 def test_a_stream_refuses_at_once_what_can_give_no_world(params, expected):
     with raises(InvalidParameter, **expected):

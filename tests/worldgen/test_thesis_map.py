@@ -464,7 +464,7 @@ def test_an_exporter_of_ones_own_is_found_by_its_path(tmp_path):
     args = ["export", tmp_path / "w.grid", "--to", f"{tmp_path / 'mine.py'}:count", "--out", tmp_path / "n.txt"]
     assert worldgen(*args).code == 0 and (tmp_path / "n.txt").read_bytes() == b"100"
     refused = worldgen(*args, "--noise", "--force")
-    assert refused.code == 2 and "noise means nothing to count on the way out" in refused.err
+    assert refused.code == 2 and "format count on the way out has no option 'noise'" in refused.err
 
 
 def test_an_unknown_exporter_is_refused_with_the_nearest_name():

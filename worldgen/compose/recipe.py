@@ -27,6 +27,7 @@ from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, MARGIN, Bounds, Build, Family, family
 from worldgen.files.grid import loads
 from worldgen.interop.foreign_map import read_bounded
+from worldgen.parameters import find_parameter
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, World
@@ -107,19 +108,10 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
                         "register your own as a package (docs/families.md)",
                         name=name[:60],
                     )
-                known = {parameter.name: parameter for parameter in FAMILIES.get(name).parameters}
                 for key, spec in part.params.items():
-                    if key not in known:
-                        raise InvalidParameter(
-                            "unknown-name",
-                            "{name} has no parameter {parameter!r}",
-                            "it has {known!l}",
-                            name=name,
-                            parameter=key,
-                            known=list(known),
-                        )
+                    parameter = find_parameter(key, FAMILIES.get(name).parameters, name)
                     if isinstance(spec, bool | int | float | str):
-                        known[key].accept(spec, name)
+                        parameter.accept(spec, name)
             except InvalidParameter as error:
                 message = error.message.behind("{place}: ", place=part.place)
                 raise FormatError.of(message, line=part.line, source=source) from error

@@ -54,11 +54,12 @@ def mixed(one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStrea
 
 
 def _default(free: Collection[Parameter], name: str) -> Value:
-    return next(known.default for known in free if known.name == name)
+    found: Value = next(known.default for known in free if known.name == name)
+    return found
 
 
 def _any_value(known: Parameter, rng: RandomStream) -> Value:
-    default = known.default
+    default: Value = known.default
     if known.choices:
         return rng.choice(known.choices)
     if isinstance(default, bool):
@@ -80,7 +81,8 @@ def _next_value(known: Parameter, value: Value, rng: RandomStream) -> Value:
     if known.choices or isinstance(value, bool | str) or rng.below(4) == 0:
         return _any_value(known, rng)
     if rng.below(8) == 0:
-        return known.default
+        default: Value = known.default
+        return default
     if isinstance(value, int):
         step = max(1, round(abs(value) * rng.uniform(0.0, 0.5)))
         return value + (step if rng.below(2) else -step)

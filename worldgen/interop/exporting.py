@@ -11,8 +11,9 @@ import numpy as np
 from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.interop.foreign_map import origin_of
-from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
+from worldgen.interop.format import FORMATS, HELD, Destination, Format
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
+from worldgen.parameters import split_options
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 

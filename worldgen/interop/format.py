@@ -13,7 +13,7 @@ from typing import Any
 from worldgen.errors import InvalidParameter
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
-from worldgen.parameters import Parameter, check_between, check_declared, parameters_of
+from worldgen.parameters import Parameter, check_between, check_declared, find_parameter, parameters_of
 from worldgen.plugins.registry import Registry
 from worldgen.world import Value, World
 
@@ -26,7 +26,6 @@ __all__ = [
     "decimal",
     "decimal_text",
     "held_values",
-    "split_options",
 ]
 
 _FURTHEST = 1e12  # m; beyond, a float has no room for cells of a millimetre
@@ -195,41 +194,14 @@ class Format:
         Raises:
             InvalidParameter: If an option means nothing to the format, or is no value of its type.
         """
-        known = {parameter.name: parameter for parameter in (self.write_options if out else self.read_options)}
+        known = self.write_options if out else self.read_options
+        owner = f"format {self.name} on the way {'out' if out else 'in'}"
         accepted = {}
         for name, value in given.items():
-            if name not in known:
-                raise InvalidParameter(
-                    "unknown-name",
-                    "{name} means nothing to {format} on the way {way}",
-                    "it has {known!l}; leave it out" if known else "it has no options; leave it out",
-                    name=name,
-                    format=self.name,
-                    way="out" if out else "in",
-                    known=list(known),
-                )
-            word = value is None or (isinstance(value, str) and not isinstance(known[name].default, str))
-            accepted[name] = known[name].parse(value, self.name) if word else known[name].accept(value, self.name)  # type: ignore[arg-type]
+            option = find_parameter(name, known, owner)
+            is_text = value is None or (isinstance(value, str) and not isinstance(option.default, str))
+            accepted[name] = option.parse(value, self.name) if is_text else option.accept(value, self.name)  # type: ignore[arg-type]
         return accepted
-
-
-def split_options(text: str) -> tuple[str, dict[str, str | None]]:
-    """The name and the options of ``ros+mode=scale+negate``; dashes in an option's name count as underscores.
-
-    Raises:
-        InvalidParameter: If a name is missing, or an option is there twice.
-    """
-    name, *words = text.split("+")
-    options: dict[str, str | None] = {}
-    for word in words:
-        option, equals, value = word.partition("=")
-        option = option.strip().replace("-", "_")
-        if option in options:
-            raise InvalidParameter("twice", "{text!q} has {option} twice", "keep one", text=text, option=option)
-        options[option] = value if equals else None
-    if not name or "" in options:
-        raise InvalidParameter("wrong-form", "{text!q} lacks a name beside a +", "write FORMAT+option=value", text=text)
-    return name, options
 
 
 def _accept(name: str, thing: Any) -> Format:

@@ -24,6 +24,7 @@ from sim.controllers.programs.batch import Offer, batch_line, fill_commands, rea
 from sim.controllers.programs.program import Limits, Misbehaviour, Program, find_program, shown
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import split_options
 
 __all__ = [
     "PROGRAM_OPTIONS",
@@ -43,7 +44,7 @@ PROGRAM_OPTIONS = ("deadline", "start", "memory")
 """Options that only a program has."""
 
 
-_NAME = re.compile(r"cmd(?P<options>(?:\+[^:+]*)*):(?P<command>.*)", re.DOTALL)
+_NAME = re.compile(r"cmd(?:\+[^:+]*)*:(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
 _UNITS = {"": 1, "k": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 _LEAST_MEMORY, _MOST_MEMORY = 1 << 20, 1 << 62
@@ -128,12 +129,12 @@ class ProcessController:
                 "not-a-command", "controller {name!r} is no command", "write {example}", name=name, example=_EXAMPLE
             )
         settings: dict[str, Any] = {}
-        for option in parts["options"].split("+")[1:]:
-            key, _, value = option.partition("=")
+        _, options = split_options(name.partition(":")[0], "cmd+deadline=0.2:./mine")
+        for key, value in options.items():
             if key in ("deadline", "start"):
-                settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(key, value)
+                settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(key, value or "")
             elif key == "memory":
-                settings["memory_limit"] = _bytes(value)
+                settings["memory_limit"] = _bytes(value or "")
             else:
                 known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
                 raise InvalidParameter(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from itertools import product
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import Arena
-from worldgen.family import FAMILIES, Family, Parameter
+from worldgen.family import FAMILIES, Family
+from worldgen.parameters import parse_options, split_options
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
@@ -21,10 +21,6 @@ DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "corridor": {"shape": ("bends", "dead-ends", "junctions")},
     "trap": {"shape": ("U", "L", "spiral")},
 }
-
-# ``./a+b/mine.py:own+width=3`` ends in one setting; a ``+`` in a folder's name begins none.
-_SETTING = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
-_OVER = re.compile(rf"(?P<name>.+?)(?P<settings>(?:{_SETTING})*)", re.DOTALL)
 
 
 def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
@@ -87,12 +83,8 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
 
 def _parse(over: str) -> tuple[Family, dict[str, Value]]:
     """The family and its parameters as given."""
-    parts = _OVER.fullmatch(over.strip())
-    if parts is None:
-        raise InvalidParameter(
-            "missing", "over={over!r} names no family", "give one, such as maze, or maze+algorithm=eller", over=over
-        )
-    below = FAMILIES.get(parts["name"])
+    name, words = split_options(over, "maze+algorithm=eller")
+    below = FAMILIES.get(name)
     if below.changes:
         raise InvalidParameter(
             "world-changes",
@@ -102,48 +94,7 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
             family=below.name,
             known=[name for name in FAMILIES if not FAMILIES.get(name).changes],
         )
-    known = {parameter.name: parameter for parameter in below.parameters}
-    given: dict[str, Value] = {}
-    for setting in re.findall(_SETTING, parts["settings"]):
-        word, equals, text = setting[1:].partition("=")
-        name = word.replace("-", "_")
-        if name not in known:
-            raise InvalidParameter(
-                "unknown-name",
-                "over={over}: {family} has no parameter {parameter!r}",
-                "it has {known!l}",
-                over=over,
-                family=below.name,
-                parameter=name,
-                known=list(known),
-            )
-        given[name] = _value(known[name], text.strip() if equals else None, over)
-    return below, given
-
-
-def _value(parameter: Parameter, text: str | None, over: str) -> Value:
-    """The value of one setting as written; a switch needs none."""
-    kind = type(parameter.default)
-    words = {"true": True, "false": False} if kind is bool else {}
-    if text is None and kind is bool:
-        return True
-    try:
-        if not text:
-            raise ValueError
-        value: Value = words[text.lower()] if words else kind(text)
-    except (ValueError, KeyError):
-        what = "true or false" if kind is bool else {int: "a whole number", float: "a number"}.get(kind, "a word")
-        shown = parameter.name if text is None else f"{parameter.name}={text}"
-        raise InvalidParameter(
-            "wrong-type",
-            "over={over}: {given} is not {expected}",
-            "write +{name}=VALUE",
-            over=over,
-            given=shown,
-            expected=what,
-            name=parameter.name,
-        ) from None
-    return parameter.accept(value, over)
+    return below, parse_options(words, below.parameters, f"over={over}: {below.name}")
 
 
 def _still(ground: World, over: str) -> World:
