@@ -17,15 +17,16 @@ from tests.worldgen.test_difficulty import drawn
 from worldgen.difficulty import METRICS, measure
 from worldgen.difficulty import junctions as junctions_module
 from worldgen.difficulty.bottleneck import bottleneck
-from worldgen.difficulty.nodes import nodes_of, squared_distances
+from worldgen.difficulty.nodes import nodes_of
 from worldgen.difficulty.path import way_of
-from worldgen.difficulty.pockets import by_distance, pockets
+from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of
 from worldgen.families.parts.mazes.board import ways_out
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.reach import decide, widest_disc
 from worldgen.reach.still.disc import target_disc
+from worldgen.support.grid_search import by_distance, squared_distances
 from worldgen.world import Pose, Target, Witness, World
 
 every_family = pytest.mark.parametrize("name", FAMILIES.names())

@@ -12,10 +12,10 @@ from scipy.sparse import csgraph
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.families.fire import FIREBREAK, fire
-from worldgen.families.parts.routes import free_windows, shortest_way
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide
+from worldgen.support.grid_search import free_windows, shortest_way
 from worldgen.timeline import CellState, Timeline
 
 SEEDS = st.integers(0, 2**64 - 1)

@@ -10,9 +10,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from tests.reference.worldgen import ground as ground_reference
-from worldgen.families.parts.open_ground import components, covered, dig_from, far_poses, in_sight, steps_from
-from worldgen.families.parts.routes import free_windows, shortest_way
+from worldgen.families.parts.open_ground import covered, dig_from, far_poses, in_sight
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import components, free_windows, shortest_way, steps_from
 
 
 def ground(seed, side=40, rock=0.35):

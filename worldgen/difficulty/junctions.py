@@ -17,9 +17,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen import _core
-from worldgen.difficulty.nodes import Bools, Nodes, squared_distances
+from worldgen.difficulty.nodes import Bools, Nodes
 from worldgen.difficulty.path import Ints
 from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.grid_search import squared_distances
 
 __all__ = ["decision_points"]
 

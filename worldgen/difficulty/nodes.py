@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen import _core
 from worldgen.difficulty.path import Ints
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach.still.lattice_graph import Graph, build_graph
 from worldgen.reach.still.walls import ExactPoint, Walls
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.grid_search import squared_distances
 from worldgen.world import World
 
-__all__ = ["HALF", "Nodes", "nodes_of", "squared_distances"]
+__all__ = ["HALF", "Nodes", "nodes_of"]
 
 HALF = UNIT // 2  # half a cell in 1/1024 cell
 
@@ -65,24 +64,4 @@ def _in_walls(solid: Bools) -> Bools:
     quarters = np.pad(solid.repeat(2, axis=0).repeat(2, axis=1), 1, constant_values=True)
     rows = quarters[:-1] | quarters[1:]
     found: Bools = rows[:, :-1] | rows[:, 1:]
-    return found
-
-
-def squared_distances(marked: Bools, most: int = 2**62) -> Ints:
-    """Return the squared distance from each node to the nearest marked one; exact.
-
-    The nearest point of a cell to a node is a node, so marking the nodes in cells gives distances to cells.
-
-    Args:
-        marked: (rows, columns) bool.
-        most: Instead of a square above this, any number above it is given; that takes less time.
-
-    Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time",
-    2000.
-    """
-    ffi, lib = _core.ffi, _core.lib
-    found: Ints
-    found = np.empty(marked.shape, np.int32)
-    marks = pointer(ffi, np.ascontiguousarray(marked), np.bool_)
-    check(lib.wg_squared_distances(marks, *marked.shape, most, writable(ffi, found, np.int32)))
     return found

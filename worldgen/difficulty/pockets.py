@@ -18,13 +18,14 @@ import math
 import numpy as np
 
 from worldgen import _core
-from worldgen.difficulty.nodes import HALF, Bools, Nodes
+from worldgen.difficulty.nodes import HALF, Nodes
 from worldgen.difficulty.path import Ints, Way
 from worldgen.reach.still.disc import Disc
 from worldgen.reach.still.lattice_graph import nodes_within
 from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.grid_search import by_distance
 
-__all__ = ["by_distance", "pockets"]
+__all__ = ["pockets"]
 
 
 def pockets(nodes: Nodes, way: Way, disc: Disc) -> tuple[float, float] | None:
@@ -53,25 +54,6 @@ def pockets(nodes: Nodes, way: Way, disc: Disc) -> tuple[float, float] | None:
         return None
     deepest = max((math.sqrt(top) - math.sqrt(bottom) for top, bottom in found[1]), default=0.0)
     return deepest, math.sqrt(found[0]) - math.sqrt(at_start)
-
-
-def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
-    """Return the clear nodes, flat, by their distance from a point, and their squared distances.
-
-    Args:
-        clear: (height, width) bool, nodes at multiples of ``pitch``.
-        pitch: From one node to the next, in the units of the point.
-        x: Of the point.
-        y: Of the point.
-    """
-    ffi, lib = _core.ffi, _core.lib
-    count = int(np.count_nonzero(clear))
-    places = np.empty(count, np.int64)
-    squared = np.empty(count, np.int64)
-    grid = (pointer(ffi, np.ascontiguousarray(clear), np.bool_), *clear.shape)
-    found = (writable(ffi, places, np.int64), writable(ffi, squared, np.int64), count)
-    check(lib.wg_by_distance(*grid, pitch, x, y, *found))
-    return places, squared
 
 
 def _flooded(

@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
-from worldgen.families.parts.open_ground import components, covered, dig_from, easiest_joints, far_poses
-from worldgen.families.parts.routes import free_windows
+from worldgen.families.parts.open_ground import covered, dig_from, easiest_joints, far_poses
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
 __all__ = ["cave"]

@@ -12,12 +12,12 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
 from worldgen.families.parts.noise import smooth_noise
-from worldgen.families.parts.open_ground import components, far_poses
+from worldgen.families.parts.open_ground import far_poses
 from worldgen.families.parts.planting import disc_cells, plant
-from worldgen.families.parts.routes import free_windows
 from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import components, free_windows
 from worldgen.world import World
 
 __all__ = ["forest"]

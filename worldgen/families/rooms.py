@@ -20,9 +20,9 @@ from worldgen.families.parts.layout import (
     without_effect,
 )
 from worldgen.families.parts.open_ground import far_poses
-from worldgen.families.parts.routes import free_windows
 from worldgen.family import family
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import free_windows
 from worldgen.world import World
 
 __all__ = ["rooms"]

@@ -24,10 +24,10 @@ from worldgen.families.parts.layout import (
     Width,
 )
 from worldgen.families.parts.noise import smooth_noise
-from worldgen.families.parts.open_ground import FAR, dig_from, steps_from
-from worldgen.families.parts.routes import free_windows
+from worldgen.families.parts.open_ground import FAR, dig_from
 from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import free_windows, steps_from
 from worldgen.world import World
 
 __all__ = ["rubble"]

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen import _core
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
     UNIT,
@@ -28,7 +27,7 @@ from worldgen.lattice import (
 from worldgen.random_streams import RandomStream
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.reach.still.walls import Walls, point_box_sq
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.grid_search import Floods
 
 __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
@@ -120,23 +119,11 @@ class _Places:
         self._walls = Walls(walls, cells)
         self.clear = build_graph(walls, cells, 2).clear
         self._stride = int(self.clear.shape[1])
-        self._seen = np.zeros(self.clear.size, np.uint8)
-        self._queue = np.zeros(self.clear.size, np.int32)
-        self._floods = 0
+        self._floods = Floods(self.clear)
         self._wider: dict[Fraction, npt.NDArray[np.bool_]] = {}
 
-    def _flood(self, first: int, last: int) -> Any:
-        """Flood every region that has a place in first .. last - 1; the queue is the last one's, in order of steps."""
-        ffi, lib = _core.ffi, _core.lib
-        self._floods += 1
-        found = ffi.new("WgRegions *")
-        grid = (pointer(ffi, np.ascontiguousarray(self.clear), np.bool_), self.clear.size, self._stride)
-        work = (writable(ffi, self._seen, np.uint8), writable(ffi, self._queue, np.int32))
-        check(lib.wg_regions(*grid, first, last, self._floods, *work, found))
-        return found
-
     def largest_region(self) -> _Region:
-        found = self._flood(0, self.clear.size)
+        found = self._floods.regions(0, self.clear.size)
         if found.largest == 0:
             raise InvalidWorld(
                 "no-room",
@@ -148,22 +135,22 @@ class _Places:
 
     def any_of(self, region: _Region, rng: RandomStream) -> int:
         """One of a region's places, all equally likely."""
-        self._flood(region.root, region.root + 1)
-        return int(self._queue[rng.below(region.size)])
+        self._floods.regions(region.root, region.root + 1)
+        return int(self._floods.queue[rng.below(region.size)])
 
     def farthest(self, source: int) -> int:
         """The place with room to turn that takes most steps from ``source``; the last such in the order of the flood.
 
         A place without room is taken if all that have it are near: a start beside its target tests nothing.
         """
-        size = self._flood(source, source + 1).largest
+        size = self._floods.regions(source, source + 1).largest
         nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps
-        beyond = self._queue[nearest:size].astype(np.int64)
+        beyond = self._floods.queue[nearest:size].astype(np.int64)
         for times in _ROOMY:
             roomy = np.flatnonzero(self._clear_for(times)[beyond])
             if len(roomy):
                 return int(beyond[roomy[-1]])
-        return int(self._queue[size - 1])
+        return int(self._floods.queue[size - 1])
 
     def _clear_for(self, times: Fraction) -> npt.NDArray[np.bool_]:
         """Which places are clear for a disc of so many radii, flat."""

@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.families.parts.noise import smooth_noise
-from worldgen.families.parts.routes import free_windows, shortest_way, window_at
 from worldgen.lattice import exact, in_cells, radius_in_cells
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import free_windows, shortest_way, window_at
 from worldgen.world import World
 
 __all__ = [

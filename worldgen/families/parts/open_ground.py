@@ -7,7 +7,7 @@ is coarse, but where the window fits, the disc does. The searches are in C (worl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,21 +15,19 @@ import numpy.typing as npt
 from worldgen import _core
 from worldgen.families.parts.disjoint_sets import joining
 from worldgen.families.parts.layout import STEPS
-from worldgen.families.parts.routes import free_windows
 from worldgen.random_streams import RandomStream
-from worldgen.support.ccall import check, pointer, writable
+from worldgen.support.ccall import check, writable
+from worldgen.support.grid_search import free_windows, steps_from
 
 __all__ = [
     "FAR",
     "Dug",
     "Poses",
-    "components",
     "covered",
     "dig_from",
     "easiest_joints",
     "far_poses",
     "in_sight",
-    "steps_from",
 ]
 
 Grid: TypeAlias = npt.NDArray[np.bool_]
@@ -37,32 +35,6 @@ Numbers: TypeAlias = npt.NDArray[np.int32]
 
 FAR, LESS_FAR = (4, 5), (1, 2)  # start and target are at least this share of the longest way from the start apart
 _TRIES = 24  # targets drawn until one is out of sight, then as many less far
-
-
-def steps_from(windows: Grid, start: int) -> tuple[Numbers, Numbers]:
-    """Return the steps from a place to every other, -1 if no path leads there; and those reached, the nearest first."""
-    ffi, lib = _core.ffi, _core.lib
-    steps = np.empty(windows.size, dtype=np.int32)
-    order = np.empty(windows.size, dtype=np.int32)
-    reached = ffi.new("int64_t *")
-    found = (writable(ffi, steps, np.int32), writable(ffi, order, np.int32), reached)
-    check(lib.wg_steps_from(*_grid(windows), int(start), *found))
-    return steps, order[: reached[0]]
-
-
-def components(windows: Grid) -> tuple[Numbers, int]:
-    """Return the number of each place's component, -1 where there is none, flat; and how many there are."""
-    ffi, lib = _core.ffi, _core.lib
-    owner = np.empty(windows.size, dtype=np.int32)
-    queue = np.empty(windows.size, dtype=np.int32)
-    count = ffi.new("int64_t *")
-    check(lib.wg_components(*_grid(windows), writable(ffi, owner, np.int32), writable(ffi, queue, np.int32), count))
-    return owner, int(count[0])
-
-
-def _grid(windows: Grid) -> tuple[Any, int, int]:
-    """Return a grid as the core takes it: its places, how many, and how many in a row."""
-    return pointer(_core.ffi, np.ascontiguousarray(windows), np.bool_), windows.size, windows.shape[1]
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families.parts.layout import Arena
 from worldgen.families.parts.raster import FINE, Polygon, bounds, box, extents, fill, to_frame, turned
-from worldgen.families.parts.routes import free_windows
 from worldgen.random_streams import RandomStream
+from worldgen.support.grid_search import free_windows
 
 __all__ = ["Figure", "TurnedScene", "chevron", "comb", "draw_up_to", "nested", "pair", "place_turned", "room_for"]
 

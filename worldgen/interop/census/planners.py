@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from worldgen.interop.census.case import Ends
 from worldgen.lattice import in_cells
+from worldgen.support.grid_search import squared_distances
 
 __all__ = ["GridAnswers", "GridPlanners"]
 
@@ -72,7 +73,7 @@ class GridPlanners:
     def _inflate(self, radius: Fraction) -> tuple[Labels, Labels]:
         if radius not in self._inflated:
             if self._straight is None:
-                self._straight = _centre_distance_sq(self._free)
+                self._straight = squared_distances(~self._free)
                 self._square = ndimage.distance_transform_cdt(self._free, metric="chessboard")
             # Differences of centres are whole, so their squares are compared with a whole number.
             costmap = self._straight > min(math.floor(radius**2), 2**62)
@@ -85,14 +86,6 @@ def _regions(free: npt.NDArray[np.bool_], structure: npt.NDArray[np.bool_] | Non
     """Cells numbered by the region that they are in; 0 where not free."""
     labels, _ = ndimage.label(free, structure=structure)
     return np.asarray(labels, np.int32)
-
-
-def _centre_distance_sq(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Squared distance of each cell's centre to the nearest solid one's, cells; whole, so exact."""
-    nearest: Any = ndimage.distance_transform_edt(free, return_distances=False, return_indices=True)
-    rows, columns = np.arange(free.shape[0])[:, None], np.arange(free.shape[1])
-    squared: npt.NDArray[np.int64] = (nearest[0] - rows) ** 2 + (nearest[1] - columns) ** 2
-    return squared
 
 
 def _joined(labels: Labels, start: tuple[int, int], target: tuple[int, int]) -> bool:
