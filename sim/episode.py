@@ -22,7 +22,7 @@ from sim.outcome import Outcome, Runnable
 from sim.runners.lattice import LatticeRun
 from sim.thesis.run import ThesisRun
 from sim.trace import Trace, state_digest
-from sim.verdict import BY_THE_CONTROLLER, Verdict
+from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, Witness, World
 
@@ -168,7 +168,7 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
         return wall_evidence(outcome)
     if verdict == Verdict.BURNED:
         return BurnedEvidence(step=outcome.hit_step, cell=outcome.hit_cell, state=outcome.hit_state)
-    if verdict in (Verdict.STALLED, Verdict.TIMEOUT):
+    if verdict in OUT_OF_BUDGET:
         multiple = None
         if isinstance(world.certificate, Witness) and world.certificate.duration > 0:
             spent = outcome.steps * options.time_step

@@ -9,7 +9,7 @@ from typing import Literal, Protocol, TypeAlias
 from sim._core import lib
 from sim.evidence import FaultEvidence
 from sim.trace import Trace, Words
-from sim.verdict import BY_THE_CONTROLLER, Verdict
+from sim.verdict import AT_ONCE, Verdict
 
 __all__ = ["ENDINGS", "LIMIT", "Ending", "Outcome", "Runnable"]
 
@@ -84,7 +84,7 @@ class Outcome:
     def verdict(self) -> Verdict:
         """The verdict; ``loop`` is the core's claim here, for the episode to prove."""
         ending = self.ending
-        if ending in (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER):
+        if ending in AT_ONCE:
             return Verdict(ending)
         if self.overlap_step >= 0:
             return Verdict.OVERLAP

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-__all__ = ["BY_THE_CONTROLLER", "FAILURES", "NEVER", "UNENDED", "Verdict"]
+__all__ = ["AT_ONCE", "BY_THE_CONTROLLER", "FAILURES", "MEANINGS", "NEVER", "OUT_OF_BUDGET", "UNENDED", "Verdict"]
 
 
 class Verdict(StrEnum):
@@ -31,8 +31,30 @@ FAILURES = tuple(verdict for verdict in Verdict if verdict != Verdict.REACHED)
 NEVER = (Verdict.LOOP, Verdict.STALLED)
 """Verdicts on a robot that drives on forever."""
 
-UNENDED = (*NEVER, Verdict.TIMEOUT)
+OUT_OF_BUDGET = (Verdict.STALLED, Verdict.TIMEOUT)
+"""Verdicts on a run that ended because its budget was spent."""
+
+UNENDED = (Verdict.LOOP, *OUT_OF_BUDGET)
 """Verdicts on a run that only its budget ended, or the proof that it repeats."""
 
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
 """Verdicts on what the controller itself did, wherever the robot was."""
+
+AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
+"""Verdicts on an event that ends a run in the step in which it happens."""
+
+MEANINGS = {
+    Verdict.REACHED: "The robot arrives.",
+    Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats itself endlessly and "
+    "never arrives, although its target can be reached.",
+    Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many times what the path to "
+    "its target takes.",
+    Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path to its target takes.",
+    Verdict.TUNNEL: "The robot's centre passes through a wall.",
+    Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
+    Verdict.BURNED: "Fire or falling debris catches the robot.",
+    Verdict.CRASH: "The controller raises an exception, or its program ends.",
+    Verdict.HANG: "The controller gives no answer in time.",
+    Verdict.INVALID_COMMAND: "The controller commands what no robot can do.",
+}
+"""One sentence on each verdict, for a reader who does not know the word."""

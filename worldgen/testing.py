@@ -24,6 +24,7 @@ from worldgen.family import MARGIN, Family, Parameter
 from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
 from worldgen.reach import check_certificate, witness_margin
+from worldgen.support.plain_text import quote
 from worldgen.timeline import CellState
 from worldgen.world import Value, Witness, World
 
@@ -163,7 +164,7 @@ def shown(found: Outcome) -> str:
 
 
 def _told(case: Mapping[str, Value]) -> str:
-    settings = ", ".join(f"{name}={str(value)[:60]!r}" for name, value in case.items())
+    settings = ", ".join(f"{name}={quote(str(value), 60)}" for name, value in case.items())
     return f" ({settings})" if settings else ""
 
 
@@ -313,7 +314,7 @@ def _refused(what: str) -> Iterator[None]:
 def _absurd(family: Family, case: Mapping[str, Value]) -> None:
     for parameter in family.parameters:
         for value in _absurd_values(parameter):
-            what = f"{parameter.name}={str(value)[:40]!r}"
+            what = f"{parameter.name}={quote(str(value))}"
             try:
                 with _patience(what):
                     world: World = generate(family, 0, **{**case, parameter.name: value})

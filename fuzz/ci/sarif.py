@@ -15,7 +15,7 @@ from urllib.parse import quote
 from fuzz.ci.finding import Finding, Report
 from fuzz.ci.markdown import escaped
 from fuzz.ci.place import Place, place_of, uri_of
-from sim.verdict import Verdict
+from sim.verdict import MEANINGS, Verdict
 from worldgen.support.plain_text import shown
 
 __all__ = ["sarif"]
@@ -23,19 +23,9 @@ __all__ = ["sarif"]
 _SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 _ROOT = "%SRCROOT%"
 _LONGEST_ID = 200  # characters; GitHub takes 255
-_MEANINGS = {
-    Verdict.LOOP: "The robot comes back to a complete state that it was in before, so it repeats itself "
-    "for ever and never arrives, although its target can be reached.",
-    Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many times what the "
-    "way to its target takes.",
-    Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the way to its target takes.",
-    Verdict.TUNNEL: "The robot's centre passes through a wall.",
-    Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
-    Verdict.BURNED: "Fire or falling debris catches the robot.",
-    Verdict.CRASH: "The controller raises an exception, or its program ends.",
-    Verdict.HANG: "The controller gives no answer in time.",
-    Verdict.INVALID_COMMAND: "The controller commands what no robot can do.",
-    Verdict.REACHED: "The robot arrives, but an oracle that was asked for objects to how it does.",
+_MEANINGS: dict[str, str] = {
+    **{verdict.value: meaning for verdict, meaning in MEANINGS.items()},
+    Verdict.REACHED.value: "The robot arrives, but an oracle that was asked for objects to how it does.",
     "not confirmed": "A stored failure does not replay as it is stored: the controller has changed, or the file.",
 }
 _OTHERWISE = "The robot fails, although its target can be reached."

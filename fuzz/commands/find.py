@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
-from sim.verdict import Verdict
+from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
@@ -245,8 +245,4 @@ def _got(wish: Wish, result: Result) -> str:
         return f"{words}, {result.share:.0%} of {result.seeds} seeds arrive"
     if result.verdict in (Verdict.REACHED, Verdict.LOOP):
         return f"{result.verdict}@{result.steps:g}"
-    return (
-        f"{result.verdict} in {wish.steps} steps"
-        if result.verdict in (Verdict.STALLED, Verdict.TIMEOUT)
-        else result.verdict
-    )
+    return f"{result.verdict} in {wish.steps} steps" if result.verdict in OUT_OF_BUDGET else result.verdict

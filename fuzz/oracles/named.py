@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import math
 import re
-import reprlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,6 +17,7 @@ from fuzz.violation import Violation
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.plugins.registry import Registry, user_code
+from worldgen.support.plain_text import quote
 from worldgen.world import Value
 
 __all__ = ["ORACLES", "NamedOracle", "OracleFunction"]
@@ -153,7 +153,7 @@ class NamedOracle(Oracle):
                 "return None, or a table of evidence: names with booleans, finite numbers, "
                 "texts, lists and tables, at most {most} in one another",
                 text=self.text,
-                answer=reprlib.repr(answer),
+                answer=quote(answer),
                 most=_DEEPEST,
             )
         return {name: _plain_value(one) for name, one in answer.items()}

@@ -18,7 +18,7 @@ def replay_page(title: str, world: dict[str, Any] | None, robots: Sequence[dict[
     Args:
         title: Its heading.
         world: Of ``drawn_world``.
-        robots: Each with ``name``, ``verdict``, ``words``, ``steps``, ``time``, ``path``, ``collisions``, ``digest``,
+        robots: Each with ``name``, ``verdict``, ``why``, ``steps``, ``time``, ``path``, ``collisions``, ``digest``,
             and ``run`` and ``sensors`` as the player draws them.
     """
     folder = files("fuzz.player") / "replay_page"

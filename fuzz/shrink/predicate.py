@@ -15,13 +15,13 @@ from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
 from sim.options.run import FEWEST_STEPS, RunOptions
 from sim.outcome import Outcome
 from sim.scenario import Scenario
-from sim.verdict import BY_THE_CONTROLLER, FAILURES, UNENDED, Verdict
+from sim.verdict import AT_ONCE, BY_THE_CONTROLLER, FAILURES, OUT_OF_BUDGET, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import World
 
 __all__ = ["StillFails"]
 
-_PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in (Verdict.STALLED, Verdict.TIMEOUT))
+_PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in OUT_OF_BUDGET)
 _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 
 
@@ -182,7 +182,7 @@ class StillFails:
             return outcome.ending == Verdict.CRASH and self._is_same_crash(outcome)
         if self.verdict in (Verdict.BURNED, *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
-        if outcome.ending in (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER):
+        if outcome.ending in AT_ONCE:
             return False
         if self.verdict == Verdict.OVERLAP:
             return outcome.overlap_step >= 0 and self._likewise(outcome.cause)

@@ -254,8 +254,9 @@ class _Driven:
     controller: Controller
 
     @property
-    def words(self) -> str:
-        return f"{self.episode.verdict}{evidence_in_words(self.episode)}"
+    def reason(self) -> str:
+        """What the verdict rests on, in words; empty if the robot arrived."""
+        return evidence_in_words(self.episode).strip()
 
 
 def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
@@ -287,7 +288,7 @@ def _seen(driven: _Driven) -> dict[str, Any]:
     return {
         "name": driven.name,
         "verdict": episode.verdict,
-        "words": driven.words,
+        "why": driven.reason,
         "steps": episode.steps,
         "time": episode.time,
         "path": episode.path_length,
@@ -303,7 +304,8 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
     front = drives[0]
     if kind == "html":
         return replay_page(title, drawn_world(world), [_seen(driven) for driven in drives])
-    said = f"{title}: {front.name}, {front.options.motion}: {front.words}" if len(drives) == 1 else title
+    ending = f"{front.episode.verdict} {front.reason}".rstrip()
+    said = f"{title}: {front.name}, {front.options.motion}: {ending}" if len(drives) == 1 else title
     if kind == "gif":
         return draw_gif(world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said)
     return draw_svg(world, trail=trail_of(front.episode, world), title=said).encode()

@@ -20,7 +20,7 @@ from sim.episode import Episode
 from sim.evidence import evidence_table
 from sim.motion import MOTIONS
 from sim.scenario import Scenario
-from sim.verdict import Verdict
+from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import FailureRecord, Value, World
 
@@ -88,7 +88,7 @@ def failure_of(
 
     # A robot that needs more than the witness's budget is judged by that budget.
     late = episode.verdict == Verdict.REACHED and episode.steps > options.steps
-    if longer != options and (late or episode.verdict in (Verdict.STALLED, Verdict.TIMEOUT)):
+    if longer != options and (late or episode.verdict in OUT_OF_BUDGET):
         trial = Trial.recorded(world, scenario.controller, options)
 
     found = violation_in(trial, oracle)

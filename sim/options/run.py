@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -20,6 +19,7 @@ from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.parameters import Bounds, parameters_of_fields
+from worldgen.support.plain_text import quote
 from worldgen.world import Pose, Value, Witness, World
 
 __all__ = [
@@ -89,7 +89,7 @@ class RunOptions:
                     "{name}={value} is not {wanted}",
                     "give one",
                     name=name,
-                    value=_shown(getattr(self, name)),
+                    value=quote(getattr(self, name)),
                     wanted=wanted,
                 )
         object.__setattr__(self, "time_step", TIME_STEP.accept(self.time_step, "run"))
@@ -242,7 +242,7 @@ def check_world(world: object) -> World:
     if isinstance(world, World):
         return world
     way = "read it: worldgen.read_world({path!r})" if isinstance(world, str | Path) else "give a World"
-    raise InvalidParameter("wrong-type", "{world} is no world", way, world=_shown(world), path=str(world))
+    raise InvalidParameter("wrong-type", "{world} is no world", way, world=quote(world), path=str(world))
 
 
 def worlds_of(worlds: object) -> list[World]:
@@ -263,7 +263,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
     """
     if not isinstance(starts, Iterable):
         raise InvalidParameter(
-            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=_shown(starts)
+            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts)
         )
     poses = tuple(starts)
     for pose in poses:
@@ -273,7 +273,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
                 "not-a-pose",
                 "start {pose} is no pose of finite numbers",
                 "give one such as Pose(0.35, 0.35, 0.0)",
-                pose=_shown(pose),
+                pose=quote(pose),
             )
     return poses
 
@@ -301,7 +301,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
             "{name}={value} is no whole number",
             "give one from {low} to {high}",
             name=name,
-            value=_shown(value),
+            value=quote(value),
             low=low,
             high=high,
         )
@@ -320,11 +320,3 @@ def whole(name: str, value: object, low: int, high: int) -> int:
 
 def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-
-
-def _shown(value: object) -> str:
-    """The value as it came, short."""
-    try:
-        return str(value) if isinstance(value, np.number) else reprlib.repr(value)
-    except ValueError:  # Python shows no number of more than 4,300 digits
-        return "<too many digits to show>"

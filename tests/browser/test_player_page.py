@@ -45,7 +45,7 @@ def driven(world, controller, **settings):
     """A robot as a replay page has it, and its episode."""
     episode = simulate(world, controller, record=True, **settings)
     run = drawn_run(episode, world.cell_size, controller=CONTROLLERS.get(controller))
-    robot = {"name": controller, "verdict": episode.verdict, "words": episode.verdict, "steps": episode.steps}
+    robot = {"name": controller, "verdict": episode.verdict, "why": "", "steps": episode.steps}
     robot |= {"time": episode.time, "path": episode.path_length, "collisions": episode.collisions, "digest": "-"}
     return robot | {"run": run, "sensors": None}, episode
 

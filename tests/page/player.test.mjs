@@ -191,7 +191,7 @@ test("instruments tell place, heading and where in a loop the robot is", () => {
 
 test("a robot that could not drive says why, and the others their results", () => {
   const list = document.createElement("ol");
-  const good = { name: "thesis-1+slip=0.2", verdict: "loop", words: "loop for ever, every 104 steps", steps: 1331, time: 1.5, path: 2, collisions: 3, digest: "abc" };
+  const good = { name: "thesis-1+slip=0.2", verdict: "loop", why: "for ever, every 104 steps", steps: 1331, time: 1.5, path: 2, collisions: 3, digest: "abc" };
   let looked = null;
   showRobots(list, [good, { name: "mine", error: "no such file" }], 0, (number) => (looked = number), "No robot of this size can reach the target.");
   assert.match(list.textContent, /1 thesis-1\+slip=0\.2.*loop.*abc.*1,331 steps, 1\.500 s, 2\.00 m, 3 collisions.*every 104 steps.*No robot of this size/);

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Collection, Sequence
+from numbers import Number
 
 __all__ = ["GAP", "aligned", "counted", "quote", "shown", "shown_lines", "value_in_words"]
 
 GAP = "  "  # between two columns
+
+_BRIEF = reprlib.Repr()  # looks at the first items alone, so that a list of a million costs nothing
+_BRIEF.maxdict = _BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxset = 20
+_BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
@@ -38,16 +44,23 @@ def quote(text: object, limit: int = 40) -> str:
     """Return text from outside in quotes, short enough for a message, with nothing that a terminal would obey.
 
     Args:
-        text: Bytes that are not UTF-8 are shown as escapes; anything but text by its ``repr``.
+        text: Bytes that are not UTF-8 are shown as escapes, numbers (NumPy's too) as they print, and anything else by
+            its ``repr``.
         limit: The longest result, in characters.
     """
     if isinstance(text, bytes | bytearray):
         text = bytes(text[: 4 * limit]).decode("utf-8", "backslashreplace")
     try:
-        quoted = repr(text)
+        quoted = _shown_value(text)
     except ValueError:  # Python shows no number of more than 4,300 digits
         return "<too many digits to show>"
     return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."
+
+
+def _shown_value(value: object) -> str:
+    if isinstance(value, str):
+        return repr(value)
+    return str(value) if isinstance(value, Number) else _BRIEF.repr(value)
 
 
 def shown(text: object) -> str:

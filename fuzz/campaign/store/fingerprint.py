@@ -23,6 +23,7 @@ from sim.scenario import Scenario
 from worldgen.family import FAMILIES
 from worldgen.files.grid import dumps, loads
 from worldgen.plugins.registry import Registry
+from worldgen.support.plain_text import quote
 
 __all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
 
@@ -54,11 +55,12 @@ class Fingerprint:
 
     def differences(self, now: Fingerprint) -> list[str]:
         """How another fingerprint differs from this one, in words: ``seed is 5, not 6``."""
-        found = [
-            f"{name} is {_shown(self.configuration.get(name))}, not {_shown(now.configuration.get(name))}"
-            for name in sorted(self.configuration.keys() | now.configuration.keys())
-            if self.configuration.get(name) != now.configuration.get(name)
-        ]
+        found = []
+        for name in sorted(self.configuration.keys() | now.configuration.keys()):
+            before = self.configuration.get(name)
+            after = now.configuration.get(name)
+            if before != after:
+                found.append(f"{name} is {quote(before, _LONGEST)}, not {quote(after, _LONGEST)}")
         for name in sorted(self.code.keys() | now.code.keys()):
             before, after = self.code.get(name, "none"), now.code.get(name, "none")
             if before != after:
@@ -190,8 +192,3 @@ def _digest_of_files(*files: Path) -> str:
     for file in files:
         digest.update(file.read_bytes())
     return digest.hexdigest()[:_DIGITS]
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."

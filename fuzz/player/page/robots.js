@@ -26,6 +26,12 @@ export function sceneOf(world, robots, number) {
 }
 
 /**
+ * How a robot's run ended, on one line.
+ * @param {Robot} robot
+ */
+export const endingOf = (robot) => robot.error || [robot.verdict, robot.why].filter(Boolean).join(" ");
+
+/**
  * The list of robots with their results, and what is true for all that did not arrive; a click puts one in front.
  * @param {HTMLElement} list
  * @param {Robot[]} robots
@@ -47,7 +53,7 @@ export function showRobots(list, robots, looked, look, note = "") {
         { type: "button", class: "result", "data-controller": one.name, onclick: () => look(number) },
         el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", verdictDot(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
         el("span", { class: "quiet facts" }, facts),
-        one.verdict === "reached" ? null : el("span", { class: "why" }, one.words.replace(one.verdict, "").trimStart()),
+        one.verdict === "reached" ? null : el("span", { class: "why" }, one.why),
         one.verdict === "reached" || !note ? null : el("span", { class: "note" }, note),
       ),
     );

@@ -128,7 +128,8 @@ interface Sensors {
 interface Robot {
   name: string;
   verdict: string;
-  words: string;
+  /** What the verdict rests on; empty if the robot arrived. */
+  why: string;
   steps: number;
   time: number;
   path: number;

@@ -3,7 +3,7 @@
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { byId, el } from "#player/dom.js";
 import { cameraKeys, clockKeys, layerKeys } from "#player/keys.js";
-import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
+import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { followSystem } from "#player/theme.js";
 
 /** @type {ReplayData} */
@@ -22,7 +22,7 @@ function look(number) {
   if (page.player) page.player.play(false);
   const drawn = { ...sceneOf(data.world, data.robots, number), name: data.title };
   page.player = buildPlayer(canvas, under, drawn, page.player, (player) => showInstruments(instruments, player));
-  canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
+  canvas.setAttribute("aria-label", `${front.name}: ${endingOf(front)}`);
   showRobots(list, data.robots, number, look);
 }
 

@@ -4,7 +4,7 @@ import { buildPlayer, dragToMove } from "#player/controls.js";
 import { bytesOf } from "#player/decode.js";
 import { el, say } from "#player/dom.js";
 import { besideIn } from "#player/pair.js";
-import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
+import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { keep } from "#player/saving.js";
 import { Ended } from "./connection.js";
 import { messageOf } from "./model.js";
@@ -164,7 +164,7 @@ function take(play, part, message) {
   if (part.error) part.error = refusalWords(part.error);
   play.runs.push(part);
   showStale(play, false);
-  say(play.runs.map((one) => `${one.name}: ${one.error || one.words}`).join(". "));
+  say(play.runs.map((one) => `${one.name}: ${endingOf(one)}`).join(". "));
   showTable(play);
   if (!part.error)
     look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
@@ -207,7 +207,7 @@ function look(play, number) {
   if (seen) goOn(play.player, seen, playing);
   else play.player.fit();
   showCut(play);
-  parts.canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
+  parts.canvas.setAttribute("aria-label", `${front.name}: ${endingOf(front)}`);
   showTable(play);
 }
 
