@@ -262,9 +262,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         InvalidParameter: If they are no list of poses of finite numbers.
     """
     if not isinstance(starts, Iterable):
-        raise InvalidParameter(
-            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts)
-        )
+        raise InvalidParameter("wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts))
     poses = tuple(starts)
     for pose in poses:
         numbers = (pose.x, pose.y, pose.heading) if isinstance(pose, Pose) else ()
