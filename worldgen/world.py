@@ -292,6 +292,12 @@ class World(HoldsFrozen):
         """Number of solid cells at time 0."""
         return int(np.count_nonzero(self.walls))
 
+    @property
+    def still_walls(self) -> npt.NDArray[np.bool_]:
+        """Cells that are solid and never change, (height, width) bool."""
+        still: npt.NDArray[np.bool_] = self.walls & ~self.timeline.cells_that_become(shape=self.walls.shape)
+        return still
+
     def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
         """Return the state of every cell at a time, s: (height, width) uint8, values of :class:`CellState`."""
         return self.cells_after(self.timeline.count_until(time))

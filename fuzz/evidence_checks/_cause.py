@@ -66,9 +66,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
     side = world.cell_size
     radius, x, y = world.robot_radius / side, x / side, y / side
     reach = math.ceil(radius) + 1
-    steady = world.walls.copy()
-    steady[world.timeline.iy, world.timeline.ix] = False
-    steady = np.pad(steady, reach, constant_values=True)
+    steady = np.pad(world.still_walls, reach, constant_values=True)
     columns, rows = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     deepest = np.zeros(len(x))
     for dy in range(-reach, reach + 1):

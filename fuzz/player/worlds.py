@@ -14,8 +14,6 @@ __all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
 
 MOST_CELLS = 1 << 22  # of a world that is drawn: 700 kB in the page
 
-_FAR = 1e6  # cells: larger discs are drawn as this, for JSON knows no infinity
-
 
 def drawn_world(world: World) -> dict[str, Any] | None:
     """A world's cells, changes, start, target and certificate; ``None`` if it is too large to draw.
@@ -32,10 +30,10 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         "width": world.width,
         "height": world.height,
         "cell": side,
-        "radius": min(world.robot_radius / side, _FAR),
+        "radius": world.robot_radius / side,
         "cells": bits(world.walls),
         "start": [world.start.x / side, world.start.y / side, world.start.heading],
-        "target": [world.target.x / side, world.target.y / side, min(world.target.radius / side, _FAR)],
+        "target": [world.target.x / side, world.target.y / side, world.target.radius / side],
         "events": {
             "ms": numbers(np.rint(line.times * 1000.0)),
             "ix": numbers(line.ix),

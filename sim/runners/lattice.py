@@ -163,8 +163,8 @@ class LatticeRun:
         fastest = int(self.settings.top_speed * self.settings.speed) + 1
         if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
             return np.zeros((0, 0), np.int32)
-        ever, line = self._cells.copy(), self.world.timeline
-        np.maximum.at(ever, (line.iy, line.ix), line.states)  # a cell may change more than once
+        closing = self.world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=self._cells.shape)
+        ever = self._cells | closing
         table = np.zeros(ever.shape, np.int32)
         lib.wg_chessboard_clearance(grid_of(ever), writable(ffi, table, np.int32))
         return table

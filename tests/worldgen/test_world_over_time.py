@@ -55,3 +55,9 @@ def test_the_last_time_is_0_where_nothing_changes():
 def test_a_timeline_is_within_a_grid_that_has_all_its_cells(width, height, within):
     assert LINE.is_within(width, height) is within
     assert Timeline().is_within(1, 1)
+
+
+def test_still_walls_are_the_solid_cells_without_an_event():
+    walls = np.array([[True, False, False], [False, False, True]])
+    world = World(walls, Pose(0.05, 0.15), Target(0.05, 0.15, 0.05), timeline=LINE)
+    assert world.still_walls.tolist() == [[True, False, False], [False, False, False]]

@@ -76,8 +76,8 @@ class GridPlanners:
                 self._straight = squared_distances(~self._free)
                 self._square = ndimage.distance_transform_cdt(self._free, metric="chessboard")
             # Differences of centres are whole, so their squares are compared with a whole number.
-            costmap = self._straight > min(math.floor(radius**2), 2**62)
-            square = self._square > min(math.ceil(radius), 2**30)
+            costmap = self._straight > math.floor(radius**2)
+            square = self._square > math.ceil(radius)
             self._inflated[radius] = _regions(costmap, _EIGHT), _regions(square)
         return self._inflated[radius]
 

@@ -122,8 +122,7 @@ def blocked_spans(world: World) -> BlockedSpans:
 
 def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
     """(height, width) bool: solid or burning at every time from 0 on."""
-    blocked = world.walls.copy()
-    blocked[world.timeline.iy, world.timeline.ix] = False
+    blocked = world.still_walls
     order = np.lexsort((spans.begin, spans.iy, spans.ix))
     until: dict[tuple[int, int], float] = {}
     for ix, iy, begin, end in zip(
@@ -219,9 +218,7 @@ def _static_clearance(world: World, path: Path) -> tuple[float, str]:
     # The outside is the complement of a convex box: the path is nearest to it at one of its points.
     rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
     clearance, where = float(rim), "the outside of the grid"
-    fixed = world.walls.copy()
-    fixed[world.timeline.iy, world.timeline.ix] = False
-    runs = np.diff(np.pad(fixed, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    runs = np.diff(np.pad(world.still_walls, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     iy, begin = np.nonzero(runs == 1)
     end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
     if len(iy):
@@ -298,8 +295,7 @@ def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
 
 def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans) -> bool:
     """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
-    now = world.walls.copy()
-    now[world.timeline.iy, world.timeline.ix] = False
+    now = world.still_walls
     at_once = spans.begin == 0.0
     now[spans.iy[at_once], spans.ix[at_once]] = True
     x, y = (_decimal(value) / _decimal(world.cell_size) for value in (world.start.x, world.start.y))

@@ -69,8 +69,7 @@ class _Check:
         self.start = float(self._tiles(world.start.x)), float(self._tiles(world.start.y))
         self.target = float(self._tiles(world.target.x)), float(self._tiles(world.target.y))
         self.reach = float(self._tiles(world.target.radius))
-        self.fixed = world.walls.copy()
-        self.fixed[world.timeline.iy, world.timeline.ix] = False
+        self.fixed = world.still_walls
         self.spans: dict[Tile, list[tuple[Fraction | float, Fraction | float]]] = defaultdict(list)
         spans = blocked_spans(world)
         for ix, iy, begin, end in zip(

@@ -78,10 +78,10 @@ class Spans:
         cell, since, until = place[heads], since[heads], until[tails]
         self.since, self.until = since, until
         self.first: Ints = np.searchsorted(cell, np.arange(size + 1)).astype(np.int64)
-        self.begin: Ints = np.floor(np.minimum(since * self.ticks, 2 * _LAST)).astype(np.int64) - MARGIN
-        self.begin -= min(math.ceil(exact(early) * self.ticks), int(2 * _LAST))
-        late = until * self.ticks > 2 * _LAST
-        self.end: Ints = np.where(late, FOREVER, np.ceil(np.where(late, 0.0, until) * self.ticks) + MARGIN)
+        self.begin: Ints = np.floor(since * self.ticks).astype(np.int64) - MARGIN
+        self.begin -= math.ceil(exact(early) * self.ticks)
+        stays = until == math.inf
+        self.end: Ints = np.where(stays, FOREVER, np.ceil(np.where(stays, 0.0, until) * self.ticks) + MARGIN)
         self.end = self.end.astype(np.int64)
         self.changing = self._raster(world, changed)
         self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
