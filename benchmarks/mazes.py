@@ -30,7 +30,7 @@ from typing import Any
 import click
 import numpy as np
 
-from worldgen.families.maze import maze
+from worldgen.families.builtin.maze import maze
 from worldgen.families.parts.mazes import METHODS, cells_of, grow, pitch
 from worldgen.random_streams import RandomStream
 

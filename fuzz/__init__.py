@@ -13,10 +13,10 @@ PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() wit
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sim.containment import contain
+from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from fuzz.campaign.config import CampaignConfig
@@ -28,15 +28,17 @@ if TYPE_CHECKING:
 
 contain()  # whatever a campaign, a replay or a shrinking runs may crash
 
-_HOME = {
-    "campaign.run": ("Campaign",),
-    "campaign.config": ("CampaignConfig",),
-    "failure": ("Failure",),
-    "judging": ("Replay", "failure_of", "replay"),
-    "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
-}
-_MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in names}
-_MODULE |= {"Shrunk": "fuzz.shrink.run"}
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "campaign.config": ("CampaignConfig",),
+        "campaign.run": ("Campaign",),
+        "failure": ("Failure",),
+        "shrink.run": ("Shrunk",),
+        "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
+        "triage.judging": ("Replay", "failure_of", "replay"),
+    },
+)
 
 __all__ = [
     "Campaign",
@@ -51,9 +53,3 @@ __all__ = [
     "scenarios",
     "worlds",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
-        raise AttributeError(f"module 'fuzz' has no attribute {name!r}")
-    return getattr(importlib.import_module(_MODULE[name]), name)

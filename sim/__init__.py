@@ -15,8 +15,9 @@ PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() wit
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from sim.batch import Runs, simulate_many
@@ -41,21 +42,32 @@ if TYPE_CHECKING:
     from sim.thesis.options import ThesisOptions
     from sim.trace import Trace
 
-_HOME = {
-    "batch": ("Runs", "simulate_many"),
-    "controllers": (
-        "CONTROLLERS", "Command", "Commands", "CompiledController", "MemoryField", "MemoryMap", "Observation",
-        "Observations", "ProcessController", "PythonController", "VectorController",
-    ),
-    "episode": ("Episode", "simulate"),
-    "motion": ("MOTIONS",),
-    "options.robot": ("RobotOptions",),
-    "options.run": ("RunOptions",),
-    "scenario": ("Scenario",),
-    "thesis.options": ("ThesisOptions",),
-    "trace": ("Trace",),
-}  # fmt: skip
-_MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "batch": ("Runs", "simulate_many"),
+        "controllers": (
+            "CONTROLLERS",
+            "Command",
+            "Commands",
+            "CompiledController",
+            "MemoryField",
+            "MemoryMap",
+            "Observation",
+            "Observations",
+            "ProcessController",
+            "PythonController",
+            "VectorController",
+        ),
+        "episode": ("Episode", "simulate"),
+        "motion": ("MOTIONS",),
+        "options.robot": ("RobotOptions",),
+        "options.run": ("RunOptions",),
+        "scenario": ("Scenario",),
+        "thesis.options": ("ThesisOptions",),
+        "trace": ("Trace",),
+    },
+)
 
 __all__ = [
     "CONTROLLERS", "MOTIONS", "Command", "Commands", "CompiledController", "Episode", "MemoryField", "MemoryMap",
@@ -63,9 +75,3 @@ __all__ = [
     "Scenario", "ThesisOptions", "Trace",
     "VectorController", "simulate", "simulate_many",
 ]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
-        raise AttributeError(f"module 'sim' has no attribute {name!r}")
-    return getattr(importlib.import_module(_MODULE[name]), name)

@@ -7,15 +7,18 @@ Contents, each imported when it is first used:
     stream: such worlds one after another, made when they are asked for.
     read_world, write_world, world_digest: the ``.grid`` file.
     decide, check_certificate: reachability, proved and checked apart from each other.
-    WorldgenError and its kinds: what went wrong, as a sentence.
+    WorldgenError, and its kinds FormatError, GenerationFailed, InvalidParameter, InvalidWorld, OutputError: what went
+    wrong, as data and as a sentence.
+The families themselves are in worldgen.families: ``from worldgen.families import maze``.
 
 PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from worldgen.errors import (
@@ -32,31 +35,27 @@ if TYPE_CHECKING:
     from worldgen.timeline import CellState, Event, Timeline
     from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 
-_HOME = {
-    "errors": (
-        "FormatError",
-        "GenerationFailed",
-        "InvalidParameter",
-        "InvalidWorld",
-        "OutputError",
-        "WorldgenError",
-    ),
-    "generation": ("generate", "stream"),
-    "files.grid": ("read_world", "world_digest", "write_world"),
-    "reach": ("check_certificate", "decide"),
-    "timeline": ("CellState", "Event", "Timeline"),
-    "world": ("Cut", "FailureRecord", "Pose", "Provenance", "Target", "Witness", "World"),
-}
-_MODULE = {name: f"worldgen.{module}" for module, names in _HOME.items() for name in names}
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "errors": (
+            "FormatError",
+            "GenerationFailed",
+            "InvalidParameter",
+            "InvalidWorld",
+            "OutputError",
+            "WorldgenError",
+        ),
+        "files.grid": ("read_world", "world_digest", "write_world"),
+        "generation": ("generate", "stream"),
+        "reach": ("check_certificate", "decide"),
+        "timeline": ("CellState", "Event", "Timeline"),
+        "world": ("Cut", "FailureRecord", "Pose", "Provenance", "Target", "Witness", "World"),
+    },
+)
 
 __all__ = [
     "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed", "InvalidParameter",
     "InvalidWorld", "OutputError", "Pose", "Provenance", "Target", "Timeline", "Witness", "World",
     "WorldgenError", "check_certificate", "decide", "generate", "read_world", "stream", "world_digest", "write_world",
 ]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
-        raise AttributeError(f"module 'worldgen' has no attribute {name!r}")
-    return getattr(importlib.import_module(_MODULE[name]), name)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import inspect
 import re
+import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from worldgen.errors import InvalidParameter
+from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.parameters import (
     Bounds,
     Parameter,
@@ -23,13 +23,16 @@ from worldgen.parameters import (
     find_parameter,
     parameters_of,
 )
+from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.registry import Registry
-from worldgen.random_streams import RandomStream
-from worldgen.world import Value, World
+from worldgen.random_streams import RandomStream, Seed, seed_of
+from worldgen.reach import REACHABLE, decide
+from worldgen.world import Provenance, Value, World
 
 __all__ = [
     "FAMILIES",
     "MARGIN",
+    "MAX_ATTEMPTS",
     "RECIPE",
     "Bounds",
     "Family",
@@ -45,6 +48,7 @@ __all__ = [
 
 Build = Callable[..., World]
 
+MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
 MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
 # parameters of generate(), and options of every family's command
 _TAKEN = (
@@ -66,7 +70,9 @@ _TAKEN = (
 
 @dataclass(frozen=True)
 class Family:
-    """A generator of worlds; :func:`worldgen.generation.generate` runs it and proves what it makes.
+    """A generator of worlds. Call it with a seed and its own parameters: ``maze(seed=7, size=60)`` is a proved world.
+
+    ``inspect.signature`` shows its parameters with their bounds and units, and ``help`` explains them.
 
     Args:
         name: The world's noun, as on the command line.
@@ -82,6 +88,80 @@ class Family:
     build: Build
     changes: bool = False
     constants: Mapping[str, Value] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", self._documentation())
+
+    def __call__(self, seed: Seed = 0, **params: Value | None) -> World:
+        """Return a world with a witness that its target can be reached.
+
+        Args:
+            seed: A whole number, of which the low 64 bits count, or a NumPy generator. Equal seed and parameters,
+                equal world.
+            **params: The family's parameters. ``None`` has the family choose, where it can.
+
+        Raises:
+            InvalidParameter: If a parameter is unknown, or a value is out of range.
+            GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
+        """
+        complete = self.complete(params)
+        number = seed_of(seed)
+        margin = float(cast("float", complete.get(MARGIN, 0.0)))
+        for attempt in range(MAX_ATTEMPTS):
+            world = self.build(stream_for(number, self.name, attempt), **complete)
+            decision = decide(world, margin=margin, cut=False)
+            if decision.result == REACHABLE:
+                provenance = Provenance(self.name, self.version, number, complete)
+                return replace(world, certificate=decision.certificate, provenance=provenance)
+        settings = ", ".join(f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters)
+        raise GenerationFailed(
+            "no-layout-found",
+            "{family}: none of {layouts} layouts lets the robot through (seed {seed}; {settings})",
+            "give it more room: a larger size, a smaller robot_radius, or fewer obstacles",
+            family=self.name,
+            layouts=MAX_ATTEMPTS,
+            seed=number,
+            settings=settings,
+        )
+
+    def __repr__(self) -> str:
+        return f"<family {self.name}, version {self.version}>"
+
+    def __getattr__(self, name: str) -> Any:
+        # On the class, inspect.signature(Family) would find it too; only a family has the parameters of one.
+        if name == "__signature__":
+            return self._signature()
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+
+    def _signature(self) -> inspect.Signature:
+        seed = inspect.Parameter("seed", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=0, annotation=int)
+        own = [
+            inspect.Parameter(
+                known.name, inspect.Parameter.KEYWORD_ONLY, default=known.python_default, annotation=known.annotation
+            )
+            for known in self.parameters
+        ]
+        return inspect.Signature([seed, *own], return_annotation=World)
+
+    def _documentation(self) -> str:
+        """Return the function's docstring, as whoever calls the family needs it."""
+        text = inspect.cleandoc(self.build.__doc__ or "")
+        try:
+            parameters = self.parameters
+        except InvalidParameter:  # it says so where the family is used
+            return text
+        notes = ["seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."]
+        notes += [f"{known.name}: {known.note}".rstrip() for known in parameters]
+        indented = [
+            textwrap.fill(note, 100, initial_indent=" " * 4, subsequent_indent=" " * 8, break_on_hyphens=False)
+            for note in notes
+        ]
+        arguments = "\n".join(["Args:", *indented, ""])
+        before, found, after = text.partition("Args:\n")
+        if not found:
+            return f"{text}\n\n{arguments}".lstrip()
+        rest = re.search(r"^(?=\S)", after, flags=re.MULTILINE)
+        return f"{before}{arguments}\n{after[rest.start() :] if rest else ''}".rstrip()
 
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -115,8 +195,8 @@ class Family:
                 words += [f"--{flag}", str(value)]
         return words
 
-    def complete(self, params: Mapping[str, Value]) -> dict[str, Value]:
-        """The parameters with defaults filled in.
+    def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
+        """The parameters as files hold them, with defaults filled in.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has another type than the default or is out of bounds.
@@ -124,7 +204,7 @@ class Family:
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in params:
             if name in self.constants:
-                self._check_constant(name, params[name])
+                self._check_constant(name, cast("Value", params[name]))
             else:
                 find_parameter(name, self.parameters, self.name)
         complete = {
@@ -176,9 +256,7 @@ def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build
 
     def decorate(build: Build) -> Family:
         _check_signature(name, build)
-        made = Family(name, version, build, changes)
-        object.__setattr__(made, "__doc__", build.__doc__)
-        return made
+        return Family(name, version, build, changes)
 
     return decorate
 
@@ -211,7 +289,7 @@ class FamilyRegistry(Registry[Family]):
             return self._from_recipe(name)
         return super().get(name)
 
-    def find(self, name: str, params: Mapping[str, Value]) -> Family:
+    def find(self, name: str, params: Mapping[str, Value | None]) -> Family:
         """The family that provenance names; of a recipe's world the text is among the parameters.
 
         Raises:
@@ -245,8 +323,9 @@ class FamilyRegistry(Registry[Family]):
         return made_by
 
     def _from_recipe(self, recipe: str, **options: Any) -> Family:
-        module = importlib.import_module("worldgen.compose.recipe")  # it builds on families, so it comes late
-        made_by: Family = module.family_from_recipe(recipe, **options)
+        # Recipes build on families, so they plug in here like everything else that does.
+        reader = next(point for point in points_of("worldgen.family_files") if point.name == "toml")
+        made_by: Family = reader.load()(recipe, **options)
         return made_by
 
 

@@ -61,7 +61,7 @@ class Bounds:
         high: The most; None: any.
         unit: Of both, for people.
         above: Whether ``low`` itself is too low.
-        chosen: One number that is allowed too, such as -1 for "the family chooses".
+        chosen: The number that stands for ``None`` in files: the family chooses. Python callers give ``None``.
     """
 
     low: float | None = None
@@ -73,6 +73,12 @@ class Bounds:
     @property
     def words(self) -> str:
         """As people read it: ``10 to 2000 cells, or -1``."""
+        said = self.rule
+        return said if self.chosen is None or not said else f"{said}, or {_shown(self.chosen)}"
+
+    @property
+    def rule(self) -> str:
+        """The same without the number that has the family choose: ``10 to 2000 cells``."""
         unit = f" {self.unit}" if self.unit else ""
         if self.low is None:
             said = "" if self.high is None else f"at most {_shown(self.high)}{unit}"
@@ -82,7 +88,7 @@ class Bounds:
             said = f"at least {_shown(self.low)}{unit}"
         else:
             said = f"{_shown(self.low)} to {_shown(self.high)}{unit}"
-        return said if self.chosen is None or not said else f"{said}, or {_shown(self.chosen)}"
+        return said
 
     def check(self, name: str, value: float) -> None:
         """Refuses a number outside.
@@ -96,7 +102,7 @@ class Bounds:
         if not too_low and (self.high is None or value <= self.high):
             return
         facts: dict[str, Any] = {"name": name, "value": value, "low": self.low, "high": self.high, "unit": self.unit}
-        or_chosen = "" if self.chosen is None else ", or {chosen!n}"
+        or_chosen = "" if self.chosen is None else ", or leave it out"
         if self.low is not None and self.high is not None and not self.above:
             raise InvalidParameter(
                 "out-of-range",
@@ -154,8 +160,37 @@ class Parameter:
             return _LIST_EXAMPLE
         return self.choices[-1] if self.choices else str(self.default)
 
+    @property
+    def chosen(self) -> float | None:
+        """The number that files hold where Python says ``None``: the family chooses."""
+        return None if self.bounds is None else self.bounds.chosen
+
+    @property
+    def python_default(self) -> Any:
+        """The default as Python callers see it: ``None`` if the family chooses."""
+        return None if self.chosen is not None and self.default == self.chosen else self.default
+
+    @property
+    def annotation(self) -> Any:
+        """The type as a signature shows it, with bounds and unit."""
+        if self.choices:
+            return typing.Literal.__getitem__(self.choices)
+        kind: Any = type(self.default)
+        if self.chosen is not None:
+            kind = kind | None
+        rule = "" if self.bounds is None else self.bounds.rule
+        return typing.Annotated[kind, rule] if rule else kind
+
+    @property
+    def note(self) -> str:
+        """What it means and what it may be, on one line."""
+        if self.bounds is None:
+            return self.help
+        rule = self.bounds.rule if self.python_default is None else self.bounds.words
+        return f"{self.help}  [{rule}]" if rule else self.help
+
     def accept(self, value: Any, owner: str) -> Any:
-        """Return the value in the default's type: a whole number as a float if the default is one.
+        """Return the value as files hold it: as a float if the default is one, and as a number for ``None``.
 
         NumPy's numbers count as Python's.
 
@@ -163,6 +198,8 @@ class Parameter:
             InvalidParameter: If it has another type than the default, is out of bounds, or none of the choices.
         """
         kind = type(self.default)
+        if value is None and self.chosen is not None:
+            return kind(self.chosen)
         if isinstance(value, np.generic):
             value = value.item()
         if kind is tuple:

@@ -10,14 +10,19 @@ Generators", OOPSLA 2014, with the constants of Vigna's public SplitMix64.
 from __future__ import annotations
 
 from collections.abc import MutableSequence, Sequence
-from typing import TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["GAMMA", "MASK64", "RandomStream", "mix64"]
+from worldgen.errors import InvalidParameter
+
+__all__ = ["GAMMA", "MASK64", "RandomStream", "Seed", "mix64", "seed_of"]
 
 T = TypeVar("T")
+
+Seed: TypeAlias = "int | np.integer[Any] | np.random.Generator"
+"""What chance can begin with, wherever a seed is asked for."""
 
 MASK64 = (1 << 64) - 1
 GAMMA = 0x9E3779B97F4A7C15  # 2**64 / golden ratio, odd
@@ -28,6 +33,31 @@ def mix64(z: int) -> int:
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK64
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK64
     return z ^ (z >> 31)
+
+
+def seed_of(seed: Seed) -> int:
+    """Return a seed as a number of 64 bits.
+
+    Args:
+        seed: A whole number, Python's or NumPy's, of which the low 64 bits count; or a NumPy generator, which moves
+            on: its bit generator's next two draws of 32 bits are the low and the high half. NumPy promises those
+            bits, so a generator's state gives the same seed on every machine.
+
+    Raises:
+        InvalidParameter: If it is something else.
+    """
+    if isinstance(seed, np.random.Generator):
+        low, high = (int(draw) & 0xFFFFFFFF for draw in seed.bit_generator.random_raw(2))
+        return high << 32 | low
+    if isinstance(seed, bool | np.bool_) or not isinstance(seed, int | np.integer):
+        raise InvalidParameter(
+            "wrong-type",
+            "seed={seed!r} is a {kind}",
+            "give a whole number, or a NumPy generator: numpy.random.default_rng(7)",
+            seed=seed,
+            kind=type(seed).__name__,
+        )
+    return int(seed) & MASK64
 
 
 class RandomStream:

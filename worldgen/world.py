@@ -309,6 +309,37 @@ class World(HoldsFrozen):
         cells[line.iy[:count], line.ix[:count]] = line.states[:count]  # of one cell's events the last stays
         return cells
 
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the world's canonical file without provenance and failure: the world's id."""
+        from worldgen.files.grid import world_digest
+
+        return world_digest(self)
+
+    def __repr__(self) -> str:
+        made = self.provenance
+        name = "" if made is None else f" {made.family} seed {made.seed}"
+        proof = self.certificate
+        if proof is None:
+            proved = "no certificate"
+        elif isinstance(proof, Witness):
+            proved = f"witness of {proof.length:.4g} m"
+        else:
+            proved = f"cut of {len(proof.cells)} cells"
+        changes = f", {len(self.timeline)} changes" if self.is_dynamic else ""
+        failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
+        return (
+            f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} m{changes}, "
+            f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, {self.target.y:g}), "
+            f"{proved}{failed}>"
+        )
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture that a notebook shows."""
+        from worldgen.render import draw_png
+
+        return draw_png(self)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, World):
             return NotImplemented

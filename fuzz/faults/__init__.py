@@ -19,6 +19,10 @@ FAULTS: dict[str, Fault] = {
 }
 
 
+def __dir__() -> list[str]:
+    return sorted([*globals(), *(name.replace("-", "_") for name in FAULTS)])
+
+
 def __getattr__(name: str) -> Any:
     try:
         return FAULTS[name.replace("_", "-")]

@@ -38,7 +38,7 @@ from sim.scenario import Scenario
 from sim.thesis.run import signal_in
 from worldgen.difficulty import METRICS, measure, search_world
 from worldgen.errors import InvalidParameter, OutputError
-from worldgen.families.shift import shifted
+from worldgen.families.builtin.shift import shifted
 from worldgen.family import FAMILIES
 from worldgen.files.grid import read_world, write_world
 from worldgen.files.whole import check_output

@@ -9,7 +9,7 @@ import pytest
 from sim import simulate
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened
-from worldgen.families.shift import shifted
+from worldgen.families.builtin.shift import shifted
 from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"

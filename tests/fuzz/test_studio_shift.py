@@ -7,7 +7,7 @@ import pytest
 
 from fuzz.studio.messages import message_of, world_of
 from tests.helpers.studio import page_of, studio_of
-from worldgen.families.shift import shifted
+from worldgen.families.builtin.shift import shifted
 from worldgen.files.grid import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"

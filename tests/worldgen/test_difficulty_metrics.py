@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-import worldgen.families.maze
+import worldgen.families.builtin.maze
 import worldgen.families.parts.mazes
 from tests.helpers.turned_worlds import mirrored, scaled, turned
 from tests.worldgen.test_difficulty import drawn
@@ -139,13 +139,13 @@ def _by_levels(world, nodes):
 @pytest.mark.parametrize("algorithm", ["wilson", "backtracker", "binary-tree"])
 def test_decisions_in_a_perfect_maze_are_the_junctions_on_its_way(monkeypatch, passage, algorithm):
     made = {}
-    real = worldgen.families.maze.grow
+    real = worldgen.families.builtin.maze.grow
 
     def spied(*args, **settings):
         made["links"] = real(*args, **settings)
         return made["links"]
 
-    monkeypatch.setattr(worldgen.families.maze, "grow", spied)
+    monkeypatch.setattr(worldgen.families.builtin.maze, "grow", spied)
     size, radius = 2 + 8 * (passage + 1) - 1, 0.04 if passage == 1 else 0.07
     world = generate("maze", 3, algorithm=algorithm, passage=passage, size=size, robot_radius=radius)
     assert measure(world).decisions == _junctions(world, made["links"], passage + 1)

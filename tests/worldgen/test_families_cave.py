@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.cave import cave
+from worldgen.families.builtin.cave import cave
 from worldgen.families.parts.open_ground import in_sight
 from worldgen.family import stream_for
 from worldgen.generation import generate

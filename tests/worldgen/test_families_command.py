@@ -22,8 +22,9 @@ every_family = pytest.mark.parametrize("name", FAMILIES.names())
 def test_every_parameter_is_an_option_with_its_help_and_bounds(name):
     options = {option.name: option for option in family_command(name).params}
     for known in FAMILIES.get(name).parameters:
-        bounds = f"  [{known.bounds.words}]" if known.bounds else ""
-        assert options[known.name].help == known.help + bounds and options[known.name].default == known.default
+        option = options[known.name]
+        assert option.help == known.note and (known.bounds is None or known.bounds.rule in option.help)
+        assert option.default == known.python_default
 
 
 @every_family

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.corridor import corridor
+from worldgen.families.builtin.corridor import corridor
 from worldgen.family import stream_for
 
 SEEDS = st.integers(0, 2**64 - 1)

@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from tests.helpers.raising import raises
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.families.corridor import corridor
+from worldgen.families.builtin.corridor import corridor
 from worldgen.families.parts.open_ground import in_sight
 from worldgen.family import stream_for
 from worldgen.generation import generate

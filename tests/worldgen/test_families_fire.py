@@ -11,7 +11,7 @@ from scipy.sparse import csgraph
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.fire import FIREBREAK, fire
+from worldgen.families.builtin.fire import FIREBREAK, fire
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide

@@ -13,7 +13,7 @@ from scipy import ndimage
 from tests.helpers.raising import raises
 from tests.reference.worldgen import planting
 from worldgen.errors import InvalidParameter
-from worldgen.families.forest import forest
+from worldgen.families.builtin.forest import forest
 from worldgen.families.parts.open_ground import in_sight
 from worldgen.families.parts.planting import disc_cells, put_down
 from worldgen.family import stream_for

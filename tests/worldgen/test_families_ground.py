@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.fire import fire
+from worldgen.families.builtin.fire import fire
 from worldgen.family import FAMILIES, family
 from worldgen.generation import generate
 from worldgen.reach import check_certificate

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import shortest_path
 from tests.helpers.raising import raises
 from tests.helpers.tiers import some
 from worldgen.errors import InvalidParameter
-from worldgen.families.maze import maze
+from worldgen.families.builtin.maze import maze
 from worldgen.families.parts.mazes import FIT_ANY_SHAPE, METHODS, grow, open_sides, shape_mask, spanning_tree
 from worldgen.families.parts.mazes.board import ROOT, links_of_parents
 from worldgen.families.parts.mazes.shapes import LEAST

@@ -11,8 +11,8 @@ from scipy import ndimage
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
+from worldgen.families.builtin.rooms import rooms
 from worldgen.families.parts.open_ground import in_sight
-from worldgen.families.rooms import rooms
 from worldgen.family import stream_for
 from worldgen.generation import generate
 

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.rubble import rubble
+from worldgen.families.builtin.rubble import rubble
 from worldgen.family import stream_for
 from worldgen.generation import generate
 

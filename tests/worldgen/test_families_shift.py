@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.families.shift import shift
+from worldgen.families.builtin.shift import shift
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, check_certificate, decide

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.helpers.raising import raises
 from worldgen.difficulty import measure
 from worldgen.errors import InvalidParameter
-from worldgen.families.trap import Shape, trap
+from worldgen.families.builtin.trap import Shape, trap
 from worldgen.family import stream_for
 from worldgen.generation import generate
 

@@ -10,9 +10,9 @@ from scipy import ndimage
 
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
+from worldgen.families.builtin.trap import trap
 from worldgen.families.parts.open_ground import in_sight
 from worldgen.families.parts.raster import box, extents, fill, turned
-from worldgen.families.trap import trap
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.support.angles import SCALE, _sine

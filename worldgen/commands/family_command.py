@@ -125,8 +125,8 @@ def _option(parameter: Parameter, made_by: Family) -> Any:
     earlier = parameter.name.replace("_", "-")
     option = click.option if words == earlier else functools.partial(named_also, also=f"--{earlier}")
     kind = click.Choice(parameter.choices) if parameter.choices else type(parameter.default)
-    said = f"{parameter.help}  [{parameter.bounds.words}]" if parameter.bounds else parameter.help
-    return option(flags, parameter.name, type=kind, default=parameter.default, show_default=True, help=said)
+    default = parameter.python_default
+    return option(flags, parameter.name, type=kind, default=default, show_default=True, help=parameter.note)
 
 
 def _make_one(

@@ -9,21 +9,16 @@ Contents:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from worldgen.difficulty.expression import Expression, parse
 from worldgen.difficulty.measuring import measure, with_metrics
 from worldgen.difficulty.metrics import METRICS, Metric, Metrics
+from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Search, search_world
 
+__getattr__, __dir__ = lazy_names(__name__, {"search": ("Search", "search_world")})  # which needs the families
+
 __all__ = ["METRICS", "Expression", "Metric", "Metrics", "Search", "measure", "parse", "search_world", "with_metrics"]
-
-
-def __getattr__(name: str) -> Any:
-    if name in {"Search", "search_world"}:  # which needs the families
-        from worldgen.difficulty import search
-
-        return getattr(search, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

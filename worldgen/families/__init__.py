@@ -1,1 +1,45 @@
-"""families."""
+"""The families of worlds that are installed; call one for a proved world: ``maze(seed=7, size=60)``.
+
+Contents, each imported when it is first used:
+    cave, corridor, forest, maze, rooms, rubble, trap: worlds at rest.
+    fire, shift: worlds that change with time.
+    Families of other packages, by the name that they are registered under, with underscores for dashes.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from worldgen.families.builtin.cave import cave
+    from worldgen.families.builtin.corridor import corridor
+    from worldgen.families.builtin.fire import fire
+    from worldgen.families.builtin.forest import forest
+    from worldgen.families.builtin.maze import maze
+    from worldgen.families.builtin.rooms import rooms
+    from worldgen.families.builtin.rubble import rubble
+    from worldgen.families.builtin.shift import shift
+    from worldgen.families.builtin.trap import trap
+
+__all__ = ["cave", "corridor", "fire", "forest", "maze", "rooms", "rubble", "shift", "trap"]
+
+
+def _registered() -> dict[str, str]:
+    """Return the registered names by what they are called here."""
+    from worldgen.family import FAMILIES
+
+    return {name.replace("-", "_"): name for name in FAMILIES.names()}
+
+
+def __getattr__(name: str) -> Any:
+    if not name.startswith("_"):
+        from worldgen.family import FAMILIES
+
+        registered = _registered()
+        if name in registered:
+            return FAMILIES.get(registered[name])
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*_registered(), *(name for name in globals() if name.startswith("__"))})

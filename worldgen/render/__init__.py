@@ -1,7 +1,7 @@
 """Pictures of worlds and runs: PNG, SVG, HTML, animated GIF and the terminal.
 
 Contents, each imported when it is first used, so that Pillow loads for a PNG only:
-    Trail, Mark: what a robot did, as plain data to draw over a world.
+    Trail, Mark, Pierced: what a robot did, as plain data to draw over a world.
     draw_png, draw_svg, draw_html, draw_terminal: the pictures.
     Drive, draw_gif: robots that drive, as an animated GIF.
     Panel, draw_sheet: many worlds with the ways of several robots.
@@ -11,8 +11,9 @@ Contents, each imported when it is first used, so that Pillow loads for a PNG on
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from worldgen.support.lazy import lazy_names
 
 if TYPE_CHECKING:
     from worldgen.render.animation import draw_gif
@@ -24,21 +25,19 @@ if TYPE_CHECKING:
     from worldgen.render.svg import draw_svg
     from worldgen.render.terminal import draw_terminal, wants_color
 
-_HOME = {
-    "Drive": "overlay",
-    "Frame": "frame",
-    "Mark": "overlay",
-    "Panel": "sheet",
-    "Pierced": "overlay",
-    "Trail": "overlay",
-    "draw_gif": "animation",
-    "draw_html": "html",
-    "draw_png": "png",
-    "draw_sheet": "sheet",
-    "draw_svg": "svg",
-    "draw_terminal": "terminal",
-    "wants_color": "terminal",
-}
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "animation": ("draw_gif",),
+        "frame": ("Frame",),
+        "html": ("draw_html",),
+        "overlay": ("Drive", "Mark", "Pierced", "Trail"),
+        "png": ("draw_png",),
+        "sheet": ("Panel", "draw_sheet"),
+        "svg": ("draw_svg",),
+        "terminal": ("draw_terminal", "wants_color"),
+    },
+)
 
 __all__ = [
     "Drive",
@@ -55,9 +54,3 @@ __all__ = [
     "draw_terminal",
     "wants_color",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'worldgen.render' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"worldgen.render.{_HOME[name]}"), name)

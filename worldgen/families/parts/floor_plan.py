@@ -94,7 +94,7 @@ def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, sp
         raise InvalidParameter(
             "below-minimum",
             "room={room} is narrower than the {name}, {least} cells",
-            "give at least {least}, or -1 to have it drawn",
+            "give at least {least}, or leave it out to have it drawn",
             room=asked,
             name=name,
             least=least,

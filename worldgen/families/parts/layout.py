@@ -40,7 +40,7 @@ __all__ = [
 ]
 
 MIN_SIZE, MAX_SIZE = 10, 2000  # cells a side
-CHOSEN = -1  # for a whole number: "the family chooses"
+CHOSEN = -1  # how files write ``None``, which has the family choose
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))  # (dx, dy) of a heading in quarter turns
 
 SIZE = Bounds(MIN_SIZE, MAX_SIZE, "cells")
@@ -126,7 +126,7 @@ class Arena:
             raise InvalidParameter(
                 "narrower-than-robot",
                 "{name}={width} is narrower than the robot, {robot_width:g} cells wide",
-                "give at least {narrowest}, or -1 for the narrowest",
+                "give at least {narrowest}, or leave it out for the narrowest",
                 name=name,
                 width=width,
                 robot_width=float(2 * self.radius),

@@ -86,14 +86,15 @@ def corridor(
             one arm of each blind; X: corridors across corridors; tunnel: one long way that fills the
             square.
         bends: Right angles of the corridor from start to target, without side ways, of bends, dead-ends,
-            junctions and S; -1: drawn.
+            junctions and S; if omitted, drawn.
         branches: Side ways of dead-ends and junctions, off the corridor or off each other; junctions of T;
-            corridors each way of X; -1: drawn.
-        width: Width of the corridor, cells; -1: the narrowest that lets the robot through.
+            corridors each way of X; if omitted, drawn.
+        width: Width of the corridor, cells; if omitted, the narrowest that lets the robot through.
         robot_widths: The corridor's width in widths of the robot instead, at least 1, rounded up to whole
             cells; 0: as ``width`` says.
-        necks: Narrow places on straight stretches from start to target; -1: as many as there is room for.
-        neck: Width of the narrow places, cells; -1: the narrowest that lets the robot through.
+        necks: Narrow places on straight stretches from start to target; None (-1 at the
+            command line): as many as there is room for.
+        neck: Width of the narrow places, cells; if omitted, the narrowest that lets the robot through.
         neck_length: Their length along the corridor, cells; 1: a door.
         wall: Least thickness of the rock between two stretches, cells.
         cell_size: Side of a cell, m.

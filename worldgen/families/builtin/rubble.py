@@ -69,9 +69,9 @@ def rubble(
         collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on one side.
         damage: Share of the building that is ruined.
         debris: Share of the ruined floor that debris covers; it is thickest where walls fell.
-        room: Least inner side of a room, cells; -1: drawn.
+        room: Least inner side of a room, cells; if omitted, drawn.
         wall: Thickness of the walls, cells.
-        pocket: Free cells round the survivor's own place, inside the debris; -1: drawn.
+        pocket: Free cells round the survivor's own place, inside the debris; if omitted, drawn.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.

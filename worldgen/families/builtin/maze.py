@@ -58,8 +58,8 @@ def maze(
         "binary-tree",
         "recursive-division",
     ] = "wilson",
-    newest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = -1.0,
-    oldest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = -1.0,
+    newest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = float(CHOSEN),
+    oldest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = float(CHOSEN),
     mask: Literal["square", "disc", "ring", "cross", "diamond"] = "square",
     braid: Share = 0.0,
     rooms: Annotated[int, Bounds(0)] = 0,
@@ -80,12 +80,12 @@ def maze(
         size: Cells a side, the solid border included.
         algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
             kruskal, prim: the lightest tree of random weights; for the others see the documentation.
-        newest: Share of a growing tree's steps that go on from the newest chamber; -1: half.
-        oldest: Share that go on from the oldest; -1: none. The rest go on from any.
+        newest: Share of a growing tree's steps that go on from the newest chamber; if omitted, half.
+        oldest: Share that go on from the oldest; if omitted, none. The rest go on from any.
         mask: Shape of the maze; the rest of the square is rock.
         braid: Share of the dead ends that get a second way out; 1 leaves none.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.
-        passage: Width of the passages, cells; -1: the narrowest that lets the robot through.
+        passage: Width of the passages, cells; if omitted, the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.

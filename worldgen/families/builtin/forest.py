@@ -57,7 +57,7 @@ def forest(
         growth: even: equally dense everywhere; thickets: dense stands with clearings between;
             rows: planted in rows, each set off against the next, a little out of line.
         thinnest: Diameter of the thinnest trunks, cells.
-        thickest: Diameter of the thickest trunks, cells; -1: drawn.
+        thickest: Diameter of the thickest trunks, cells; if omitted, drawn.
         gap: Least gap between two trunks, and to the border, in widths of the robot.
         density: Share of the trunks put down that stay.
         cell_size: Side of a cell, m.

@@ -54,10 +54,10 @@ def rooms(
         size: Cells a side, the solid border included.
         plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor, rooms
             lead to rooms.
-        room: Least inner side of a room, cells; -1: drawn.
-        corridor: Width of the corridors, cells; -1: the narrowest that lets the robot and a door's width
+        room: Least inner side of a room, cells; if omitted, drawn.
+        corridor: Width of the corridors, cells; if omitted, the narrowest that lets the robot and a door's width
             through.
-        door: Width of the doors, cells; -1: the narrowest that lets the robot through.
+        door: Width of the doors, cells; if omitted, the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
         shared: Share of the walls without need of a door that have one too: between two rooms, or a
             second way into the corridor.
@@ -98,7 +98,7 @@ def _corridor_width(arena: Arena, plan: Style, corridor: int, door: int) -> int:
         raise InvalidParameter(
             "below-minimum",
             "corridor={corridor} is narrower than the doors, {door} cells",
-            "give at least {door}, or -1 for that",
+            "give at least {door}, or leave it out for that",
             corridor=corridor,
             door=door,
         )

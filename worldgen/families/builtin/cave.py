@@ -53,9 +53,9 @@ def cave(
         shape: caverns: halls and passages, with ways round; columns: one wide hall full of pillars;
             galleries: small chambers, joined by long tunnels without a way round.
         rock: Rock before the automaton's first round, in percent; the more, the narrower the
-            cave; -1: drawn from what suits the shape.
-        rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; -1: drawn.
-        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; -1: what suits the
+            cave; if omitted, drawn from what suits the shape.
+        rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; if omitted, drawn.
+        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; if omitted, what suits the
             robot.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.

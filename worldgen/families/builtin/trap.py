@@ -79,14 +79,15 @@ def trap(
             round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in each other's hollows;
             pair: a U, and another behind it, set off aside.
         depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of nested
-            ones, of the innermost; -1: drawn.
+            ones, of the innermost; if omitted, drawn.
         mouth: Clear width of the opening, between the arms or along the back wall, cells; of a spiral, of its
-            whole winding corridor; between teeth, and between one U and the next; -1: drawn.
+            whole winding corridor; between teeth, and between one U and the next; if omitted, drawn.
         thickness: Thickness of the obstacle's walls, cells.
-        turn: Where the mouth opens: quarter turns counter-clockwise from +x; -1: drawn.
-        turns: Quarter turns by which a spiral winds on beyond the U; -1: drawn.
-        parts: Teeth of a comb, or U's that are nested; -1: drawn.
-        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; -1: drawn.
+        turn: Where the mouth opens: quarter turns counter-clockwise from +x; if omitted, drawn.
+        turns: Quarter turns by which a spiral winds on beyond the U; if omitted, drawn.
+        parts: Teeth of a comb, or U's that are nested; if omitted, drawn.
+        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; None (-1 at the command
+            line): drawn.
         faces: What lies before the mouth: the start, the target, or neither.
         inside: Start in the hollow instead of before it.
         cell_size: Side of a cell, m.

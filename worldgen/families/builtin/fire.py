@@ -58,7 +58,7 @@ def fire(
     spread: Annotated[float, Bounds(0.01, 60.0, "s")] = 0.15,
     scatter: Annotated[float, Bounds(0.0, 0.9)] = 0.5,
     wind: Annotated[float, Bounds(0.0, 0.9)] = 0.0,
-    wind_to: Annotated[int, Bounds(0, 3, "quarter turns", chosen=CHOSEN)] = -1,
+    wind_to: Annotated[int, Bounds(0, 3, "quarter turns", chosen=CHOSEN)] = CHOSEN,
     fuel: Share = 1.0,
     grain: Annotated[int, Bounds(1, 1000, "cells")] = 3,
     burn: Annotated[float, Bounds(0.01, 600.0, "s")] = 2.0,
@@ -90,7 +90,7 @@ def fire(
         spread: Mean time that fire takes from one cell of floor to the next, s.
         scatter: Share by which times differ from their means.
         wind: Share by which fire goes faster with the wind and slower against it.
-        wind_to: Where the wind blows to: quarter turns counter-clockwise from +x; -1: drawn.
+        wind_to: Where the wind blows to: quarter turns counter-clockwise from +x; if omitted, drawn.
         fuel: Share of the floor that has fuel; the rest never burns.
         grain: Cells across a patch without fuel; 1: single cells.
         burn: Mean time that a cell burns, s.

@@ -1,0 +1,33 @@
+"""Packages whose names are imported when they are first used, and which list them for ``dir`` and tab completion."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+__all__ = ["lazy_names"]
+
+
+def lazy_names(
+    package: str, homes: Mapping[str, Sequence[str]]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return the functions ``__getattr__`` and ``__dir__`` of a package.
+
+    Args:
+        package: The package's ``__name__``.
+        homes: The names that each of its modules defines, by the module's name within the package.
+    """
+    home_of = {name: f"{package}.{module}" for module, names in homes.items() for name in names}
+
+    def get(name: str) -> Any:
+        if name not in home_of:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return getattr(importlib.import_module(home_of[name]), name)
+
+    def listed() -> list[str]:
+        dunders = [name for name in vars(sys.modules[package]) if name.startswith("__")]
+        return sorted([*sys.modules[package].__all__, *dunders])
+
+    return get, listed
