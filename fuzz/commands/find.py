@@ -116,8 +116,7 @@ def find(
 
 def _watch(search: Find, out: Path, force: bool) -> bool:
     """Searches, and writes the nearest world however that ends; returns whether Ctrl-C ended it."""
-    from concurrent.futures.process import BrokenProcessPool
-
+    from fuzz.campaign.executors import WorkersLost
     from worldgen.errors import OutputError
     from worldgen.files.grid import write_world
     from worldgen.support.plain_text import counted
@@ -132,7 +131,7 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
                 note(f"unit {found.unit}: {off}")
     except KeyboardInterrupt:
         stopped = True
-    except BrokenProcessPool as error:
+    except WorkersLost as error:
         broken = error
     if search.best is not None:
         write_world(search.best.world, out, force=force)

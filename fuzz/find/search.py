@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
-import time
-from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, wait
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, wait
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 
+from fuzz.campaign.deadline import TO_HAND_IN, Deadline, now
+from fuzz.campaign.executors import local_executor
 from fuzz.find.layout import Layout
 from fuzz.find.targets import Result, Wish
 from fuzz.search.features import LAYOUT_BYTES, decode_world
@@ -18,7 +18,7 @@ from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
-from worldgen.support.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.support.workers import LISTEN
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
 __all__ = ["VERSION", "Find", "FindConfig", "Found", "draw"]
@@ -28,8 +28,6 @@ VERSION = 1  # goes up whenever equal seeds find another world than before
 _SAMPLES = 200  # layouts drawn in a unit before it climbs
 _CLIMBS = 1500  # edits tried in a unit
 _MEMORY = 40  # steps back that an edit may be compared with, instead of with the last
-_WAITING = 1  # units that wait for a worker, so that none is idle
-_GRACE = 5.0  # s that a worker gets to hand in what it has; a run under way is not broken off
 
 _Work = tuple["Found | None", int]
 
@@ -300,113 +298,61 @@ class Find:
     ) -> None:
         self.config, self.units, self.workers = config, units, workers
         self._seconds = float("inf") if units is not None or seconds is None else seconds
-        self._end = float("inf")
         self.best: Found | None = None
         self.done = 0
         self.tried = 0
 
     def run(self) -> Iterator[Found]:
-        """Searches until a world has every outcome exactly, or the budget is spent.
+        """Search until a world has every outcome exactly, or the budget is spent.
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, when ``best`` holds what the units under way had found.
+            WorkersLost: If a worker process died.
         """
-        self._end = time.monotonic() + self._seconds
-        results = self._serially() if self.workers == 1 else self._in_parallel()
-        with contextlib.closing(results):
-            for found, tried in results:
-                self.done += 1
-                self.tried += tried
-                if found is not None and (self.best is None or found.rank() < self.best.rank()):
-                    self.best = found
-                    yield found
-                if self.best is not None and self.best.distance == 0.0:
-                    return
-
-    def _enough(self, unit: int) -> bool:
-        return (self.units is not None and unit >= self.units) or (unit > 0 and self._late())
-
-    def _late(self) -> bool:
-        return time.monotonic() >= self._end
-
-    def _serially(self) -> Generator[_Work]:
+        deadline = Deadline(begin=now() + self._seconds)
+        waiting: deque[Future[_Work]] = deque()
         number = 0
-        while not self._enough(number):
-            unit = _Unit(self.config, number, self._late)
-            try:
-                found = unit.run()
-            except KeyboardInterrupt:
-                yield unit.found(), unit.tried
-                raise
-            yield found, unit.tried
-            number += 1
-
-    def _in_parallel(self) -> Generator[_Work]:
-        """Results in order of unit numbers, so that they do not depend on the workers."""
-        context = get_context("spawn")
-        stop = context.RawValue(ctypes.c_bool, False)
-        pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_worker_start, initargs=(stop,))
-        waiting: list[Future[_Work]] = []
-        number = 0
-        with ctrl_c_held_back() as listen:
+        with local_executor(self.workers) as executor:
             try:
                 while True:
-                    while len(waiting) < self.workers + _WAITING and not self._enough(number):
-                        with workers_begin_deaf():
-                            waiting.append(pool.submit(_worker_unit, self.config, number))
+                    while len(waiting) < executor.room and not self._is_enough(number, deadline):
+                        waiting.append(executor.submit(_search_unit, self.config, number, deadline))
                         number += 1
                     if not waiting:
                         return
-                    yield self._result(waiting[0], stop, listen)
-                    del waiting[0]
+                    # In order of unit numbers, so that the result does not depend on the workers.
+                    while wait([waiting[0]], LISTEN).not_done:
+                        executor.listen()
+                    yield from self._take(waiting.popleft())
+                    executor.listen()
+                    if self.best is not None and self.best.distance == 0.0:
+                        return
             except KeyboardInterrupt:
-                yield from _handed_in(waiting, stop)
+                executor.stop()
+                wait(waiting, TO_HAND_IN)
+                for unit in waiting:
+                    if unit.done() and unit.exception() is None:
+                        list(self._take(unit))
                 raise
             finally:
-                _end(pool, waiting, stop)
+                # Nobody waits for units whose world is not needed any more.
+                executor.stop()
 
-    def _result(self, unit: Future[_Work], stop: ctypes.c_bool, listen: Callable[[], None]) -> _Work:
-        """Waits for a unit; tells all to stop when the time is over."""
-        while not unit.done():
-            listen()
-            stop.value = stop.value or self._late()
-            wait([unit], LISTEN if stop.value else min(LISTEN, max(self._end - time.monotonic(), 0.0)))
-        return unit.result()
+    def _take(self, unit: Future[_Work]) -> Iterator[Found]:
+        """Keep what a unit found, and yield it if it is better than all before."""
+        found, tried = unit.result()
+        self.done += 1
+        self.tried += tried
+        if found is not None and (self.best is None or found.rank() < self.best.rank()):
+            self.best = found
+            yield found
 
-
-def _handed_in(waiting: list[Future[_Work]], stop: ctypes.c_bool) -> Iterator[_Work]:
-    """What the units under way have, from those that answer."""
-    stop.value = True
-    under_way = [unit for unit in waiting if not unit.cancel()]
-    wait(under_way, _GRACE)
-    waiting.clear()
-    for unit in under_way:
-        if unit.done() and unit.exception() is None:
-            yield unit.result()
+    def _is_enough(self, number: int, deadline: Deadline) -> bool:
+        if self.units is not None:
+            return number >= self.units
+        return number > 0 and deadline.to_begin_is_over()
 
 
-def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: ctypes.c_bool) -> None:
-    """Ends the processes, once those that answer have ended their units."""
-    stop.value = True
-    wait([unit for unit in waiting if not unit.cancel()], _GRACE)
-    end_workers(pool)
-
-
-class _Worker:
-    """What a worker process knows."""
-
-    stop: ctypes.c_bool | None = None  # an Event has a lock, and a signal may ask between taking it and its release
-
-
-def _worker_start(stop: ctypes.c_bool) -> None:
-    begin_deaf()  # the driver decides when a search ends
-    _Worker.stop = stop
-
-
-def _worker_unit(config: FindConfig, number: int) -> _Work:
-    unit = _Unit(config, number, _worker_stopped)
+def _search_unit(config: FindConfig, number: int, deadline: Deadline) -> _Work:
+    unit = _Unit(config, number, deadline.to_begin_is_over)
     return unit.run(), unit.tried
-
-
-def _worker_stopped() -> bool:
-    return _Worker.stop is not None and _Worker.stop.value

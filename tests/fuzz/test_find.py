@@ -1,22 +1,18 @@
 """find as typed: what it claims is so, equal seeds find equal worlds, options do as they say, Ctrl-C loses nothing."""
 
-import ctypes
 import json
 import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from itertools import count
-from multiprocessing import get_context
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from fuzz.find import search
 from tests.helpers.command_line import worldgen
 from worldgen import generate, read_world
 
@@ -143,7 +139,7 @@ def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
 
 
 def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path, monkeypatch):
-    monkeypatch.setattr("fuzz.find.search.time", SimpleNamespace(monotonic=count().__next__))  # a second for each look
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))  # a second for each look
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--keep-target", "--budget", "2h",
         "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid",
@@ -152,7 +148,7 @@ def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path,
 
 
 def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_path, monkeypatch):
-    monkeypatch.setattr("fuzz.find.search.time", SimpleNamespace(monotonic=count().__next__))
+    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--budget", "100s", "--seed", 1,
         "--workers", 1, "--out", tmp_path / "w.grid",
@@ -327,27 +323,6 @@ def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp
     assert worldgen("verify", path).code == 0
 
 
-def test_a_signal_may_ask_a_worker_whether_to_stop_while_it_asks_itself(monkeypatch):
-    answers = []
-
-    def ask_again(_frame, _event, _arg):
-        sys.settrace(None)  # as within a signal's handler, which is not interrupted by itself
-        answers.append(search._worker_stopped())
-        sys.settrace(ask_again)
-        return ask_again
-
-    def ask():
-        sys.settrace(ask_again)
-        answers.append(search._worker_stopped())
-        sys.settrace(None)
-
-    monkeypatch.setattr(search._Worker, "stop", get_context("spawn").RawValue(ctypes.c_bool, True))
-    asking = threading.Thread(target=ask, daemon=True)
-    asking.start()
-    asking.join(60)
-    assert not asking.is_alive() and len(answers) > 2 and all(answers)
-
-
 @pytest.mark.nightly
 def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     met = tmp_path / "met"
@@ -363,8 +338,8 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
 
 def test_a_budget_of_time_ends_a_unit_that_takes_longer(mine, tmp_path, monkeypatch):
     looks = []
-    clock = SimpleNamespace(monotonic=lambda: looks.append(True) or float(len(looks)))  # a second for each look
-    monkeypatch.setattr("fuzz.find.search.time", clock)
+    clock = SimpleNamespace(time=lambda: looks.append(True) or float(len(looks)))  # a second for each look
+    monkeypatch.setattr("fuzz.campaign.deadline.time", clock)
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=reached", "--budget", "20s", "--seed", 1, "--workers", 1,
         "--out", tmp_path / "w.grid",

@@ -5,18 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from itertools import islice
-from multiprocessing import get_context
 from typing import cast
 
 from worldgen.difficulty import measure
 from worldgen.errors import GenerationFailed, WorldgenError
 from worldgen.files.grid import dumps, world_digest
 from worldgen.generation import generate
-from worldgen.support.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.support.workers import LISTEN, WorkerPool, ctrl_c_held_back
 from worldgen.world import Provenance, Value, World
 
 __all__ = ["Job", "Made", "make_all"]
@@ -89,12 +88,12 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
     if workers == 1:
         yield from map(_make, jobs)
         return
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_deaf)
+    pool = WorkerPool(workers)
     with ctrl_c_held_back() as listen:
         try:
             yield from _with_pool(pool, iter(jobs), workers, listen)
         except BrokenProcessPool as error:
-            end_workers(pool)
+            pool.end()
             raise GenerationFailed(
                 "worker-died",
                 "a worker process died, perhaps for want of memory",
@@ -102,19 +101,16 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
                 at_terminal=True,
             ) from error
         except BaseException:
-            end_workers(pool)
+            pool.end()
             raise
         pool.shutdown()
 
 
-def _with_pool(
-    pool: ProcessPoolExecutor, jobs: Iterator[Job], workers: int, listen: Callable[[], None]
-) -> Iterator[Made]:
+def _with_pool(pool: WorkerPool, jobs: Iterator[Job], workers: int, listen: Callable[[], None]) -> Iterator[Made]:
     waiting: deque[Future[_Done]] = deque()
     while True:
         while len(waiting) < workers * _WAITING and (piece := _next_piece(jobs)):
-            with workers_begin_deaf():
-                waiting.append(pool.submit(_make_piece, piece))
+            waiting.append(pool.submit(_make_piece, piece))
         if not waiting:
             return
         made, error = _wait(waiting.popleft(), listen)

@@ -8,11 +8,15 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import parent_process
+from concurrent.futures import Future, ProcessPoolExecutor
+from multiprocessing import get_context, parent_process
 from types import FrameType
+from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["LISTEN", "begin_deaf", "ctrl_c_held_back", "ctrl_c_kept", "end_workers", "workers_begin_deaf"]
+__all__ = ["LISTEN", "WorkerPool", "ctrl_c_held_back", "ctrl_c_kept"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 LISTEN = 0.1  # s between two moments at which a waiting driver hears Ctrl-C
 _TO_TERMINATE = 1.0  # s that all processes have together
@@ -86,11 +90,47 @@ def ctrl_c_kept() -> Iterator[Callable[[], None]]:
             signal.signal(signal.SIGINT, before)
 
 
-@contextlib.contextmanager
-def workers_begin_deaf() -> Iterator[None]:
-    """Processes that are started meanwhile are deaf to Ctrl-C from their first moment on: they inherit it.
+class WorkerPool(ProcessPoolExecutor):
+    """Processes that leave Ctrl-C to the one that started them, and end when that one ends, even if it is killed.
 
-    One that arrives meanwhile is heard by this process afterwards.
+    They are started when work is first submitted.
+
+    Args:
+        workers: How many.
+        initializer: Called first in each process; it can be pickled, as its arguments can.
+        *args: Its arguments; objects of ``get_context("spawn")`` among them are shared.
+    """
+
+    def __init__(self, workers: int, initializer: Callable[..., None] | None = None, *args: Any) -> None:
+        super().__init__(
+            workers, mp_context=get_context("spawn"), initializer=_start_worker, initargs=(initializer, args)
+        )
+
+    def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Give it to the next process that is free."""
+        with _sigint_blocked():
+            return super().submit(work, *args, **kwargs)
+
+    def end(self) -> None:
+        """End the processes now, even one that is stuck in a controller; work that is not done is lost."""
+        # shutdown() forgets its processes, so they are copied first.
+        processes = list((self._processes or {}).values())
+        self.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
+        end = time.monotonic() + _TO_TERMINATE
+        for process in processes:
+            process.join(max(end - time.monotonic(), 0.0))
+            # A controller may have blocked SIGTERM.
+            if process.is_alive():
+                process.kill()
+
+
+@contextlib.contextmanager
+def _sigint_blocked() -> Iterator[None]:
+    """Start processes inside with SIGINT blocked, which they inherit: they ignore Ctrl-C from their first moment.
+
+    This process gets a Ctrl-C that arrives meanwhile afterwards.
     """
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows, where a process group is told
         yield
@@ -102,10 +142,11 @@ def workers_begin_deaf() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def begin_deaf() -> None:
-    """What a worker does first; from then on it hears no Ctrl-C, and ends when its driver is gone, killed maybe."""
+def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_driver, daemon=True).start()
+    if initializer is not None:
+        initializer(*args)
 
 
 def _end_with_driver() -> None:
@@ -113,16 +154,3 @@ def _end_with_driver() -> None:
     if driver is not None:
         driver.join()
         os._exit(1)
-
-
-def end_workers(pool: ProcessPoolExecutor) -> None:
-    """Ends the processes of a pool at once, also those that a controller holds up."""
-    processes = list((getattr(pool, "_processes", None) or {}).values())  # shutdown forgets them
-    pool.shutdown(wait=False, cancel_futures=True)
-    for process in processes:
-        process.terminate()
-    end = time.monotonic() + _TO_TERMINATE
-    for process in processes:
-        process.join(max(end - time.monotonic(), 0.0))
-        if process.is_alive():  # a controller may have made it deaf to that, too
-            process.kill()

@@ -6,7 +6,7 @@ import _thread
 import math
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from ctypes import c_double
@@ -18,7 +18,7 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.campaign.executors.executor import Executor, WorkersLost
 from fuzz.campaign.loading import load
-from worldgen.support.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
 __all__ = ["InlineExecutor", "ProcessExecutor", "local_executor"]
 
@@ -84,7 +84,7 @@ class InlineExecutor:
 
 
 class ProcessExecutor:
-    """Processes on this machine, deaf to Ctrl-C, ended when this one ends.
+    """Processes on this machine, which ignore Ctrl-C and end when this one ends.
 
     Args:
         workers: How many.
@@ -94,20 +94,19 @@ class ProcessExecutor:
         self.room = workers + _WAITING
         self._workers = workers
         self._open = ExitStack()
-        self._context = get_context("spawn")
-        self._stopped_at = self._context.RawValue(c_double, math.inf)  # one word, so it needs no lock
+        # One word, so it needs no lock.
+        self._stopped_at = get_context("spawn").RawValue(c_double, math.inf)
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Gives it to the next process that is free."""
-        with workers_begin_deaf():
-            return self._pool.submit(work, *args, **kwargs)
+        """Give it to the next process that is free."""
+        return self._pool.submit(work, *args, **kwargs)
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Start all processes, and load it in each."""
         return [self.submit(load, config) for _ in range(self._workers)]
 
     def listen(self) -> None:
-        """Raises ``KeyboardInterrupt`` if Ctrl-C came."""
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came."""
         self._listen()
 
     def stop(self) -> None:
@@ -116,9 +115,7 @@ class ProcessExecutor:
 
     def __enter__(self) -> Self:
         """Ready to start processes, one when it is first needed."""
-        self._pool = ProcessPoolExecutor(
-            self._workers, mp_context=self._context, initializer=_begin, initargs=(self._stopped_at,)
-        )
+        self._pool = WorkerPool(self._workers, _stop_from, self._stopped_at)
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
@@ -132,7 +129,7 @@ class ProcessExecutor:
             if error is None and self._stopped_at.value == math.inf:
                 self._pool.shutdown()
             else:
-                end_workers(self._pool)
+                self._pool.end()
         if isinstance(error, BrokenProcessPool):
             raise WorkersLost(
                 "worker-died",
@@ -141,7 +138,6 @@ class ProcessExecutor:
             ) from error
 
 
-def _begin(stopped_at: c_double) -> None:
-    """Do what a worker does first."""
-    begin_deaf()
+def _stop_from(stopped_at: c_double) -> None:
+    """Let all work of a worker end when the driver says so."""
     stop_from(lambda: stopped_at.value)
