@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from worldgen.support.workers import ctrl_c_held_back, ctrl_c_kept
+from worldgen.support.workers import WorkerPool, ctrl_c_held_back, ctrl_c_kept
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 
@@ -72,3 +72,18 @@ def test_outside_the_main_thread_nothing_is_changed(kept):
     thread.start()
     thread.join()
     assert seen == [before]
+
+
+def test_workers_of_a_pool_ignore_ctrl_c():
+    with WorkerPool(1) as pool:
+        assert pool.submit(signal.getsignal, signal.SIGINT).result() == signal.SIG_IGN
+
+
+def test_a_pool_ends_a_worker_that_is_busy():
+    pool = WorkerPool(1)
+    pool.submit(signal.getsignal, signal.SIGINT).result()
+    (process,) = pool._processes.values()
+    pool.submit(time.sleep, 600)
+    pool.end()
+    process.join()
+    assert process.exitcode == -signal.SIGTERM

@@ -9,11 +9,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["LISTEN", "WorkerPool", "ctrl_c_held_back", "ctrl_c_kept"]
+__all__ = ["LISTEN", "WorkerPool", "become_worker", "ctrl_c_held_back", "ctrl_c_kept", "sigint_blocked"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -108,7 +108,7 @@ class WorkerPool(ProcessPoolExecutor):
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Give it to the next process that is free."""
-        with _sigint_blocked():
+        with sigint_blocked():
             return super().submit(work, *args, **kwargs)
 
     def end(self) -> None:
@@ -127,7 +127,7 @@ class WorkerPool(ProcessPoolExecutor):
 
 
 @contextlib.contextmanager
-def _sigint_blocked() -> Iterator[None]:
+def sigint_blocked() -> Iterator[None]:
     """Start processes inside with SIGINT blocked, which they inherit: they ignore Ctrl-C from their first moment.
 
     This process gets a Ctrl-C that arrives meanwhile afterwards.
@@ -135,6 +135,8 @@ def _sigint_blocked() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows, where a process group is told
         yield
         return
+    # It would start with the first process otherwise, and starting it lifts the block.
+    resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -143,10 +145,15 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_driver, daemon=True).start()
+    become_worker()
     if initializer is not None:
         initializer(*args)
+
+
+def become_worker() -> None:
+    """Ignore Ctrl-C in this process, and end when the process that started it ends, even if that is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_driver, daemon=True).start()
 
 
 def _end_with_driver() -> None:
