@@ -13,12 +13,13 @@ import functools
 import inspect
 import math
 import re
+import sys
+import types
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from worldgen.errors import InvalidParameter
 
@@ -26,6 +27,7 @@ __all__ = [
     "Bounds",
     "Group",
     "Parameter",
+    "Written",
     "argument_notes",
     "check_at_least",
     "check_between",
@@ -134,16 +136,35 @@ class Group:
 
 
 @dataclass(frozen=True)
+class Written:
+    """How an option is written on the command line, where that is not just its name.
+
+    Args:
+        flag: Such as ``--family`` for ``families``; empty for the name with dashes.
+        metavar: What help shows for the value; empty for its type.
+        path: ``file`` or ``folder`` if the value names one.
+    """
+
+    flag: str = ""
+    metavar: str = ""
+    path: str = ""
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One declared option: a parameter of a family or a format, or a field of a dataclass of options.
 
     Args:
         name: Name in Python; on the command line with dashes.
-        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple of floats.
+        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple of floats or
+            words, or None.
         choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
         help: Its entry in the docstring's ``Args``, on one line.
         bounds: What a number may be, from ``Annotated``; None if only the function itself can say.
         group: Heading in a form, from ``Annotated``; empty if it has none.
+        written: How the command line writes it, from ``Annotated``.
+        optional: The type of a value beside None; None where the default says the type.
+        item: The type of a tuple's items.
     """
 
     name: str
@@ -152,11 +173,24 @@ class Parameter:
     help: str = ""
     bounds: Bounds | None = None
     group: str = ""
+    written: Written = Written()
+    optional: type | None = None
+    item: type = float
+
+    @property
+    def kind(self) -> type:
+        """The type of a value."""
+        return self.optional or type(self.default)
+
+    @property
+    def flag(self) -> str:
+        """The option on the command line: ``--time-step``."""
+        return self.written.flag or "--" + self.name.replace("_", "-")
 
     @property
     def example(self) -> str:
         """A value as a user could write it."""
-        if isinstance(self.default, tuple):
+        if self.kind is tuple:
             return _LIST_EXAMPLE
         return self.choices[-1] if self.choices else str(self.default)
 
@@ -175,7 +209,7 @@ class Parameter:
         """The type as a signature shows it, with bounds and unit."""
         if self.choices:
             return typing.Literal.__getitem__(self.choices)
-        kind: Any = type(self.default)
+        kind: Any = self.kind
         if self.chosen is not None:
             kind = kind | None
         rule = "" if self.bounds is None else self.bounds.rule
@@ -197,11 +231,12 @@ class Parameter:
         Raises:
             InvalidParameter: If it has another type than the default, is out of bounds, or none of the choices.
         """
-        kind = type(self.default)
+        kind = self.kind
+        value = _plain(value)
         if value is None and self.chosen is not None:
             return kind(self.chosen)
-        if isinstance(value, np.generic):
-            value = value.item()
+        if value is None and self.default is None:
+            return None
         if kind is tuple:
             return self._accept_list(value, owner)
         if kind is float and type(value) is int:
@@ -215,12 +250,12 @@ class Parameter:
                 owner=owner,
                 name=self.name,
             )
-        if type(value) is not kind:
+        if type(value) is not kind and not (kind is Path and isinstance(value, Path)):
             raise self._wrong_type(value, owner)
         if isinstance(value, float) and not math.isfinite(value):
             raise self._not_finite(value, owner)
         if self.choices:
-            check_choice(self.name, value, self.choices)
+            check_choice(self.name, str(value), self.choices)
         if self.bounds is not None and isinstance(value, int | float):
             self.bounds.check(self.name, value)
         return value
@@ -235,7 +270,7 @@ class Parameter:
         Raises:
             InvalidParameter: If the word is not a value of the parameter's type, or is missing.
         """
-        kind = type(self.default)
+        kind = self.kind
         if kind is bool:
             if text is not None and text.lower() not in _SWITCH:
                 raise InvalidParameter(
@@ -257,7 +292,7 @@ class Parameter:
                 example=self.example,
             )
         try:
-            value = tuple(map(float, text.split(":"))) if kind is tuple else kind(text)
+            value = tuple(map(self.item, text.split(":"))) if kind is tuple else kind(text)
         except ValueError as error:
             raise InvalidParameter(
                 "not-a-number",
@@ -271,10 +306,17 @@ class Parameter:
             ) from error
         return self.accept(value, owner)
 
-    def _accept_list(self, value: Any, owner: str) -> tuple[float, ...]:
-        if not isinstance(value, list | tuple) or not all(map(_is_number, value)):
+    def _accept_list(self, value: Any, owner: str) -> tuple[Any, ...]:
+        if not isinstance(value, list | tuple):
             raise self._wrong_type(value, owner)
-        numbers = tuple(map(float, value))
+        items = tuple(map(_plain, value))
+        if self.item is str:
+            if not all(isinstance(item, str) for item in items):
+                raise self._wrong_type(value, owner)
+            return items
+        if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
+            raise self._wrong_type(value, owner)
+        numbers = tuple(map(float, items))
         if not all(map(math.isfinite, numbers)):
             raise self._not_finite(value, owner)
         return numbers
@@ -288,8 +330,13 @@ class Parameter:
             name=self.name,
             value=value,
             kind=type(value).__name__,
-            expected=_KINDS[tuple] if isinstance(self.default, tuple) else type(self.default).__name__,
+            expected=self._expected(),
         )
+
+    def _expected(self) -> str:
+        if self.kind is not tuple:
+            return self.kind.__name__
+        return "list of words" if self.item is str else _KINDS[tuple]
 
     def _not_finite(self, value: Any, owner: str) -> InvalidParameter:
         return InvalidParameter(
@@ -351,11 +398,10 @@ def find_parameter(name: str, known: Iterable[Parameter], owner: str, also: Coll
         return by_name[name]
     names = [*also, *by_name]
     close = difflib.get_close_matches(name, names, n=1)
-    hint = "did you mean {close!r}? " if close else ""
     raise InvalidParameter(
         "unknown-name",
         "{owner} has no option {name!r}",
-        hint + ("it has {known!l}" if names else "it has none; leave it out"),
+        ("did you mean {close!r}? " if close else "") + ("it has {known!l}" if names else "it has none; leave it out"),
         owner=owner,
         name=name,
         close="".join(close),
@@ -377,22 +423,27 @@ def parse_options(words: Mapping[str, str | None], known: Iterable[Parameter], o
     return found
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+def _plain(value: Any) -> Any:
+    """Return a number of NumPy's as Python's; NumPy itself is not loaded for it."""
+    numpy = sys.modules.get("numpy")
+    return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
 @functools.cache
 def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
     """Return the fields of a dataclass of options as declared, in order of declaration.
 
-    A field whose default is no bool, number, word or tuple of numbers is no option and is left out.
+    A field whose default is neither None nor a bool, number, word or tuple of numbers or words is no option and is
+    left out. Help comes from the docstrings of the class and of those that it inherits from.
     """
     hints = typing.get_type_hints(options, include_extras=True)
-    notes = argument_notes(options.__doc__ or "")
+    notes: dict[str, str] = {}
+    for base in reversed(options.__mro__):
+        notes |= argument_notes(vars(base).get("__doc__") or "")
     return tuple(
         _declared(field.name, field.default, hints[field.name], notes)
         for field in dataclasses.fields(options)
-        if isinstance(field.default, (*_PLAIN, tuple))
+        if field.default is None or isinstance(field.default, (*_PLAIN, tuple))
     )
 
 
@@ -461,6 +512,12 @@ def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> P
     """One option from its default, its annotation and the docstring's entries."""
     details = getattr(hint, "__metadata__", ())
     plain = typing.get_args(hint)[0] if details else hint
+    optional: type | None = None
+    item: type = float
+    if default is None:
+        optional = next(kind for kind in typing.get_args(plain) if kind is not types.NoneType)
+    if isinstance(default, tuple):
+        item = typing.get_args(plain)[0]
     return Parameter(
         name,
         default,
@@ -468,6 +525,9 @@ def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> P
         notes.get(name, ""),
         next((detail for detail in details if isinstance(detail, Bounds)), None),
         next((detail.heading for detail in details if isinstance(detail, Group)), ""),
+        next((detail for detail in details if isinstance(detail, Written)), Written()),
+        optional,
+        item,
     )
 
 

@@ -67,7 +67,7 @@ class Timeline(HoldsFrozen):
         if (self.times > LATEST).any():
             raise InvalidWorld(
                 "out-of-range",
-                "timeline: a change at {value:g} s is later than {high:g} s",
+                "timeline: {name} {value:g} s of a change is later than {high:g} s",
                 "let it come earlier",
                 name="time",
                 value=self.times.max(),

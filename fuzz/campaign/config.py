@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fuzz.campaign.options import SearchOptions
 from fuzz.campaign.variation import Variation
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.options.run import RunOptions
@@ -16,8 +17,11 @@ _SLOWER = 8  # a step in Python takes microseconds
 
 
 @dataclass(frozen=True)
-class CampaignConfig:
+class CampaignConfig(SearchOptions):
     """What a campaign looks for; together with a unit's number and memory, all that the unit depends on.
+
+    With a database, what a campaign finds depends on that folder, too. What the units of an epoch found, the units of
+    the epoch after the next one know.
 
     Args:
         scenario: Controller, motion model and switches; each draw has its own seed and time step.
@@ -26,12 +30,7 @@ class CampaignConfig:
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
-        examples: Hypothesis examples in one unit.
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
-        oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
-        database: Folder of a Hypothesis database: what failed before is tried again first, what fails is kept there.
-            What a campaign finds then depends on the folder, too. Empty for none.
-        epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
     """
 
     scenario: Scenario
@@ -40,11 +39,7 @@ class CampaignConfig:
     time_steps: tuple[float, ...] = (RunOptions.time_step,)
     vary: tuple[Variation, ...] = ()
     fixed_map: World | None = None
-    examples: int = 400
     shrink: bool = True
-    oracles: tuple[str, ...] = ()
-    database: str = ""
-    epoch: int = 16
 
     @property
     def slower(self) -> int:

@@ -6,6 +6,7 @@ import contextlib
 import shlex
 import time
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
+from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign, Found, Progress, UnitDone
 from fuzz.campaign.store import CampaignRun, record_error
 from fuzz.campaign.summary import (
@@ -40,10 +42,10 @@ from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
+from worldgen.files.grid import read_world
 from worldgen.support.plain_text import counted
 from worldgen.support.progress import working
 from worldgen.support.workers import ctrl_c_kept
-from worldgen.world import World
 
 __all__ = ["CampaignSession", "configure"]
 
@@ -53,36 +55,33 @@ _VARY = "--vary"
 _NO_FAILURE = (Verdict.REACHED, "sealed")  # verdicts at first look
 
 
-def configure(
-    *,
-    controller: str,
-    motion: str,
-    families: tuple[str, ...],
-    fixed_map: World | None,
-    time_step: float | None,
-    examples: int,
-    seed: int,
-    vary: tuple[str, ...] = (),
-    database: str = "",
-    shrink: bool | None = None,
-    oracles: tuple[str, ...] = (),
-    epoch: int = CampaignConfig.epoch,
-    seconds: float | None = None,
-) -> CampaignConfig:
-    """Check a campaign's parts before any work begins; ``seconds`` are the most that trying the controller may take.
+def configure(options: CampaignOptions, seed: int, seconds: float | None = None) -> CampaignConfig:
+    """Check a campaign's parts before any work begins.
+
+    Args:
+        options: What was said.
+        seed: Of the whole campaign.
+        seconds: The most that trying the controller may take; None for any time.
 
     Raises:
         InvalidParameter: If a name is unknown, or controller and motion model do not fit.
         InvalidWorld: If the map leaves no room.
     """
     usual = RunOptions.time_step
-    scenario = Scenario.parse(controller, motion=motion, time_step=usual if time_step is None else time_step)
+    fixed_map = None if options.world is None else read_world(options.world)
+    scenario = Scenario.parse(
+        options.controller,
+        motion=options.motion,
+        time_step=usual if options.time_step is None else options.time_step,
+    )
+    families = (*options.families, *options.lanes)
     for name in families:
         check_lane(name, scenario)
     time_steps: tuple[float, ...] = (scenario.time_step,)
-    if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
+    unsaid = options.time_step is None and scenario.time_step == usual
+    if unsaid and MOTIONS.get(scenario.motion).name == "endpoint":
         time_steps = TIME_STEPS
-    varied = tuple(Variation.parse(text, scenario) for text in vary)
+    varied = tuple(Variation.parse(text, scenario) for text in options.vary)
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InvalidParameter(
@@ -92,7 +91,7 @@ def configure(
             option=_VARY,
             name=min(twice),
         )
-    wanted = fixed_map is None if shrink is None else shrink
+    kept = {field.name: getattr(options, field.name) for field in fields(SearchOptions)}
     config = CampaignConfig(
         scenario,
         seed,
@@ -100,14 +99,11 @@ def configure(
         time_steps,
         varied,
         fixed_map,
-        examples=examples,
-        shrink=wanted,
-        oracles=oracles,
-        database=database,
-        epoch=epoch,
+        shrink=fixed_map is None if options.shrink is None else options.shrink,
+        **(kept | {"oracles": options.asked_oracles}),
     )
     with working("loading the simulator and the controller"):
-        _try_out(config, seconds, [NamedOracle.parse(text) for text in oracles])
+        _try_out(config, seconds, [NamedOracle.parse(text) for text in config.oracles])
     return config
 
 

@@ -28,6 +28,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     import os
 
     from fuzz.campaign.executors import local_executor
+    from fuzz.campaign.options import CampaignOptions
     from fuzz.campaign.session import CampaignSession, configure
     from fuzz.campaign.store import Budget, begin
     from fuzz.report import write_report
@@ -46,15 +47,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     failures = out / "failures"
     amount = f"--units {_UNITS} --examples {_EXAMPLES} --seed 1"
     _say(f"worldgen fuzz --controller {controller} --motion {motion} {amount} --out {failures}")
-    config = configure(
-        controller=controller,
-        motion=motion,
-        families=(),
-        fixed_map=None,
-        time_step=None,
-        examples=_EXAMPLES,
-        seed=1,
-    )
+    config = configure(CampaignOptions(controller=controller, motion=motion, examples=_EXAMPLES), 1)
     campaign_run = begin(config, failures, Budget(units=_UNITS), force=True)
     code = CampaignSession(campaign_run, local_executor(os.cpu_count() or 1), quiet=as_json).run()
     if code not in (0, 1):

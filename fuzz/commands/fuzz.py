@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import Duration, output_options
+from worldgen.cli.declared_options import declared_options
 from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
@@ -25,68 +27,19 @@ EXAMPLES = (
     "  worldgen fuzz --resume failures/"
 )
 
-_BEGUN = (
-    "controller", "motion", "families", "lanes", "world", "time_step", "examples", "detour", "oracles", "shrink",
-    "epoch", "vary", "database", "out", "seed",
-)  # fmt: skip
+_DECLARED = CampaignOptions.declared()
+_BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
 """Parameters that say what a campaign is, not how far it goes."""
 
 
 @click.command(epilog=EXAMPLES)
-@click.option("--controller", help=CONTROLLER_HELP)
-@click.option("--motion", default="swept", show_default=True, help="Motion model.")
-@click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
-@click.option(
-    "--lane",
-    "lanes",
-    multiple=True,
-    help="Look for failures with this lane only: native, archive, boundary, features, sealed, or a family; "
-    "may be repeated.",
-)
-@click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
+@declared_options(_DECLARED, {"controller": CONTROLLER_HELP})
 @click.option(
     "--budget", type=Duration(), metavar="TIME", help="Search and shrink this long: 30s, 5m, 1h [default: 30s]."
 )
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--scheduler", metavar="ADDRESS", help="Let a Dask cluster's workers do the work: tcp://host:8786.")
-@click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
-@click.option(
-    "--vary",
-    multiple=True,
-    metavar="NAME=VALUE,...",
-    help="Draw robot_radius, robot_speed, time_step or an option of the motion model from these values, "
-    "the simplest first; may be repeated.",
-)
-@click.option(
-    "--database",
-    type=click.Path(file_okay=False),
-    metavar="DIR",
-    help="A Hypothesis database, such as .hypothesis/examples: what failed before is tried first, what fails is kept.",
-)
-@click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
-@click.option(
-    "--detour",
-    type=click.FloatRange(1.0),
-    metavar="RATIO",
-    help="Arriving by a longer way than RATIO times the witness's is a failure too; the same as --oracle detour=RATIO.",
-)
-@click.option(
-    "--oracle",
-    "oracles",
-    multiple=True,
-    metavar="NAME[=NUMBER]",
-    help="Ask this oracle about each run: "
-    "detour, repeat, turn, shift, scale, mirror, finer, wall, block, or ./file.py:name; may be repeated.",
-)
-@click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
-@click.option(
-    "--epoch",
-    type=click.IntRange(1, 100_000),
-    default=16,
-    show_default=True,
-    help="Units that learn from the same earlier ones; at most twice as many are under way at a time.",
-)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the failures.")
 @click.option(
     "--resume",
@@ -188,51 +141,19 @@ def fuzz(
     raise SystemExit(code)
 
 
-def _begin(
-    run_budget: Budget,
-    *,
-    controller: str | None,
-    motion: str,
-    families: tuple[str, ...],
-    lanes: tuple[str, ...],
-    world: Path | None,
-    time_step: float | None,
-    vary: tuple[str, ...],
-    database: str | None,
-    examples: int,
-    detour: float | None,
-    oracles: tuple[str, ...],
-    shrink: bool | None,
-    epoch: int,
-    out: Path | None,
-    seed: int | None,
-    force: bool,
-) -> CampaignRun:
+def _begin(run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any) -> CampaignRun:
     """A new campaign, or the same one again in its folder."""
     from fuzz.campaign.session import configure
     from fuzz.campaign.store import begin, stored_seed
     from sim.commands.notes import note_unused
-    from worldgen.files.grid import read_world
 
-    if controller is None or out is None:
+    options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
+    if not options.controller or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
-    if world is not None and (families or lanes):
+    if options.world is not None and (options.families or options.lanes):
         raise click.UsageError("give --world, or --family and --lane, not both: on a map only the poses vary")
-    config = configure(
-        controller=controller,
-        motion=motion,
-        families=(*families, *lanes),
-        fixed_map=None if world is None else read_world(world),
-        time_step=time_step,
-        vary=vary,
-        database=database or "",
-        examples=examples,
-        shrink=shrink,
-        oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),
-        seed=draw_seed(stored_seed(out) if seed is None and not force else seed),
-        epoch=epoch,
-        seconds=run_budget.seconds,
-    )
+    drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
+    config = configure(options, drawn, run_budget.seconds)
     note_unused([config.scenario])
     return begin(config, out, run_budget, force=force)
 

@@ -60,6 +60,7 @@ def init(
 
     from fuzz.campaign import store
     from fuzz.campaign.executors import local_executor
+    from fuzz.campaign.options import CampaignOptions
     from fuzz.campaign.session import CampaignSession, configure
     from fuzz.ci.project import SEED, Project
     from worldgen.files.whole import write_bytes
@@ -68,15 +69,7 @@ def init(
     project.check(force=force)
     # The controller is named as seen from the project, whose folder CI starts in.
     with contextlib.chdir(folder), tempfile.TemporaryDirectory() as scratch:
-        config = configure(
-            controller=controller,
-            motion=motion,
-            families=families,
-            fixed_map=None,
-            time_step=None,
-            examples=400,
-            seed=SEED,
-        )
+        config = configure(CampaignOptions(controller=controller, motion=motion, families=families), SEED)
         note(f"searching for the failures that {controller} has today")
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):

@@ -10,13 +10,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.options import CampaignOptions
 from fuzz.commands.fuzz import fuzz
 from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
 from fuzz.oracles import ORACLES
 from fuzz.search.registry import OWN_LANES
 from fuzz.studio.folder import KNOWN, Folder
-from fuzz.studio.limits import MOST_EPOCH, MOST_EXAMPLES, MOST_SECONDS, MOST_UNITS, MOST_WORKERS
+from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import field as part_of
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_named, check_registered
@@ -26,6 +27,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
+from worldgen.parameters import Parameter
 
 __all__ = ["baseline", "begun", "budget", "check_lanes", "check_oracles", "command_line", "options", "workers"]
 
@@ -43,22 +45,33 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     Raises:
         InvalidParameter: If it asks for what is not offered.
     """
-    words = [f"--controller={_controller(message, named)}", f"--motion={_one_of(message, 'motion', MOTIONS.names())}"]
-    for lane in check_lanes(message.get("lanes")):
-        words.append(f"--{'lane' if lane in OWN_LANES else 'family'}={lane}")
-    words += [f"--oracle={text}" for text in check_oracles(message.get("oracles", []))]
-    words += [f"--vary={text}" for text in _texts(message, "vary")]
-    for name, option in (("time_step", "--time-step"), ("detour", "--detour")):
-        if message.get(name) is not None:
-            words.append(f"{option}={float(part_of(message, name, float))!r}".removesuffix(".0"))
-    for name, most in (("examples", MOST_EXAMPLES), ("epoch", MOST_EPOCH)):
-        if message.get(name) is not None:
-            words.append(f"--{name}={_whole(message, name, most)}")
-    if message.get("shrink") is not None:
-        words.append("--shrink" if part_of(message, "shrink", bool) else "--no-shrink")
+    checked: dict[str, Any] = {
+        "controller": _controller(message, named),
+        "motion": _one_of(message, "motion", MOTIONS.names()),
+        "oracles": tuple(check_oracles(message.get("oracles", []))),
+    }
+    lanes = check_lanes(message.get("lanes"))
+    checked["families"] = tuple(lane for lane in lanes if lane not in OWN_LANES)
+    checked["lanes"] = tuple(lane for lane in lanes if lane in OWN_LANES)
     if message.get("database") is not None:
-        words.append(f"--database={folder.place(part_of(message, 'database', str))}")
+        checked["database"] = str(folder.place(part_of(message, "database", str)))
+    words = []
+    for option in CampaignOptions.declared():
+        value = checked.get(option.name, None if option.name == "world" else message.get(option.name))
+        if value is not None:
+            words += _words(option, option.accept(value, "campaign"))
     return [*words, f"--seed={_seed(message)}"] if message.get("seed") is not None else words
+
+
+def _words(option: Parameter, value: Any) -> list[str]:
+    """An option as the command line takes it."""
+    if isinstance(value, bool):
+        return [option.flag if value else f"--no-{option.flag.removeprefix('--')}"]
+    if isinstance(value, tuple):
+        return [f"{option.flag}={one}" for one in value]
+    if isinstance(value, float):
+        return [f"{option.flag}={value!r}".removesuffix(".0")]
+    return [f"{option.flag}={value}"]
 
 
 def budget(message: Message, *, needed: bool) -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
+from fuzz.campaign.options import CampaignOptions
 from fuzz.player import MOST_CELLS
 from sim.options.run import TIME_STEPS
 from worldgen.domain import MAX_SIDE
@@ -14,8 +15,6 @@ from worldgen.domain import MAX_SIDE
 __all__ = [
     "LENGTHS",
     "MOST_DROPPED",
-    "MOST_EPOCH",
-    "MOST_EXAMPLES",
     "MOST_MESSAGE",
     "MOST_ROBOTS",
     "MOST_SECONDS",
@@ -39,8 +38,6 @@ MOST_STEPS = 1_000_000
 MOST_SECONDS = 7 * 86_400
 MOST_UNITS = 1_000_000
 MOST_WORKERS = 256
-MOST_EXAMPLES = 100_000
-MOST_EPOCH = 100_000
 
 
 class Limits(TypedDict):
@@ -75,6 +72,14 @@ def limits() -> Limits:
         "seconds": MOST_SECONDS,
         "units": MOST_UNITS,
         "workers": MOST_WORKERS,
-        "examples": MOST_EXAMPLES,
-        "epoch": MOST_EPOCH,
+        "examples": _most("examples"),
+        "epoch": _most("epoch"),
     }
+
+
+def _most(name: str) -> int:
+    """The largest value of a campaign's option."""
+    bounds = CampaignOptions.named(name).bounds
+    if bounds is None or bounds.high is None:
+        raise ValueError(f"{name} has no largest value")
+    return int(bounds.high)

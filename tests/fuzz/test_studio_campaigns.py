@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign import store
+from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.session import configure
 from fuzz.failure import Failure
@@ -54,8 +55,8 @@ def failures(page, folder):
 
 @pytest.mark.nightly
 def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
-    given = {"controller": "turn-right", "motion": "swept", "families": ("trap",), "examples": 8, "seed": 1}
-    config = configure(**given, fixed_map=None, time_step=None)
+    given = {"controller": "turn-right", "motion": "swept", "families": ("trap",), "examples": 8}
+    config = configure(CampaignOptions(**given), 1)
     campaign = Campaign(config, units=2)
     for _ in campaign.run():
         pass
@@ -352,9 +353,7 @@ def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
 @pytest.fixture
 def stored(tmp_path):
     """A campaign's folder, of which no process is doing anything."""
-    config = configure(
-        controller="turn-right", motion="swept", families=("trap",), examples=8, seed=1, fixed_map=None, time_step=None
-    )
+    config = configure(CampaignOptions(controller="turn-right", families=("trap",), examples=8), 1)
     store.begin(config, tmp_path / "c", store.Budget(units=2)).store.close()
     return tmp_path / "c"
 

@@ -57,7 +57,7 @@ def check_margin(margin: float) -> None:
     """
     if not 0.0 <= margin <= LATEST:
         raise InvalidParameter(
-            "out-of-range", "margin={margin} s: must be 0 to {high:g} s", name="margin", margin=margin, high=LATEST
+            "out-of-range", "{name}={margin} s: must be 0 to {high:g} s", name="margin", margin=margin, high=LATEST
         )
 
 

@@ -302,7 +302,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         row = int(np.argmax(late))
         message = Message(
             "out-of-range",
-            "%timeline: time is {time}",
+            "%timeline: {name} is {time}",
             "a change comes at {latest:g} s at the latest",
             name="time",
             time=times[row],

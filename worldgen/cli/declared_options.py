@@ -1,0 +1,60 @@
+"""Options of a command from declared ones, so that names, bounds, defaults and help stand in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from worldgen.parameters import Parameter
+
+__all__ = ["declared_options"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def declared_options(declared: Sequence[Parameter], notes: Mapping[str, str] | None = None) -> Callable[[F], F]:
+    """Give a command an option for each declared one; what is left out comes as None, or as an empty tuple.
+
+    Args:
+        declared: In the order in which help shows them.
+        notes: Other help for some, by name.
+    """
+
+    def decorated(command: F) -> F:
+        for parameter in reversed(declared):
+            command = _option(parameter, (notes or {}).get(parameter.name, parameter.help))(command)
+        return command
+
+    return decorated
+
+
+def _option(parameter: Parameter, said: str) -> Callable[[F], F]:
+    written = parameter.flag
+    if parameter.kind is bool:
+        written = f"{written}/--no-{written.removeprefix('--')}"
+    listed = parameter.kind is tuple
+    usual = parameter.default if not listed and parameter.default not in (None, "") else None
+    settings: dict[str, Any] = {"multiple": listed, "help": said}
+    if usual is not None:
+        settings |= {"default": usual, "show_default": True}
+    elif not listed:
+        settings["default"] = None
+    if parameter.written.metavar:
+        settings["metavar"] = parameter.written.metavar
+    return click.option(written, parameter.name, type=_type(parameter), **settings)
+
+
+def _type(parameter: Parameter) -> Any:
+    if parameter.written.path == "folder":
+        return click.Path(file_okay=False)
+    if parameter.written.path == "file":
+        return click.Path(path_type=Path)
+    if parameter.choices:
+        return click.Choice(parameter.choices)
+    if parameter.bounds is not None:
+        kind: Any = click.IntRange if parameter.kind is int else click.FloatRange
+        return kind(parameter.bounds.low, parameter.bounds.high)
+    return parameter.item if parameter.kind is tuple else parameter.kind
