@@ -3,11 +3,13 @@
 import io
 import json
 import re
+import zipfile
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
 import shapely
+import trimesh
 import yaml
 from PIL import Image
 
@@ -94,6 +96,18 @@ def stl(files):
 def obj(files):
     corners = [numbers(line) for line in next(iter(files.values())).decode().splitlines() if line.startswith("v ")]
     return Plan(footprints(np.array(corners).reshape(-1, 8, 3)))
+
+
+def ply(files):
+    mesh = trimesh.load_mesh(io.BytesIO(next(iter(files.values()))), file_type="ply", process=False)
+    return Plan(footprints(np.asarray(mesh.vertices).reshape(-1, 8, 3)))
+
+
+def threemf(files):
+    with zipfile.ZipFile(io.BytesIO(next(iter(files.values())))) as archive:
+        root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
+    placed = [numbers(item.get("transform")) for item in root.findall(".//{*}item")]
+    return Plan(rectangles([(row[9] + row[0] / 2, row[10] + row[4] / 2, row[0], row[4]) for row in placed]))
 
 
 def glb(files):
@@ -201,8 +215,9 @@ def tiled(files):
 
 
 PLANS = {
+    "3mf": threemf,
     "barn": barn, "geojson": geojson, "glb": glb, "irsim": irsim, "irsim+walls=image": irsim, "mjcf": mjcf, "obj": obj,
-    "ros": ros, "sdf": sdf, "stage": stage, "stl": stl, "svg": svg, "tiled": tiled,
+    "ply": ply, "ros": ros, "sdf": sdf, "stage": stage, "stl": stl, "svg": svg, "tiled": tiled,
     "usd": usd, "wkt": wkt,
 }  # fmt: skip
 """Readers of files that have coordinates, by what is exported."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from PIL import Image
 
+from tests.helpers.buildings import building_file
 from worldgen.errors import InvalidWorld
 from worldgen.files.grid import dumps
 from worldgen.generation import generate
@@ -44,6 +45,7 @@ AS_OTHERS_WRITE = {
         {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},
         {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
     ],
+    **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("3mf", "glb", "gltf", "obj", "ply", "stl")},
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 

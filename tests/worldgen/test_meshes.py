@@ -1,4 +1,4 @@
-"""Walls as boxes: STL, OBJ, GLB and USD."""
+"""Walls as boxes: STL, OBJ, PLY, 3MF, GLB and USD."""
 
 import hashlib
 import math
@@ -127,7 +127,9 @@ def test_a_floor_lies_below_walls_and_border():
 @pytest.mark.parametrize(
     ("name", "digest"),
     [
-        ("stl", "7842362ae09432bb"),
+        ("stl", "85c74886bb49cac9"),
+        ("ply", "71e4c35a60d9a4fe"),
+        ("3mf", "92be8d6801965701"),
         ("obj+floor", "40cf5db3efefff56"),
         ("glb+markers", "002911d5ba475625"),
         ("usd", "914276fccb8f2001"),
@@ -138,7 +140,7 @@ def test_the_bytes_of_a_scene_are_the_same_everywhere(name, digest):
     assert hashlib.sha256(data).hexdigest()[:16] == digest
 
 
-@pytest.mark.parametrize("name", ["stl", "glb"])
+@pytest.mark.parametrize("name", ["stl", "ply", "3mf", "glb"])
 def test_a_frame_in_which_32_bits_would_move_walls_is_refused(name):
     with raises(InvalidWorld, "too-many-digits", bits=24):
         export_world(TINY, name, origin=(500000.0, 5400000.0))

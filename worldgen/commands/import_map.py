@@ -16,7 +16,8 @@ EXAMPLES = (
     "\b\n  worldgen import arena.map --out w.grid\n"
     "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
     "  worldgen import old.gex --out w.grid\n"
-    "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid"
+    "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid\n"
+    "  worldgen import building.glb --slice 0.2 --cell 0.05 --out w.grid"
 )
 
 
@@ -35,7 +36,16 @@ EXAMPLES = (
 @click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
 @click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
 @click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
-@click.option("--cell-size", type=float, help="Side of a cell, m, of a map without units.  [default: 0.1]")
+@click.option(
+    "--cell-size",
+    "--cell",
+    "cell_size",
+    type=float,
+    help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
+)
+@click.option(
+    "--slice", "slice_height", type=float, help="Height of the cut through a mesh, m above the floor.  [default: 0.2]"
+)
 @click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
 @click.option(
@@ -58,6 +68,7 @@ def import_map(
     scen: Path | None,
     row: int,
     cell_size: float | None,
+    slice_height: float | None,
     unknown: str | None,
     seed: int | None,
     ignore_unread: bool,
@@ -67,9 +78,9 @@ def import_map(
     """Read a foreign map and place start and target.
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI, worlds of robot
-    simulators, pictures, drawings, a .grid, whose places it keeps unless told otherwise. Start and target that
-    are given neither here nor in the file are placed far apart in the largest region the robot can drive through,
-    with room to turn.
+    simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless told otherwise. A mesh is cut at the
+    height --slice, where the lidar is. Start and target that are given neither here nor in the file are placed far
+    apart in the largest region the robot can drive through, with room to turn.
 
     Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a path was found but
     the file has obstacles that cannot be read, such as a mesh, nothing is written and the exit code is 2;
@@ -83,7 +94,8 @@ def import_map(
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread,
     )  # fmt: skip
-    asked = {option: value for option, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+    given = {"cell_size": cell_size, "slice_height": slice_height, "unknown": unknown}
+    asked = {option: value for option, value in given.items() if value is not None}
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
     file = None if imported.withheld else str(out)

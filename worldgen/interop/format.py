@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import Any
 
 from worldgen.errors import InvalidParameter
+from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_between, check_declared, find_parameter, parameters_of
@@ -25,6 +26,7 @@ __all__ = [
     "Format",
     "decimal",
     "decimal_text",
+    "held_lines",
     "held_values",
 ]
 
@@ -228,6 +230,15 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
         "cell_size": world.cell_size,
         "origin": list(destination.origin),
     }
+
+
+def held_lines(world: World, destination: Destination) -> list[str]:
+    """What a text header says of a world beside its walls: a sentence, then ``name = value`` in TOML."""
+    values = {"size": [world.width, world.height], **held_values(world, destination)}
+    return [
+        "Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at origin.",
+        *(f"{name} = {value_text(value, name)}" for name, value in values.items()),
+    ]
 
 
 FORMATS: Registry[Format] = Registry("worldgen.formats", "format", _accept)

@@ -18,7 +18,8 @@ from worldgen.world import Value
 __all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
 
 _HEAD = 4096  # bytes looked at to recognise a file
-_COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz")  # of much that is no map
+_COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",
+           ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is no map
 _OURS = "worldgen.interop."
 _WAY_OUT = (
     "give the .grid file that it was made from, or a file of another format, as `worldgen formats` lists them; if it "

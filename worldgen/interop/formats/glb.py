@@ -18,7 +18,9 @@ from typing import Any, SupportsFloat
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.formats.mesh_readers import metric_reader
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
 from worldgen.render import palette
 from worldgen.world import Value, World
@@ -70,11 +72,13 @@ def write_glb(
 
 glb = Format(
     "glb",
-    "walls as a scene, binary glTF, .glb",
+    "walls as a scene; meshes, cut at a height, binary glTF, .glb",
     (".glb",),
+    read=metric_reader("glb"),
     write=write_glb,
     holds=frozenset(HELD),
     client="browsers, Blender, game engines",
+    usual_robot=FLOOR_ROBOT,
 )
 
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from worldgen.files.grid.toml_text import value_text
-from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
+from worldgen.interop.foreign_map import FLOOR_ROBOT
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
+from worldgen.interop.formats.mesh_readers import unitless_reader
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, Box, solid_boxes
 from worldgen.world import World
 
@@ -37,20 +38,19 @@ def write_obj(world: World, destination: Destination, *, height: float = 1.0, fl
 
 obj = Format(
     "obj",
-    "walls as a mesh, an object a box, .obj",
+    "walls as boxes; meshes, cut at a height, .obj",
     (".obj",),
+    read=unitless_reader("obj"),
     write=write_obj,
     holds=frozenset(HELD),
     client="CAD and modelling programs, PyBullet",
+    usual_robot=FLOOR_ROBOT,
 )
 
 
 def _comments(world: World, destination: Destination) -> Iterator[str]:
     yield "# worldgen: m, z up, one closed box an object."
-    yield "# Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at origin."
-    yield f"# size = {value_text([world.width, world.height], 'size')}"
-    for name, value in held_values(world, destination).items():
-        yield f"# {name} = {value_text(value, name)}"
+    yield from (f"# {line}" for line in held_lines(world, destination))
 
 
 def _object(box: Box, first: int) -> Iterator[str]:

@@ -5,17 +5,15 @@ Source: 3D Systems, "StereoLithography Interface Specification", 1989; binary fo
 
 from __future__ import annotations
 
-import numpy as np
-
-from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
+from worldgen.interop.foreign_map import FLOOR_ROBOT
+from worldgen.interop.format import Destination, Exported, Format, decimal
+from worldgen.interop.formats.mesh_readers import unitless_reader
+from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.world import World
 
 __all__ = ["stl", "write_stl"]
 
-_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_HEADER = b"worldgen: m, z up, one closed box a wall"  # 80 bytes; must not begin with "solid", as the text form does
-_NORMALS = ((0, 0, -1), (0, 0, 1), (0, -1, 0), (0, 1, 0), (-1, 0, 0), (1, 0, 0))
+_HEADER = 80  # bytes; must not begin with "solid", as the text form does
 
 
 def write_stl(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
@@ -31,15 +29,27 @@ def write_stl(world: World, destination: Destination, *, height: float = 1.0, fl
         InvalidParameter: If the height is no length.
         InvalidWorld: If 32 bits are too few for the coordinates.
     """
+    from worldgen.interop.geometry.box_mesh import box_mesh
+
     boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
-    ends = np.array([[*map(float, box.low), *map(float, box.high)] for box in boxes], np.float64).reshape(-1, 2, 3)
-    corners = np.stack([ends[:, pick, range(3)] for pick in BOX_CORNERS], axis=1)  # (n, 8, 3)
-    halves = [(quad[0], *pair) for quad in BOX_QUADS for pair in (quad[1:3], quad[2:4])]
-    triangles = np.zeros((len(boxes), len(halves)), _TRIANGLE)
-    triangles["corners"] = corners[:, halves]
-    triangles["normal"] = np.repeat(np.array(_NORMALS, np.float32), 2, axis=0)
-    count = np.array(triangles.size, "<u4").tobytes()
-    return Exported({destination.name: _HEADER.ljust(80) + count + triangles.tobytes()})
+    triangles: bytes = box_mesh(boxes).export(file_type="stl")
+    return Exported({destination.name: _header(world, destination) + triangles[_HEADER:]})
 
 
-stl = Format("stl", "walls as triangles, binary .stl", (".stl",), write=write_stl, client="CAD programs, slicers")
+def _header(world: World, destination: Destination) -> bytes:
+    """The grid, for ``import``, if 80 bytes can hold it; the sidecar has it in any case."""
+    x, y = (decimal(value) for value in destination.origin)
+    grid = f"size {world.width} {world.height}; cell {decimal(world.cell_size)}; origin {x} {y}"
+    whole = f"worldgen: m, z up; {grid}".encode()
+    return (whole if len(whole) <= _HEADER else b"worldgen: m, z up").ljust(_HEADER)
+
+
+stl = Format(
+    "stl",
+    "walls as triangles; meshes, cut at a height, binary or text, .stl",
+    (".stl",),
+    read=unitless_reader("stl"),
+    write=write_stl,
+    client="CAD programs, slicers",
+    usual_robot=FLOOR_ROBOT,
+)

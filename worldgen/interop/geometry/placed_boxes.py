@@ -17,13 +17,16 @@ from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.world import World
 
-__all__ = ["BOX_CORNERS", "BOX_QUADS", "Box", "placed_box", "solid_boxes"]
+__all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "Box", "placed_box", "solid_boxes"]
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
 """Corners of a box: 0 the low end, 1 the high one, of x, y and z."""
 
 BOX_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 """Faces of a box, as numbers of corners, counter-clockwise seen from outside: -z, +z, -y, +y, -x, +x."""
+
+BOX_TRIANGLES = tuple((quad[0], *pair) for quad in BOX_QUADS for pair in (quad[1:3], quad[2:4]))
+"""The same faces as twelve triangles."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,67 @@
+"""A building of two floors as a mesh of trimesh's, and files of it as other programs write them."""
+
+import numpy as np
+import trimesh
+
+__all__ = ["BUILDING_BOXES", "building", "building_file", "ground_floor", "turned_y_up"]
+
+LEGS = [((x, y, 0.0), (x + 0.1, y + 0.1, 0.7)) for x in (1.0, 1.9) for y in (1.0, 1.9)]
+BUILDING_BOXES = [
+    # The ground floor: a slab, outer walls, a partition whose doorway has a lintel, and a table.
+    ((0.0, 0.0, -0.1), (6.0, 4.0, 0.0)),
+    ((0.0, 0.0, 0.0), (6.0, 0.1, 2.5)),
+    ((0.0, 3.9, 0.0), (6.0, 4.0, 2.5)),
+    ((0.0, 0.1, 0.0), (0.1, 3.9, 2.5)),
+    ((5.9, 0.1, 0.0), (6.0, 3.9, 2.5)),
+    ((3.0, 0.1, 0.0), (3.1, 1.5, 2.5)),
+    ((3.0, 2.5, 0.0), (3.1, 3.9, 2.5)),
+    ((3.0, 1.5, 2.0), (3.1, 2.5, 2.5)),
+    ((1.0, 1.0, 0.7), (2.0, 2.0, 0.75)),
+    *LEGS,
+    # The upper floor: a partition without a door.
+    ((0.0, 0.0, 2.5), (6.0, 4.0, 2.6)),
+    ((0.0, 0.0, 2.6), (6.0, 0.1, 5.0)),
+    ((0.0, 3.9, 2.6), (6.0, 4.0, 5.0)),
+    ((0.0, 0.1, 2.6), (0.1, 3.9, 5.0)),
+    ((5.9, 0.1, 2.6), (6.0, 3.9, 5.0)),
+    ((4.0, 0.1, 2.6), (4.1, 3.9, 5.0)),
+    ((0.0, 0.0, 5.0), (6.0, 4.0, 5.1)),
+]
+"""Low and high corner of each body, m, z up."""
+
+
+def building(boxes=BUILDING_BOXES):
+    """One mesh of boxes, m, z up."""
+    return trimesh.util.concatenate([trimesh.creation.box(bounds=np.array(box)) for box in boxes])
+
+
+def turned_y_up(mesh):
+    """The same mesh with y up, as glTF has it."""
+    mesh = mesh.copy()
+    mesh.vertices = np.stack([mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1)
+    return mesh
+
+
+def building_file(kind, mesh=None):
+    """The bytes that trimesh writes of a building."""
+    mesh = building() if mesh is None else mesh
+    if kind in ("glb", "gltf"):
+        mesh = turned_y_up(mesh)
+    if kind == "gltf":
+        files = trimesh.Scene(mesh).export(file_type="gltf", merge_buffers=True, embed_buffers=True)
+        return files["model.gltf"] if isinstance(files, dict) else files
+    if kind == "3mf":  # trimesh says millimetres, whatever the mesh's unit is
+        mesh = mesh.copy()
+        mesh.apply_scale(1000.0)
+    data = mesh.export(file_type=kind)
+    return data.encode() if isinstance(data, str) else data
+
+
+def ground_floor(height, cell=0.1):
+    """The ground floor's cells, as the boxes say."""
+    solid = np.zeros((40, 60), np.bool_)
+    for low, high in BUILDING_BOXES:
+        if low[2] <= height < high[2]:
+            left, bottom, right, top = (round(value / cell) for value in (*low[:2], *high[:2]))
+            solid[bottom:top, left:right] = True
+    return solid

@@ -1,0 +1,208 @@
+"""Meshes cut at a height: STL, OBJ, PLY, glTF and 3MF."""
+
+import io
+import json
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+
+from tests.helpers.buildings import BUILDING_BOXES, building, building_file, ground_floor
+from tests.helpers.command_line import worldgen
+from tests.helpers.exported_meshes import any_worlds, solid_volume
+from tests.helpers.raising import raises
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.files.grid import read_world
+from worldgen.interop import export_world, import_world, read_map
+from worldgen.reach import REACHABLE, decide
+
+KINDS = ["stl", "obj", "ply", "glb", "gltf", "3mf"]
+WRITTEN = ["stl", "obj", "ply", "glb", "3mf"]
+
+
+def put(folder, name, data):
+    path = folder / name
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_building_that_trimesh_wrote_is_cut_at_the_lidars_height(kind, tmp_path):
+    found = read_map(put(tmp_path, f"b.{kind}", building_file(kind)), options={"cell_size": 0.1})
+    assert found.cell_size == 0.1 and found.origin == (0.0, 0.0)
+    assert np.array_equal(found.walls, ground_floor(0.2))
+
+
+def test_a_table_is_its_legs_below_its_top_and_whole_at_the_top(tmp_path):
+    path = put(tmp_path, "b.stl", building_file("stl"))
+    legs, top = (
+        read_map(path, options={"cell_size": 0.1, "slice_height": height}).walls[10:20, 10:20] for height in (0.2, 0.72)
+    )
+    assert legs.sum() == 4 and top.all()
+
+
+def test_a_doorway_lets_the_robot_through_and_the_floor_above_is_parted(tmp_path):
+    path = put(tmp_path, "b.glb", building_file("glb"))
+    asked = {"cell_size": 0.1}
+    ground = import_world(path, options=asked).world
+    right = read_map(path, options={**asked, "floor": 1}).walls
+    assert decide(ground).result == REACHABLE
+    assert right[1:-1, 40].all() and not right[1:-1, 30].any()
+
+
+def test_each_floor_is_listed_and_another_is_refused(tmp_path):
+    path = put(tmp_path, "b.ply", building_file("ply"))
+    assert any("2 floors, at 0, 2.6 m" in note for note in read_map(path).notes)
+    with raises(InvalidParameter, "out-of-range", floor=2, count=2):
+        read_map(path, options={"floor": 2})
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1000.0), ("cm", 100.0), ("in", 1 / 0.0254)])
+def test_a_unit_that_is_given_is_heeded(unit, factor, tmp_path):
+    mesh = building()
+    mesh.apply_scale(factor)
+    path = put(tmp_path, "b.stl", building_file("stl", mesh))
+    assert np.array_equal(read_map(path, f"stl+unit={unit}+cell-size=0.1").walls, ground_floor(0.2))
+
+
+def test_a_3mf_files_own_unit_is_heeded(tmp_path):
+    mesh = building()
+    mesh.apply_scale(0.1)
+    with zipfile.ZipFile(io.BytesIO(building_file("3mf", mesh))) as archive:
+        text = archive.read("3D/3dmodel.model").replace(b'unit="millimeter"', b'unit="centimeter"')
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("3D/3dmodel.model", text)
+    found = read_map(put(tmp_path, "b.3mf", packed.getvalue()), options={"cell_size": 0.1})
+    assert np.array_equal(found.walls, ground_floor(0.2))
+
+
+def test_a_y_up_obj_file_is_turned(tmp_path):
+    mesh = building()
+    mesh.vertices = np.stack([mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1)
+    path = put(tmp_path, "b.obj", building_file("obj", mesh))
+    assert np.array_equal(read_map(path, "obj+up=y+cell-size=0.1").walls, ground_floor(0.2))
+
+
+def test_a_mesh_of_odd_size_is_warned_of(tmp_path):
+    mesh = trimesh.creation.box(bounds=[(0, 0, 0), (6000, 4000, 2500)])
+    found = read_map(put(tmp_path, "b.stl", building_file("stl", mesh)), options={"cell_size": 10.0})
+    assert len(found.warnings) == 1
+
+
+def test_surfaces_without_thickness_are_walls(tmp_path):
+    sheet = trimesh.Trimesh([(0, 0.55, 0), (2, 0.55, 0), (2, 0.55, 2), (0, 0.55, 2)], [(0, 1, 2), (0, 2, 3)])
+    floor = trimesh.creation.box(bounds=[(0, 0, -0.1), (2, 2, 0)])
+    data = building_file("stl", trimesh.util.concatenate([floor, sheet]))
+    found = read_map(put(tmp_path, "b.stl", data), options={"cell_size": 0.1})
+    assert found.walls[5].all() and found.walls.sum() == 20
+
+
+def test_rooms_that_are_cavities_of_one_body_are_free(tmp_path):
+    outer = trimesh.creation.box(bounds=[(0, 0, 0), (2, 2, 2)])
+    inner = trimesh.creation.box(bounds=[(0.5, 0.5, 0.1), (1.5, 1.5, 1.9)])
+    inner.invert()
+    data = building_file("ply", trimesh.util.concatenate([outer, inner]))
+    found = read_map(put(tmp_path, "b.ply", data), options={"cell_size": 0.1, "slice_height": 1.0})
+    assert found.walls.sum() == 300 and not found.walls[5:15, 5:15].any()
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+@settings(max_examples=12)
+@given(drawn=any_worlds())
+def test_cells_that_went_out_as_a_mesh_come_back(name, tmp_path_factory, drawn):
+    world, origin = drawn
+    data = export_world(world, name, origin=origin, sidecar=False).data
+    path = put(tmp_path_factory.mktemp("mesh"), f"w.{name}", data)
+    if world.walls.any():
+        found = read_map(path)
+        assert np.array_equal(found.walls, world.walls)
+        assert found.origin == origin and found.cell_size == world.cell_size
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_trimesh_reads_what_was_written_with_the_walls_volume(name, tmp_path):
+    world = read_world_of(building_file("stl"), tmp_path)
+    scene = trimesh.load_scene(io.BytesIO(export_world(world, f"{name}+height=0.5").data), file_type=name)
+    assert scene.to_geometry().volume == pytest.approx(solid_volume(world, 0.5), rel=1e-4)
+
+
+def read_world_of(data, folder):
+    return import_world(put(folder, "b.stl", data), options={"cell_size": 0.1}).world
+
+
+def test_the_command_cuts_where_it_is_told(tmp_path):
+    path = put(tmp_path, "b.glb", building_file("glb"))
+    done = worldgen("import", path, "--slice", "0.2", "--cell", "0.1", "--out", tmp_path / "w.grid")
+    assert done.code == 0, done.err
+    assert np.array_equal(read_world(tmp_path / "w.grid").walls, ground_floor(0.2))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.95])
+def test_a_file_that_is_cut_off_is_refused(kind, share, tmp_path):
+    data = building_file(kind)
+    path = put(tmp_path, f"b.{kind}", data[: int(len(data) * share)])
+    try:
+        found = read_map(path, kind)
+    except FormatError as error:
+        assert error.code
+    else:
+        # A text without an end mark can only be read as far as it goes.
+        assert kind == "obj" and found.walls.size
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_height_at_which_nothing_stands_is_refused(kind, tmp_path):
+    path = put(tmp_path, f"b.{kind}", building_file(kind))
+    with raises(FormatError, "nothing-there", height=30.0):
+        read_map(path, kind, {"slice_height": 30.0})
+
+
+def test_a_mesh_of_more_cells_than_a_world_has_is_refused(tmp_path):
+    mesh = building(BUILDING_BOXES[:5])
+    mesh.apply_scale(1e6)
+    path = put(tmp_path, "b.stl", building_file("stl", mesh))
+    with raises(FormatError, "wrong-size"):
+        read_map(path)
+
+
+def test_a_file_that_claims_more_triangles_than_it_holds_is_refused(tmp_path):
+    path = put(tmp_path, "b.stl", b"x".ljust(80) + (2**32 - 1).to_bytes(4, "little") + bytes(50))
+    with raises(FormatError, "no-triangles"):
+        read_map(path)
+
+
+def test_a_gltf_file_that_claims_more_numbers_than_are_read_is_refused(tmp_path):
+    accessor = {"componentType": 5126, "count": 2_000_000_000, "type": "VEC3"}
+    document = {
+        "asset": {"version": "2.0"}, "accessors": [accessor], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    }  # fmt: skip
+    with raises(FormatError, "too-large"):
+        read_map(put(tmp_path, "b.gltf", json.dumps(document).encode()))
+
+
+def test_points_without_triangles_are_refused(tmp_path):
+    data = trimesh.PointCloud([(0, 0, 0), (1, 1, 1)]).export(file_type="ply")
+    with raises(FormatError, "no-triangles"):
+        read_map(put(tmp_path, "b.ply", data))
+
+
+def test_components_of_a_3mf_file_that_multiply_are_refused(tmp_path):
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    triple = "".join(f'<component objectid="{{0}}" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>' for x in range(4))
+    nested = "".join(f'<object id="{n}"><components>{triple.format(n - 1)}</components></object>' for n in range(1, 15))
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="{x + y}"/>' for x, y in ((0, 0), (1, 0), (0, 1)))
+    mesh = f'<mesh><vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(
+            "3D/3dmodel.model",
+            f'<model xmlns="{core}"><resources><object id="0">{mesh}</object>{nested}</resources>'
+            '<build><item objectid="14"/></build></model>',
+        )
+    with raises(FormatError, "too-large"):
+        read_map(put(tmp_path, "b.3mf", stream.getvalue()))

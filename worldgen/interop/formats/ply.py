@@ -1,0 +1,51 @@
+"""A world as a PLY file: every wall a closed box of triangles; what else the world has is in comments.
+
+Source: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994; binary form.
+"""
+
+from __future__ import annotations
+
+from worldgen.interop.foreign_map import FLOOR_ROBOT
+from worldgen.interop.format import HELD, Destination, Exported, Format, held_lines
+from worldgen.interop.formats.mesh_readers import unitless_reader
+from worldgen.interop.geometry.placed_boxes import solid_boxes
+from worldgen.world import World
+
+__all__ = ["ply", "write_ply"]
+
+
+def write_ply(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+    """The binary form: eight vertices and twelve triangles a box, m, z up.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        height: Of the walls, m.
+        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+
+    Raises:
+        InvalidParameter: If the height is no length.
+        InvalidWorld: If 32 bits are too few for the coordinates.
+    """
+    from worldgen.interop.geometry.box_mesh import box_mesh
+
+    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
+    data = box_mesh(boxes).export(file_type="ply", vertex_normal=False)
+
+    # What trimesh has no room for goes into comments, behind the line that says the form.
+    magic, form, _, rest = data.split(b"\n", 3)
+    lines = ["worldgen: m, z up, one closed box a wall.", *held_lines(world, destination)]
+    comments = [f"comment {line}".encode() for line in lines]
+    return Exported({destination.name: b"\n".join([magic, form, *comments, rest])})
+
+
+ply = Format(
+    "ply",
+    "walls as triangles; meshes, cut at a height, .ply",
+    (".ply",),
+    read=unitless_reader("ply"),
+    write=write_ply,
+    holds=frozenset(HELD),
+    client="MeshLab, Open3D, point cloud programs",
+    usual_robot=FLOOR_ROBOT,
+)

@@ -1,0 +1,119 @@
+"""A world as a 3MF file: one box, and an item a wall that puts it into place.
+
+The archive is written here: trimesh's writer needs two more libraries, and gives its parts random names.
+
+Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
+from worldgen.interop.formats.mesh_readers import cut_mesh
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, Box, solid_boxes
+from worldgen.world import World
+
+__all__ = ["read_3mf", "threemf", "write_3mf"]
+
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+_OWN = "urn:worldgen:3mf"
+_PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time that an archive can say, so that bytes do not depend on the clock
+_TYPES = (
+    f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'
+    f'<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>\n'
+)
+_RELATIONS = (
+    f'<?xml version="1.0" encoding="UTF-8"?>\n<Relationships xmlns="{_PACKAGE}/relationships">'
+    '<Relationship Target="/3D/3dmodel.model" Id="rel0" '
+    'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>\n'
+)
+
+
+def write_3mf(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+    """A model in metres, z up; names of walls are part numbers.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        height: Of the walls, m.
+        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+
+    Raises:
+        InvalidParameter: If the height is no length.
+        InvalidWorld: If 32 bits are too few for the coordinates.
+    """
+    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
+    lines = [*_head(world, destination), *map(_item, boxes), "  </build>", "</model>"]
+    parts = {
+        "[Content_Types].xml": _TYPES,
+        "_rels/.rels": _RELATIONS,
+        "3D/3dmodel.model": "\n".join(lines) + "\n",
+    }
+    # Stored, not deflated: compressed bytes depend on the machine's zlib.
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
+        for name, text in parts.items():
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.create_system = 0
+            archive.writestr(entry, text)
+    return Exported({destination.name: stream.getvalue()})
+
+
+def _head(world: World, destination: Destination) -> Iterator[str]:
+    yield '<?xml version="1.0" encoding="UTF-8"?>'
+    yield f'<model unit="meter" xml:lang="en" xmlns="{_CORE}" xmlns:worldgen="{_OWN}">'
+    yield '  <metadata name="worldgen:world" preserve="1">'
+    for line in held_lines(world, destination):
+        yield line if " = " in line else f"# {line}"
+    yield "  </metadata>"
+    yield '  <resources><object id="1" type="model" name="box"><mesh><vertices>'
+    yield from (f'    <vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in BOX_CORNERS)
+    yield "  </vertices><triangles>"
+    yield from (f'    <triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in BOX_TRIANGLES)
+    yield "  </triangles></mesh></object></resources>"
+    yield "  <build>"
+
+
+def _item(box: Box) -> str:
+    (across, along, up), low = map(decimal_text, box.size), " ".join(map(decimal_text, box.low))
+    return f'    <item objectid="1" partnumber="{box.name}" transform="{across} 0 0 0 {along} 0 0 0 {up} {low}"/>'
+
+
+def read_3mf(
+    path: Path,
+    *,
+    slice_height: float = 0.2,
+    cell_size: float = 0.0,
+    up: Literal["z", "y"] = "z",
+    floor: int = 0,
+) -> ForeignMap:
+    """A mesh, cut at a height; the file says its unit.
+
+    Args:
+        path: The file.
+        slice_height: Height of the cut above the floor, m: that of the lidar.
+        cell_size: Side of a cell, m; 0: as the file says if worldgen wrote it, else 0.05.
+        up: The axis that points up in the file.
+        floor: Which floor, from 0, the lowest.
+    """
+    return cut_mesh(path, "3mf", slice_height, cell_size, 1.0, up, floor)
+
+
+threemf = Format(
+    "3mf",
+    "walls as boxes in an archive; meshes, cut at a height, .3mf",
+    (".3mf",),
+    read=read_3mf,
+    write=write_3mf,
+    holds=frozenset(HELD),
+    client="slicers, CAD programs",
+    usual_robot=FLOOR_ROBOT,
+)

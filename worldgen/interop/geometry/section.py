@@ -1,0 +1,246 @@
+"""A horizontal cut through triangles, as cells: what a lidar at that height would see.
+
+Closed bodies are solid inside: a cell's centre counts as inside if surfaces whose outer side looks away from it wind
+around it more often than others, so a building whose rooms are cavities has free rooms. A cell that a surface passes
+through is solid too. Bodies that are not closed have no inside; their surfaces are walls without thickness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidWorld
+
+__all__ = ["Bodies", "Section", "cut", "paint", "sort_bodies"]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_SHEET = 1e-3  # cells; half the thickness that a wall without any gets: on a line, it blocks both sides
+_MOST_VISITS = 400_000_000  # rows of cells that all segments together pass
+_CHUNK = 2_000_000  # of them looked at together
+
+
+class Bodies(NamedTuple):
+    """Triangles sorted by whether they bound an inside.
+
+    Args:
+        vertices: (n, 3) float64.
+        closed: (m, 3) int64: triangles of closed bodies, their outer sides counter-clockwise.
+        sheets: (k, 3) int64: triangles of all others.
+        closed_count: How many closed bodies there are.
+        open_count: How many others.
+    """
+
+    vertices: Floats
+    closed: Ints
+    sheets: Ints
+    closed_count: int
+    open_count: int
+
+
+class Section(NamedTuple):
+    """Segments in the plane, (n, 2, 2) float64: from, to; x, y.
+
+    Args:
+        closed: Around insides, which lie on their left.
+        sheets: The others.
+    """
+
+    closed: Floats
+    sheets: Floats
+
+
+def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
+    """Sort triangles into closed bodies and sheets.
+
+    Vertices at the same place count as one, whatever part of the file they come from, so a wall of two materials is
+    still one body. A body is closed if each of its edges runs as often one way as the other.
+
+    Args:
+        vertices: (n, 3) float64, finite.
+        faces: (m, 3) int64, valid indices.
+    """
+    # Merge vertices that are equal to the last bit; adding zero turns -0.0 into 0.0.
+    _, first, place = np.unique(_as_records(vertices + 0.0), return_index=True, return_inverse=True)
+    vertices = vertices[first]
+    faces = place.reshape(-1)[faces]
+    proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    faces, both_sides = _without_copies(faces[proper])
+
+    # A body is what hangs together by vertices; one is closed if its edges cancel out.
+    body, count = _components(len(vertices), faces)
+    unbalanced = np.zeros(count, np.bool_)
+    unbalanced[body[_lone_edges(len(vertices), faces)]] = True
+    is_open = unbalanced[body[faces[:, 0]]] if len(faces) else np.zeros(0, np.bool_)
+    closed = faces[~is_open]
+    sheets = np.concatenate([faces[is_open], both_sides])
+    sheet_bodies, sheet_count = _components(len(vertices), sheets)
+    return Bodies(
+        vertices,
+        closed,
+        sheets,
+        len(np.unique(body[closed[:, 0]])),
+        len(np.unique(sheet_bodies[sheets[:, 0]])) if sheet_count else 0,
+    )
+
+
+def _as_records(rows: npt.NDArray[np.generic]) -> npt.NDArray[np.void]:
+    """Rows as single values, so that equal rows can be found."""
+    whole = np.ascontiguousarray(rows)
+    return whole.view(np.dtype((np.void, whole.dtype.itemsize * whole.shape[1]))).reshape(-1)
+
+
+def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
+    """Each triangle once; and apart from them those that look both ways, which are walls without thickness."""
+    order = np.argsort(faces, axis=1)
+    corners = np.take_along_axis(faces, order, axis=1)
+    even = np.isin(order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2], (5, 15, 19))  # 012, 120, 201: turned, not mirrored
+    _, first, place = np.unique(_as_records(corners), return_index=True, return_inverse=True)
+    net = np.bincount(place.reshape(-1), weights=np.where(even, 1.0, -1.0), minlength=len(first))
+    once = corners[first]
+    once[net < 0] = once[net < 0][:, ::-1]
+    return once[net != 0], once[net == 0]
+
+
+def _components(count: int, faces: Ints) -> tuple[Ints, int]:
+    """The number of the connected part that each vertex belongs to, and how many parts there are."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    if not len(faces):
+        return np.zeros(count, np.int64), 0
+    begin = np.concatenate([faces[:, 0], faces[:, 1]])
+    end = np.concatenate([faces[:, 1], faces[:, 2]])
+    graph = coo_array((np.ones(len(begin), np.int8), (begin, end)), shape=(count, count))
+    parts, labels = connected_components(graph, directed=False)
+    return labels.astype(np.int64), int(parts)
+
+
+def _lone_edges(count: int, faces: Ints) -> Ints:
+    """A vertex of each edge that more triangles pass one way than the other."""
+    begin = faces.reshape(-1)
+    end = faces[:, [1, 2, 0]].reshape(-1)
+    low = np.minimum(begin, end)
+    edges, place = np.unique(low * count + np.maximum(begin, end), return_inverse=True)
+    net = np.bincount(place.reshape(-1), weights=np.where(begin == low, 1.0, -1.0), minlength=len(edges))
+    lone: Ints = edges[net != 0] // max(count, 1)
+    return lone
+
+
+def cut(bodies: Bodies, height: float) -> Section:
+    """Cut bodies just above a height, so that no vertex lies in the plane.
+
+    Both triangles at an edge get the same point of it, to the last bit: outlines of closed bodies are closed.
+    """
+    return Section(_segments(bodies.vertices, bodies.closed, height), _segments(bodies.vertices, bodies.sheets, height))
+
+
+def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
+    above = vertices[:, 2] > height
+    sides = above[faces]
+    faces = faces[(sides.any(axis=1)) & ~(sides.all(axis=1))]
+    sides = above[faces]
+
+    # One edge of each such triangle rises through the plane and one sinks; the inside lies left of the way from the
+    # sinking one to the rising one.
+    after = np.roll(sides, -1, axis=1)
+    following = np.roll(faces, -1, axis=1)
+    rows = np.arange(len(faces))
+    ends = []
+    for crossing in (sides & ~after, ~sides & after):
+        column = np.argmax(crossing, axis=1)
+        ends.append(_crossings(vertices, faces[rows, column], following[rows, column], height))
+    return np.stack(ends, axis=1) if len(faces) else np.zeros((0, 2, 2))
+
+
+def _crossings(vertices: Floats, one: Ints, other: Ints, height: float) -> Floats:
+    """Where edges pass a height, computed from the vertex with the lower number on."""
+    begin = vertices[np.minimum(one, other)]
+    end = vertices[np.maximum(one, other)]
+    share = (height - begin[:, 2]) / (end[:, 2] - begin[:, 2])
+    points: Floats = begin[:, :2] + share[:, None] * (end[:, :2] - begin[:, :2])
+    return points
+
+
+def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
+    """Return the cells that a section fills.
+
+    Args:
+        section: In cells, from the grid's corner.
+        width: Of the grid, cells.
+        height: Of the grid, cells.
+        touch: Cells; an outline that reaches less far into a cell only touches it, because coordinates are rounded.
+
+    Returns:
+        (height, width) bool, row 0 the lowest.
+
+    Raises:
+        InvalidWorld: If that would take minutes.
+    """
+    solid = _insides(section.closed, width, height)
+    solid |= _passed(section.closed, width, height, touch)
+    solid |= _passed(section.sheets, width, height, -_SHEET)
+    return solid
+
+
+def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]:
+    """Cells whose centres outlines wind around."""
+    turns = np.zeros((height, width + 1), np.int32)
+    low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
+    high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
+
+    # The rows whose centre line a segment passes: low <= row + 1/2 < high.
+    first = np.ceil(low - 0.5)
+    end = np.ceil(high - 0.5)
+    for which, row in _rows(first, end, height):
+        (ax, ay), (bx, by) = segments[which, 0].T, segments[which, 1].T
+        x = ax + (row + 0.5 - ay) / (by - ay) * (bx - ax)
+        column = np.clip(np.ceil(x - 0.5), 0, width).astype(np.int64)
+        np.add.at(turns, (row, column), np.where(by > ay, -1, 1).astype(np.int32))
+    np.cumsum(turns, axis=1, out=turns)
+    return turns[:, :width] > 0
+
+
+def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
+    """Cells that segments pass through."""
+    runs = np.zeros((height, width + 1), np.int32)
+    low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
+    high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
+    for which, row in _rows(np.floor(low + touch), np.ceil(high - touch), height):
+        # The part of the segment in the row, then the columns that this part reaches into.
+        (ax, ay), (bx, by) = segments[which, 0].T, segments[which, 1].T
+        level = ay == by
+        rise = np.where(level, 1.0, by - ay)
+        near = np.where(level, 0.0, np.clip((row - ay) / rise, 0.0, 1.0))
+        far = np.where(level, 1.0, np.clip((row + 1 - ay) / rise, 0.0, 1.0))
+        x_near = ax + near * (bx - ax)
+        x_far = ax + far * (bx - ax)
+        first = np.clip(np.floor(np.minimum(x_near, x_far) + touch), 0, width).astype(np.int64)
+        end = np.clip(np.ceil(np.maximum(x_near, x_far) - touch), 0, width).astype(np.int64)
+        some = end > first
+        np.add.at(runs, (row[some], first[some]), np.int32(1))
+        np.add.at(runs, (row[some], end[some]), np.int32(-1))
+    np.cumsum(runs, axis=1, out=runs)
+    return runs[:, :width] > 0
+
+
+def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]]:
+    """Yield pairs of segment and row, some millions at a time, for rows ``first`` to ``end`` that the grid has."""
+    begin = np.clip(first, 0, height).astype(np.int64)
+    counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)
+    totals = np.cumsum(counts)
+    if len(totals) and totals[-1] > _MOST_VISITS:
+        raise InvalidWorld("too-large", "the mesh's outlines pass too many cells", "give a larger cell_size")
+    at = 0
+    while at < len(counts):
+        done = totals[at - 1] if at else 0
+        stop = max(int(np.searchsorted(totals, done + _CHUNK, side="right")), at + 1)
+        which = np.repeat(np.arange(at, stop), counts[at:stop])
+        offset = np.arange(len(which)) - np.repeat(totals[at:stop] - counts[at:stop] - done, counts[at:stop])
+        yield which, begin[which] + offset
+        at = stop

@@ -1,0 +1,165 @@
+"""The JSON of a glTF file, checked before a library builds what it claims: a tree, of bounded size, without surprises.
+
+trimesh 5.2 allocates whatever an accessor claims: a file of 400 bytes can ask for 22 GiB. Of nodes that break
+the rule of one parent it drops some without a word.
+
+Source: The Khronos Group, "glTF 2.0 Specification", 2021.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+from worldgen.errors import FormatError
+
+__all__ = ["MOST_FACES", "check_gltf", "gltf_json", "root_extras"]
+
+MOST_FACES = 5_000_000
+_MOST_NODES = 200_000
+_MOST_DEPTH = 200
+_MOST_VALUES = 60_000_000  # numbers in all accessors together
+_COMPRESSED = (
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
+)  # fmt: skip
+_TRIANGLES = (4, 5, 6)
+_PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+
+
+def gltf_json(data: bytes, source: str) -> dict[str, Any]:
+    """The document of a ``.gltf`` or ``.glb`` file.
+
+    Raises:
+        FormatError: If it is neither, or no JSON object.
+    """
+    text = data
+    if data[:4] == b"glTF":
+        if len(data) < 20:
+            raise FormatError("ends-early", "ends within its header", "export it again", source=source)
+        version, _, size, kind = struct.unpack_from("<III4s", data, 4)
+        if version != 2 or kind != b"JSON" or 20 + size > len(data):
+            raise FormatError(
+                "wrong-header", "is not binary glTF 2.0 of the length it claims", "export it again", source=source
+            )
+        text = data[20 : 20 + size]
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FormatError("not-json", "has no readable JSON in it", "export it again", source=source) from error
+    if not isinstance(document, dict):
+        raise FormatError("not-json", "is not a glTF document", "export it again", source=source)
+    return document
+
+
+def check_gltf(document: dict[str, Any], source: str) -> None:
+    """Refuse what a reader would choke on, or would read wrongly.
+
+    Raises:
+        FormatError: If the nodes are no trees, there is too much of anything, or the triangles are compressed.
+    """
+    try:
+        _check_extensions(document, source)
+        _check_sizes(document, source)
+        _check_nodes(document, source)
+    except (TypeError, KeyError, IndexError, AttributeError, ValueError, OverflowError) as error:
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(
+            "wrong-structure",
+            "breaks the rules of glTF 2.0 ({reason})",
+            "export it again; glTF-Validator says where",
+            reason=f"{type(error).__name__}: {error}"[:80],
+            source=source,
+        ) from error
+
+
+def _check_extensions(document: dict[str, Any], source: str) -> None:
+    used = [name for name in document.get("extensionsUsed", []) if name in _COMPRESSED]
+    if used:
+        raise FormatError(
+            "compressed",
+            "needs {extensions!l}, which is not read",
+            "export it without compression",
+            extensions=used,
+            source=source,
+        )
+
+
+def _check_sizes(document: dict[str, Any], source: str) -> None:
+    values = 0
+    for accessor in document.get("accessors", []):
+        count = accessor["count"]
+        if not isinstance(count, int) or count < 0:
+            raise ValueError(f"a count of {count!r}"[:60])
+        values += count * _PARTS.get(accessor.get("type"), 1)
+    if values > _MOST_VALUES or len(document.get("nodes", [])) > _MOST_NODES:
+        raise FormatError("too-large", "holds more than is read", "export a smaller part of it", source=source)
+
+
+def _check_nodes(document: dict[str, Any], source: str) -> None:
+    """Each node has one parent at most, and none is above itself; instances count as often as they stand there."""
+    nodes = document.get("nodes", [])
+    parent = [-1] * len(nodes)
+    for number, node in enumerate(nodes):
+        for child in node.get("children", []):
+            if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
+                raise FormatError(
+                    "no-tree", "node {node} is no child as glTF allows it", "export it again", node=child, source=source
+                )
+            parent[child] = number
+
+    # From the roots on, each level is visited once; what is never met hangs in a circle.
+    level = [number for number in range(len(nodes)) if parent[number] < 0]
+    met = 0
+    depth = 0
+    while level:
+        met += len(level)
+        depth += 1
+        level = [child for number in level for child in nodes[number].get("children", [])]
+    if met < len(nodes):
+        raise FormatError("no-tree", "its nodes run in a circle", "export it again", source=source)
+    if depth > _MOST_DEPTH:
+        raise FormatError(
+            "too-deep", "its nodes are {depth} deep; {most} are read", depth=depth, most=_MOST_DEPTH, source=source
+        )
+
+    sizes = [_faces(document, mesh) for mesh in document.get("meshes", [])]
+    total = sum(sizes[node["mesh"]] for node in nodes if "mesh" in node)
+    if total > MOST_FACES:
+        raise FormatError(
+            "too-large",
+            "has {faces} triangles; {most} are read",
+            "simplify it, or export a part of it",
+            faces=total,
+            most=MOST_FACES,
+            source=source,
+        )
+
+
+def _faces(document: dict[str, Any], mesh: dict[str, Any]) -> int:
+    count = 0
+    for primitive in mesh.get("primitives", []):
+        if primitive.get("mode", 4) in _TRIANGLES:
+            accessor = primitive.get("indices", primitive["attributes"].get("POSITION"))
+            count += document["accessors"][accessor]["count"] // (3 if primitive.get("mode", 4) == _TRIANGLES[0] else 1)
+    return count
+
+
+def root_extras(document: dict[str, Any]) -> dict[str, Any]:
+    """What our own files say of the world beside its walls; nothing of others."""
+    for node in document.get("nodes", []):
+        extras = node.get("extras")
+        if node.get("name") == "worldgen" and isinstance(extras, dict):
+            return _joined(extras)
+    return {}
+
+
+def _joined(extras: dict[str, Any]) -> dict[str, Any]:
+    """Points put together again from their two numbers."""
+    joined = {name: value for name, value in extras.items() if name[-2:] not in ("_x", "_y")}
+    for name, value in extras.items():
+        if name.endswith("_x") and f"{name[:-2]}_y" in extras:
+            joined[name[:-2]] = [value, extras[f"{name[:-2]}_y"]]
+    return joined

@@ -1,0 +1,213 @@
+"""Triangles of a mesh file, all of them in one frame: trimesh reads, this checks what goes in and what comes out."""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+import tomllib
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
+from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded
+from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
+from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.threemf_file import read_threemf
+
+__all__ = ["RawMesh", "load_mesh"]
+
+_COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
+_HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
+_STL_FRAME = re.compile(rb"worldgen: m, z up; size (\d+) (\d+); cell (\S+); origin (\S+) (\S+) *")
+_FURTHEST = 1e15  # in the file's unit; squares of such numbers still are numbers
+
+
+class RawMesh(NamedTuple):
+    """A mesh as its file has it.
+
+    Args:
+        vertices: (n, 3) float64, in the file's unit and axes.
+        faces: (m, 3) int64.
+        held: What a file of ours says beside the walls, by the names of
+            :data:`~worldgen.interop.format.HELD`, and ``size``; empty for others' files.
+        unit: Metres in a unit, if the file says so.
+        left_out: Parts that are no surfaces, such as points and lines.
+        sha_data: The bytes of the file.
+    """
+
+    vertices: npt.NDArray[np.float64]
+    faces: npt.NDArray[np.int64]
+    held: dict[str, Any]
+    unit: float | None
+    left_out: int
+    sha_data: bytes
+
+
+def load_mesh(path: Path, kind: str) -> RawMesh:
+    """Read a mesh file.
+
+    Args:
+        path: The file.
+        kind: Its format: ``glb``, ``gltf``, ``stl``, ``obj``, ``ply`` or ``3mf``.
+
+    Raises:
+        FormatError: If the file breaks its format's rules, is too large, or has no triangles.
+    """
+    data = read_bounded(path)
+    source = str(path)
+    held: dict[str, Any] = {}
+    unit: float | None = None
+    left_out = 0
+    if kind == "3mf":
+        vertices, faces, held, unit = read_threemf(data, source)
+    else:
+        if kind in ("glb", "gltf"):
+            document = gltf_json(data, source)
+            check_gltf(document, source)
+            held = root_extras(document)
+        else:
+            _check_counts(data, kind, source)
+            held = _held(data, kind)
+        vertices, faces, left_out = _in_one_frame(_loaded(data, kind, path), source)
+    _check_arrays(vertices, faces, source)
+    return RawMesh(vertices, faces, held, unit, left_out, data)
+
+
+def _check_counts(data: bytes, kind: str, source: str) -> None:
+    """Refuse headers that claim more parts than the file has bytes."""
+    if kind == "ply" and any(int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])):
+        raise FormatError("ends-early", "claims more parts than it has bytes", "export it again", source=source)
+    if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
+        raise FormatError("empty", "holds no mesh", "give a file with triangles", source=source)
+
+
+def _held(data: bytes, kind: str) -> dict[str, Any]:
+    """What a file of ours says of its world: in comments, as TOML, or in the header of an STL file."""
+    if kind == "stl":
+        found = _STL_FRAME.match(data[:80])
+        if found is None:
+            return {}
+        width, height, cell, x, y = map(float, found.groups())
+        return {"size": [int(width), int(height)], "cell_size": cell, "origin": [x, y]}
+    head = data[: 1 << 14]
+    if b"worldgen: m, z up" not in head[:200]:
+        return {}
+    try:
+        return tomllib.loads(b"\n".join(_HELD_LINE.findall(head)).decode())
+    except (ValueError, RecursionError):
+        return {}
+
+
+class _Beside(trimesh.resolvers.Resolver):
+    """Files that the mesh file names, for trimesh: only those in its folder or below it."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._left = MAX_FILE_BYTES
+
+    def get(self, name: str) -> bytes:
+        data = read_bounded(companion(self._path, "uri", name), self._left)
+        self._left -= len(data)
+        return data
+
+    __getitem__ = get
+
+    def keys(self) -> list[str]:
+        return []
+
+    def namespaced(self, namespace: str) -> _Beside:
+        return self
+
+    def write(self, name: str, data: bytes) -> None:
+        raise NotImplementedError
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep a library's log and warnings from the user; text that is cut off is an error."""
+    logger = logging.getLogger("trimesh")
+    before = logger.disabled
+    logger.disabled = True
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            warnings.filterwarnings("error", message="string or file could not be read")
+            yield
+    finally:
+        logger.disabled = before
+
+
+def _loaded(data: bytes, kind: str, path: Path) -> Any:
+    """The scene that trimesh makes of a file; whatever it raises is the file's fault."""
+    try:
+        with _quiet():
+            return trimesh.load_scene(
+                io.BytesIO(data), file_type=kind, resolver=_Beside(path), process=False, skip_materials=True
+            )
+    except InvalidParameter as error:  # of a file that it names
+        raise FormatError.of(error.message, source=str(path)) from error
+    except WorldgenError:
+        raise
+    except Exception as error:  # a damaged file makes trimesh raise anything
+        raise FormatError(
+            "unreadable-mesh",
+            "cannot be read as {kind} ({reason})",
+            "export it again, or in another format",
+            kind=kind,
+            reason=" ".join(f"{type(error).__name__}: {error}".split())[:100],
+            source=str(path),
+        ) from error
+
+
+def _in_one_frame(scene: Any, source: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
+    """All triangles of a scene, each instance where it stands; and how many parts have none."""
+    places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
+    triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]
+    count = 0
+    faces = 0
+    left_out = 0
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        part = scene.geometry[name]
+        if not isinstance(part, trimesh.Trimesh) or not len(part.faces):
+            left_out += 1
+            continue
+        faces += len(part.faces)
+        if faces > MOST_FACES:
+            raise FormatError(
+                "too-large",
+                "has more than {most} triangles",
+                "simplify it, or export a part of it",
+                most=MOST_FACES,
+                source=source,
+            )
+        vertices = np.asarray(part.vertices, np.float64)
+        corners = np.asarray(part.faces, np.int64)
+        if corners.min() < 0 or corners.max() >= len(vertices):
+            raise FormatError("out-of-range", "has a triangle without vertices", "export it again", source=source)
+        with np.errstate(all="ignore"):
+            # One rounding for each product and sum, so that every machine has the same bits.
+            moved = sum(vertices[:, [axis]] * matrix[:3, axis] for axis in range(3)) + matrix[:3, 3]
+            mirrored = np.linalg.det(matrix[:3, :3]) < 0
+        places.append(np.asarray(moved))
+        triangles.append((corners[:, ::-1] if mirrored else corners) + count)
+        count += len(vertices)
+    return np.concatenate(places), np.concatenate(triangles), left_out
+
+
+def _check_arrays(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], source: str) -> None:
+    if not len(faces):
+        raise FormatError("no-triangles", "has no triangles", "export surfaces, not points or lines", source=source)
+    used = vertices[faces.reshape(-1)]
+    if not (np.isfinite(used).all() and np.abs(used).max() < _FURTHEST):
+        raise FormatError(
+            "not-a-number", "has a vertex whose coordinates are no usable numbers", "export it again", source=source
+        )

@@ -1,0 +1,261 @@
+"""A mesh cut at the height of a robot's lidar: floors, the plane, the cells.
+
+What stands lower or higher than the plane is not seen, as a lidar does not see it: a table is its legs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.domain import CELL_SIZES
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest
+from worldgen.interop.geometry.section import Bodies, Section, cut, paint, sort_bodies
+from worldgen.interop.readers.mesh_file import RawMesh, load_mesh
+from worldgen.lattice import exact
+from worldgen.parameters import check_between
+from worldgen.world import Value
+
+__all__ = ["Plane", "read_slice"]
+
+
+_USUAL_CELL = 0.05  # m, where neither user nor file say it
+_FLAT = 0.99  # cosine of the steepest slope that counts as a floor
+_SAME_FLOOR = 0.5  # m; levels that are nearer to each other are one floor, with a step or a platform
+_SMALL = 0.25  # of the largest floor's area; less is a landing, or furniture
+_ROUNDED = 2.0**-22  # of the largest coordinate: meshes are mostly kept as float32
+_TOUCH = 1e-6  # cells; as in `worldgen.interop.geometry.raster`
+_ODD_SIDES = (0.5, 1000.0)  # m; a building that is smaller or larger is mostly in another unit
+_OURS = ("start", "heading", "target", "target_radius", "robot_radius", "robot_speed", "cell_size", "origin")
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Where and how a mesh is cut.
+
+    Args:
+        height: Above the floor, m.
+        cell_size: Side of a cell, m; 0: as a file of ours says, else 0.05.
+        up: The axis that points up in the file.
+        unit: Metres in the file's unit of length.
+        floor: Which floor, from 0, the lowest.
+    """
+
+    height: float
+    cell_size: float
+    up: str
+    unit: float
+    floor: int
+
+
+def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
+    """Cut a mesh file and return the cells that are solid in the plane.
+
+    Args:
+        path: The file.
+        kind: Its format, as :func:`~worldgen.interop.readers.mesh_file.load_mesh` takes it.
+        plane: Where it is cut.
+
+    Raises:
+        FormatError: If the file breaks its format's rules, or nothing stands in the plane.
+        InvalidParameter: If there is no such floor, or a number is out of range.
+        InvalidWorld: If the cells are too many.
+    """
+    check_between("slice_height", plane.height, 0.0, 1000.0, "m")
+    mesh = load_mesh(path, kind)
+    held = _checked(mesh.held)
+    cell_size = plane.cell_size or held.get("cell_size", _USUAL_CELL)
+    check_between("cell_size", cell_size, *CELL_SIZES, "m")
+
+    # Into metres, z up, and cut.
+    unit = plane.unit if mesh.unit is None else mesh.unit
+    vertices = mesh.vertices * unit
+    if plane.up == "y":
+        vertices = np.stack([vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]], axis=1)
+    bodies = sort_bodies(vertices, mesh.faces)
+    floors = [0.0] if held else _floors(vertices, mesh.faces, plane.height)
+    if not 0 <= plane.floor < len(floors):
+        raise InvalidParameter(
+            "out-of-range",
+            "floor={floor}: the mesh has {count} floors, at {heights} m",
+            "give one from 0",
+            floor=plane.floor,
+            count=len(floors),
+            heights=_listed(floors),
+        )
+    level = floors[plane.floor]
+    section = cut(bodies, level + plane.height)
+    if not len(section.closed) and not len(section.sheets):
+        raise FormatError(
+            "nothing-there",
+            "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh reaches from {low:g} "
+            "to {high:g} m",
+            "give another slice_height, floor, unit or up axis",
+            height=plane.height,
+            floor=plane.floor,
+            level=level,
+            low=vertices[:, 2].min(),
+            high=vertices[:, 2].max(),
+            source=str(path),
+        )
+
+    # Into cells.
+    size = held.get("size") if held.get("cell_size") == cell_size else None
+    origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
+    solid = _cells(section, cell_size, origin, width, height)
+    return _map(path, mesh, solid, cell_size, origin, held, _Told(plane, floors, bodies, vertices))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What the notes are made of."""
+
+    plane: Plane
+    floors: list[float]
+    bodies: Bodies
+    vertices: npt.NDArray[np.float64]
+
+
+def _checked(held: dict[str, Any]) -> dict[str, Any]:
+    """What a file of ours says, if all of it has the right form; else it is read as any other file."""
+    numbers: dict[str, Any] = {}
+    for name in ("size", *_OURS):
+        value = held.get(name)
+        if value is None:
+            continue
+        pair = name in ("size", "start", "target", "origin")
+        items = value if isinstance(value, list) else [value]
+        if len(items) != 1 + pair or any(isinstance(one, bool) or not isinstance(one, int | float) for one in items):
+            return {}
+        if not all(math.isfinite(one) and abs(one) < 1e15 for one in items):
+            return {}
+        if name in ("size", "cell_size", "robot_radius", "robot_speed", "target_radius") and min(items) <= 0:
+            return {}
+        numbers[name] = [int(one) for one in items] if name == "size" else [float(one) for one in items]
+    if not {"size", "cell_size", "origin"} <= numbers.keys():
+        return {}
+    return {name: value if len(value) > 1 else value[0] for name, value in numbers.items()}
+
+
+def _floors(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float) -> list[float]:
+    """Heights, m, of large level surfaces that look up and have something above them; else the mesh's lowest point."""
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(across, axis=1) / 2.0
+    level = (across[:, 2] > _FLAT * 2.0 * areas) & (areas > 0.0)
+    top = float(vertices[faces.reshape(-1), 2].max())
+    lowest = float(vertices[faces.reshape(-1), 2].min())
+
+    # Area by height, to the millimetre; heights near each other are one floor, at the height of most of it.
+    heights, place = np.unique(np.round(corners[level, :, 2].mean(axis=1), 3), return_inverse=True)
+    by_height = np.bincount(place.reshape(-1), weights=areas[level], minlength=len(heights))
+    groups: list[list[int]] = []
+    for number, one in enumerate(heights.tolist()):
+        if one + height >= top:
+            continue
+        if groups and one - heights[groups[-1][0]] < _SAME_FLOOR:
+            groups[-1].append(number)
+        else:
+            groups.append([number])
+    found = [(max(group, key=lambda number: by_height[number]), by_height[group].sum()) for group in groups]
+    largest = max((area for _, area in found), default=0.0)
+    floors = [float(heights[number]) for number, area in found if area >= _SMALL * largest]
+    return floors or [lowest]
+
+
+def _frame(
+    vertices: npt.NDArray[np.float64],
+    cell_size: float,
+    origin: list[float] | None,
+    size: list[int] | None,
+    source: str,
+) -> tuple[tuple[float, float], int, int]:
+    """The grid's corner, m, and its sides, cells: as a file of ours says, else around the mesh, on whole cells."""
+    if origin is not None and size is not None:
+        check_sides(size[0], size[1], source=source)
+        return (origin[0], origin[1]), size[0], size[1]
+    cell = exact(cell_size)
+    ends = np.stack([vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)]) / cell_size
+    slack = _slack(np.abs(ends).max())
+    low = [math.floor(value + slack) for value in ends[0].tolist()]
+    high = [math.ceil(value - slack) for value in ends[1].tolist()]
+    width, height = (max(b - a, 1) for a, b in zip(low, high, strict=True))
+    check_sides(width, height, source=source)
+    return (float(low[0] * cell), float(low[1] * cell)), width, height
+
+
+def _slack(furthest: float) -> float:
+    """By how many cells coordinates may be off that are so many cells away from the file's origin."""
+    return min(_TOUCH + _ROUNDED * furthest, 0.01)
+
+
+def _cells(
+    section: Section, cell_size: float, origin: tuple[float, float], width: int, height: int
+) -> npt.NDArray[np.bool_]:
+    corner = np.array([float(exact(value) / exact(cell_size)) for value in origin])
+    in_cells = Section(*(segments / cell_size - corner for segments in section))
+    furthest = max((float(np.abs(segments).max()) for segments in section if len(segments)), default=0.0) / cell_size
+    return paint(in_cells, width, height, _slack(furthest))
+
+
+def _map(
+    path: Path,
+    mesh: RawMesh,
+    solid: npt.NDArray[np.bool_],
+    cell_size: float,
+    origin: tuple[float, float],
+    held: dict[str, Any],
+    told: _Told,
+) -> ForeignMap:
+    plane = told.plane
+    params: dict[str, Value] = {
+        "format": "mesh", "source": path.name, "sha256": digest(mesh.sha_data), "slice_height": plane.height,
+        "floor": plane.floor, "up": plane.up,
+    }  # fmt: skip
+    start = held.get("start")
+    target = held.get("target")
+    return ForeignMap(
+        solid,
+        cell_size,
+        params,
+        () if held else _notes(told, mesh.left_out),
+        () if held else _warnings(told),
+        start=None if start is None else (*start, held.get("heading", 0.0)),
+        target=None if target is None else (*target, *([held["target_radius"]] if "target_radius" in held else [])),
+        robot_radius=held.get("robot_radius"),
+        robot_speed=held.get("robot_speed"),
+        origin=origin,
+    )
+
+
+def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
+    plane, floors, bodies = told.plane, told.floors, told.bodies
+    level = floors[plane.floor]
+    notes = [f"cut {plane.height:g} m above the floor at {level:g} m; what ends below or begins above is not seen"]
+    if len(floors) > 1:
+        notes.append(f"the mesh has {len(floors)} floors, at {_listed(floors)} m; this is floor {plane.floor}")
+    if bodies.open_count:
+        notes.append(
+            f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not closed; "
+            "their surfaces are walls, and their insides stay free"
+        )
+    if left_out:
+        notes.append(f"{left_out} parts that are no surfaces, such as points and lines, are left out")
+    return (*notes, "beyond these cells everything is solid")
+
+
+def _warnings(told: _Told) -> tuple[str, ...]:
+    sides = (told.vertices.max(axis=0) - told.vertices.min(axis=0)).tolist()
+    if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
+        return ()
+    return (f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, say so with +unit",)
+
+
+def _listed(floors: list[float]) -> str:
+    return ", ".join(f"{height:g}" for height in floors)
