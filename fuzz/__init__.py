@@ -15,8 +15,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from sim.containment import contain
+from worldgen.plugins.own_packages import check_hidden
 from worldgen.support.lazy import lazy_names
+
+try:
+    from sim.containment import contain
+except ModuleNotFoundError:
+    check_hidden()  # the user's own sim came instead; say so
+    raise
 
 if TYPE_CHECKING:
     from fuzz.campaign.config import CampaignConfig

@@ -150,8 +150,14 @@ class FailureTest(pytest.Item):
         Raises:
             NotAsExpected: If the failure is not fixed, or not confirmed.
         """
-        from fuzz.replay.regression import check
         from worldgen.errors import WorldgenError
+        from worldgen.plugins.own_packages import check_hidden
+
+        try:
+            check_hidden()
+        except WorldgenError as error:
+            raise NotAsExpected(error) from error
+        from fuzz.replay.regression import check
 
         settings = self.config.stash[_SETTINGS]
         try:
@@ -221,15 +227,18 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
 @pytest.fixture
 def worldgen_world(request: pytest.FixtureRequest) -> World:
     """A world of the family that the test's mark names, with a witness that its target can be reached."""
-    from fuzz.replay.regression import Seen
     from worldgen.errors import WorldgenError
     from worldgen.generation import generate
+    from worldgen.plugins.own_packages import check_hidden
 
     case: _Case = request.param
     try:
+        check_hidden()
         world = generate(case.family, case.seed, **case.parameters)
     except WorldgenError as error:
         pytest.fail(str(error), pytrace=False)
+    from fuzz.replay.regression import Seen
+
     request.node.stash[_SEEN] = Seen(world)
     return world
 

@@ -1,4 +1,4 @@
-"""A folder or file of the user's that hides a package of ours is named, and nothing in it is run."""
+"""A user's folder or file called ``sim`` or ``fuzz``: the program works next to it, a test run reports it."""
 
 from __future__ import annotations
 
@@ -8,22 +8,72 @@ import sys
 
 import pytest
 
+SCRIPT = "from worldgen.cli.main import main; main()"
+ROBOT_TEST = """
+import pytest
+
+@pytest.mark.worldgen(family="maze", controller="wall-left", count=1, size=12)
+def test_robot(worldgen_episode):
+    assert worldgen_episode.steps > 0
+"""
+
+
+def run_in(folder, *command, **environment):
+    return subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.fixture
+def project(tmp_path, request):
+    file = tmp_path / request.param
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("raise SystemExit('run')\n")
+    return tmp_path
+
 
 @pytest.mark.gate
-@pytest.mark.parametrize("hiding", ["sim/__init__.py", "fuzz/planner.py", "sim.py"])
-@pytest.mark.parametrize("by_path", [False, True], ids=["folder", "PYTHONPATH"])
-def test_what_hides_a_package_is_named(hiding, by_path, tmp_path):
-    file = tmp_path / hiding
-    file.parent.mkdir(exist_ok=True)
-    file.write_text("print('run')\n")
-    script = "from worldgen.cli.main import main; main()"
-    command = [sys.executable, "-P", "-c", script] if by_path else [sys.executable, "-m", "worldgen"]
-    environment = os.environ | {"PYTHONPATH": str(tmp_path)} if by_path else os.environ
-    result = subprocess.run(
-        [*command, "run", "--help"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
-    hidden = hiding.partition("/")[0]
-    if hiding == "fuzz/planner.py" and by_path and result.returncode == 0:
-        pytest.skip("an installed package comes before a folder without __init__.py")
-    assert (result.returncode, result.stdout) == (2, "")
-    assert str(tmp_path / hidden) in result.stderr and "fault of our own" not in result.stderr
+@pytest.mark.parametrize(
+    ("project", "by_path"),
+    [("sim/__init__.py", False), ("sim/planner.py", False), ("fuzz.py", False), ("sim.py", True)],
+    indirect=["project"],
+)
+def test_the_program_works_next_to_a_folder_of_the_same_name(project, by_path):
+    program = ["-P", "-c", SCRIPT] if by_path else ["-m", "worldgen"]
+    found = {"PYTHONPATH": str(project)} if by_path else {}
+    run_in(project, *program, "maze", "--seed", "3", "--size", "12", "--out", "w.grid", **found)
+    result = run_in(project, *program, "run", "w.grid", "--controller", "wall-left", **found)
+    assert result.returncode in {0, 1}, result.stderr
+    assert ", trace " in result.stdout
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("project", ["sim/__init__.py"], indirect=True)
+def test_worker_processes_work_next_to_a_folder_of_the_same_name(project):
+    words = ["--controller", "wall-left", "--units", "2", "--workers", "2", "--out", "found"]
+    result = run_in(project, "-m", "worldgen", "fuzz", *words)
+    assert result.returncode in {0, 1}, result.stderr
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("project", ["sim/__init__.py"], indirect=True)
+def test_a_controller_next_to_a_folder_of_the_same_name_is_still_found(project):
+    (project / "mine.py").write_text("from sim.controllers import CONTROLLERS\nRobot = CONTROLLERS.get('wall-left')\n")
+    run_in(project, "-m", "worldgen", "maze", "--seed", "3", "--size", "12", "--out", "w.grid")
+    result = run_in(project, "-m", "worldgen", "run", "w.grid", "--controller", "mine:Robot")
+    assert result.returncode in {0, 1}, result.stderr
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("project", ["sim.py", "fuzz.py"], indirect=True)
+def test_a_test_run_says_what_hides_a_package(project):
+    (project / "test_robot.py").write_text(ROBOT_TEST)
+    result = run_in(project, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_robot.py")
+    assert result.returncode == 1
+    assert "hides the package" in result.stdout and "--import-mode=importlib" in result.stdout
+    assert "Traceback" not in result.stdout and "ModuleNotFoundError" not in result.stdout

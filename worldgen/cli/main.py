@@ -15,10 +15,10 @@ import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
-from worldgen.cli.hidden_packages import check_hidden
 from worldgen.cli.output import note
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
+from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
 from worldgen.support.progress import display_on_stderr
 
 __all__ = ["cli", "main"]
@@ -157,6 +157,7 @@ def _say_how_to_import(error: NotAGrid) -> None:
 
 def main() -> NoReturn:
     """Runs the command line and ends the process with the documented exit code."""
+    prefer_own_packages()
     try:
         with no_ctrl_c_lost(), display_on_stderr():
             code = cli.main(standalone_mode=False)

@@ -1,4 +1,8 @@
-"""Whether a folder or file of the user's hides one of our packages, as ``sim/`` does from ``python -m worldgen``."""
+"""Our packages ``sim`` and ``fuzz`` next to a user's folder or file of the same name, as robot projects have one.
+
+In the program ours are imported, wherever the user's are: call :func:`prefer_own_packages` first. A process of the
+user's, such as a test run, imports what comes first on Python's path; :func:`check_hidden` says what that hides.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +14,37 @@ from pathlib import Path
 import worldgen
 from worldgen.errors import InvalidParameter
 
-__all__ = ["check_hidden", "hidden_package"]
+__all__ = ["check_hidden", "hidden_package", "prefer_own_packages"]
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
+_ROOT = Path(worldgen.__file__).resolve().parent.parent
+
+
+def prefer_own_packages() -> None:
+    """Have this process, and those that it starts, import our packages rather than others of the same name.
+
+    The folders on Python's path that hide ours are searched last: what else is in them can still be imported.
+    """
+    hiding = [entry for entry in sys.path if _hides(entry)]
+    if not hiding:
+        return
+    others = [entry for entry in sys.path if entry not in hiding]
+    ours = [] if str(_ROOT) in others else [str(_ROOT)]
+    sys.path[:] = [*others, *ours, *hiding]
+
+
+def _hides(entry: str) -> bool:
+    """Return True if one of our names means something else in this folder of Python's path."""
+    if Path(entry).resolve() == _ROOT:
+        return False
+    finder = importlib.machinery.PathFinder
+    return any(finder.find_spec(name, [entry]) is not None for name in _PACKAGES)
 
 
 def hidden_package() -> tuple[str, Path] | None:
     """Return the first of our packages that Python would import from elsewhere, and where it would; else ``None``."""
-    root = Path(worldgen.__file__).resolve().parent.parent
     for name in _PACKAGES:
-        ours = root / name
+        ours = _ROOT / name
         if not (ours / "__init__.py").is_file():
             continue
         found = _place_of(name)
@@ -29,7 +54,7 @@ def hidden_package() -> tuple[str, Path] | None:
 
 
 def check_hidden() -> None:
-    """Refuse to go on with another's package in the place of ours.
+    """Refuse to continue with another package in the place of ours.
 
     Raises:
         InvalidParameter: If one is hidden.
@@ -42,7 +67,8 @@ def check_hidden() -> None:
     raise InvalidParameter(
         "hidden-package",
         "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first on Python's path",
-        "call `worldgen` rather than `python -m worldgen`, take that folder out of PYTHONPATH, or rename {folder}",
+        "take that folder out of Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, not "
+        "`python -m pytest`), or rename {folder}",
         kind=kind,
         place=place,
         name=name,
