@@ -157,7 +157,9 @@ def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[st
     for setting in settings:
         name, equals, text = setting.partition("=")
         if not equals:
-            raise InvalidParameter("no-value", "{setting!q} sets no value", "write --set NAME=VALUE", setting=setting)
+            raise InvalidParameter(
+                "no-value", "{setting!q} sets no value", "write --set NAME=VALUE", at_terminal=True, setting=setting
+            )
         words[name.strip().replace("-", "_")] = text.strip()
     known = [parameter for name in families for parameter in FAMILIES.get(name).parameters]
     return parse_options(words, known, f"--family {', '.join(families)}" if families else "--set without --family")

@@ -1,7 +1,7 @@
-"""Motion models: how a commanded motion becomes displacement, one file each.
+"""Motion models: how a commanded motion becomes displacement.
 
 Contents:
-    Motion, MOTIONS: what a model is, and the registry that finds one by name.
+    Motion, MOTIONS: what a model is, and all of them by name.
 """
 
 from sim.motion.base import MOTIONS, Motion

@@ -275,7 +275,7 @@ def test_a_start_inside_a_wall_is_refused_with_the_way_out():
     [
         ({"motion": "swpet"}, {"code": "unknown-name", "name": "swpet", "near": "swept"}),
         ({"steps": 0}, {"code": "out-of-range", "name": "steps"}),
-        ({"time_step": math.nan}, {"code": "out-of-range"}),
+        ({"time_step": math.nan}, {"code": "not-finite", "name": "time_step"}),
         ({"seed": -1}, {"code": "out-of-range", "name": "seed", "value": -1}),
         ({"motion": "stepped"}, {"code": "motion-is-the-thesis-robots", "name": "stepped"}),
     ],

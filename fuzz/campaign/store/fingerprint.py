@@ -17,7 +17,6 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.variation import Variation
 from fuzz.oracles import ORACLES, NamedOracle
 from sim.controllers import CONTROLLERS, ProcessController
-from sim.motion import MOTIONS
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.family import FAMILIES
@@ -164,7 +163,6 @@ def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
         yield f"program {controller}", _digest_of_program(found.command)
     else:
         yield f"controller {controller}", _digest_of_source(CONTROLLERS, controller)
-    yield f"motion model {config.scenario.motion}", _digest_of_source(MOTIONS, config.scenario.motion)
     for name in config.families:
         if name.endswith(".toml"):
             yield f"family {name}", digest_of(FAMILIES.get(name).constants)
