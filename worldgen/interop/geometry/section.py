@@ -3,6 +3,8 @@
 Closed bodies are solid inside: a cell's centre counts as inside if surfaces whose outer side looks away from it wind
 around it more often than others, so a building whose rooms are cavities has free rooms. A cell that a surface passes
 through is solid too. Bodies that are not closed have no inside; their surfaces are walls without thickness.
+
+trimesh 5.2 makes polygons of a section only with another compiled library, rtree, so the cut is made here.
 """
 
 from __future__ import annotations
