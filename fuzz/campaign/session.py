@@ -282,7 +282,7 @@ class CampaignSession:
             self._store.save_summary(self._summary())
 
     def _summary(self) -> dict[str, Any]:
-        return summary_of(self._config, self._campaign.state, self._status)
+        return summary_of(self._config, self._campaign.state, self._status, self._out).table()
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""

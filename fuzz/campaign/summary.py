@@ -2,65 +2,74 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import CampaignState
+from fuzz.campaign.store import MEMORY, Archive, BucketTotals, StrategyTotals, Summary
 from fuzz.search.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.support.plain_text import aligned, counted
 
 __all__ = ["controller_share", "lanes_in_words", "share_in_words", "summary_of", "time_in_words", "units_in_words"]
 
-_VERSION = 1
+
+def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder: Path) -> Summary:
+    """Return the summary of a campaign as it stands.
+
+    Args:
+        config: What it looks for.
+        state: What it did until now.
+        status: One of those that a summary has.
+        folder: Where its failures are.
+    """
+    lanes = [
+        StrategyTotals(name, lane.units, lane.worlds, lane.steps, lane.failures, lane.classes)
+        for name, lane in state.memory.lanes.items()
+    ]
+    found = [
+        BucketTotals(
+            unit=find.unit,
+            lane=find.lane,
+            kind=find.kind,
+            solid_cells=find.failure.world.solid_cells,
+            worlds=find.worlds,
+            steps=find.steps,
+            seconds=find.seconds,
+            file=f"{MEMORY}/failures/{find.failure.id}.grid",
+        )
+        for find in state.finds
+    ]
+    return Summary(
+        folder=folder,
+        controller=config.scenario.label(),
+        motion=config.scenario.motion,
+        seed=config.seed,
+        units=state.units,
+        worlds=state.worlds,
+        steps=state.steps,
+        seconds=state.seconds,
+        status=status,
+        verdicts=dict(state.verdicts),
+        met=dict(state.met),
+        known=dict(state.known),
+        lanes=lanes,
+        found=found,
+        archive=_archive_of(state),
+        units_cut=state.cut - state.too_early,
+        units_too_early=state.too_early,
+        times=dict(state.times),
+        controller_share=controller_share(config, state),
+    )
 
 
-def summary_of(config: CampaignConfig, state: CampaignState, status: str) -> dict[str, Any]:
-    """What ``.campaign/summary.json`` holds; ``docs/campaigns.md`` says what each part means."""
-    share = controller_share(config, state)
-    return {
-        "version": _VERSION,
-        "status": status,
-        "controller": config.scenario.label(),
-        "motion": config.scenario.motion,
-        "seed": config.seed,
-        "units": state.units,
-        "units_cut": state.cut - state.too_early,
-        "units_too_early": state.too_early,
-        "worlds": state.worlds,
-        "steps": state.steps,
-        "seconds": round(state.seconds, 3),
-        "times": {name: round(seconds, 3) for name, seconds in state.times.items()},
-        **({} if share is None else {"controller_share": round(share, 3)}),
-        "verdicts": dict(state.verdicts),
-        "met": dict(state.met),
-        "known": dict(state.known),
-        "lanes": [
-            {
-                "lane": name,
-                "units": lane.units,
-                "worlds": lane.worlds,
-                "steps": lane.steps,
-                "failures": lane.failures,
-                "classes": lane.classes,
-            }
-            for name, lane in state.memory.lanes.items()
-        ],
-        "found": [
-            {
-                "unit": find.unit,
-                "lane": find.lane,
-                "class": find.kind,
-                "solid_cells": find.failure.world.solid_cells,
-                "worlds": find.worlds,
-                "steps": find.steps,
-                "seconds": round(find.seconds, 3),
-                "file": f".campaign/failures/{find.failure.id}.grid",
-            }
-            for find in state.finds
-        ],
-        "archive": archive_table(state.memory.elites),
-    }
+def _archive_of(state: CampaignState) -> Archive | None:
+    table = archive_table(state.memory.elites)
+    if table is None:
+        return None
+    first, second = table["axes"]
+    cells = [tuple(cell) for cell in table["cells"]]
+    return Archive((first["name"], second["name"]), (first["edges"], second["edges"]), cells)
 
 
 def lanes_in_words(state: CampaignState) -> str:

@@ -5,7 +5,7 @@ Contents:
     Summary: what a campaign notes of itself for reports.
 """
 
+from fuzz.campaign.store import Summary
 from fuzz.report.page import write_report
-from fuzz.report.summary import Summary
 
 __all__ = ["Summary", "write_report"]

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from fuzz.campaign.store import MEMORY, Summary, read_summary
 from fuzz.corpus import Entry, read_corpus
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from fuzz.report.summary import MEMORY, Summary, read_summary
 from fuzz.triage.judging import Replay, replay
 from sim.episode import Episode
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError

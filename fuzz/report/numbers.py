@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from fuzz.boundary import boundaries_in_words
+from fuzz.campaign.store import Summary
 from fuzz.describe import seeds_in_words
 from fuzz.report.gather import Reported, Seen
-from fuzz.report.summary import Summary
 from sim.evidence import LoopEvidence
 from worldgen.support.plain_text import counted, value_in_words
 from worldgen.world import Cut, Value, Witness, World

@@ -9,12 +9,12 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.store import Summary
 from fuzz.corpus import Entry
 from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
 from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
-from fuzz.report.summary import Summary
 from sim.controllers import CONTROLLERS
 from worldgen.files.whole import check_output, write_bytes
 from worldgen.support.plain_text import counted

@@ -14,12 +14,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.store import MEMORY
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
-from fuzz.report.summary import MEMORY
 from fuzz.studio.campaigns import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.exchange import ExchangeAnswers

@@ -9,8 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import FolderStore, read_error
-from fuzz.report.summary import MEMORY, read_summary
+from fuzz.campaign.store import MEMORY, FolderStore, read_error, read_summary
 from fuzz.studio.refusals import refusal
 from worldgen.errors import FormatError
 from worldgen.files.locks import holder

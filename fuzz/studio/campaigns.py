@@ -18,8 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import FolderStore, forget_error, read_error
-from fuzz.report.summary import MEMORY
+from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
 from fuzz.studio.beginning import beginning
 from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
 from fuzz.studio.elites import elite_of, runs_in

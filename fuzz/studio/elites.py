@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from fuzz.campaign.store import FolderStore
-from fuzz.report.summary import MEMORY, read_summary
+from fuzz.campaign.store import MEMORY, FolderStore, read_summary
 from fuzz.search.features import decode_scene
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.files.whole import read_text

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzz.campaign.store import read_summary
 from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.player.streams import bits, numbers
 from fuzz.player.worlds import drawn_world
 from fuzz.report import write_report
-from fuzz.report.summary import read_summary
 from sim.episode import Episode, simulate
 from sim.evidence import LoopEvidence, WallEvidence
 from sim.trace import Trace

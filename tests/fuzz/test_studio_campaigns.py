@@ -13,8 +13,8 @@ from fuzz.campaign import store
 from fuzz.campaign.options import CampaignOptions
 from fuzz.campaign.run import Campaign
 from fuzz.campaign.session import configure
+from fuzz.campaign.store import MEMORY
 from fuzz.failure import Failure
-from fuzz.report.summary import MEMORY
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers

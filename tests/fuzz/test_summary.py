@@ -5,7 +5,7 @@ import pytest
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.run import Campaign, CampaignState, UnitDone
-from fuzz.campaign.store import Budget, begin, resume
+from fuzz.campaign.store import Budget, begin, read_summary, resume
 from fuzz.campaign.summary import controller_share, share_in_words, summary_of, time_in_words
 from sim.scenario import Scenario
 
@@ -28,16 +28,16 @@ def of_a_compiled_one():
     return campaign_of("turn-right")
 
 
-def test_the_share_of_a_python_class_is_in_the_summary(of_a_class):
-    assert 0.0 < summary_of(*of_a_class, "done")["controller_share"] < 1.0
+def test_the_share_of_a_python_class_is_in_the_summary(of_a_class, tmp_path):
+    assert 0.0 < summary_of(*of_a_class, "done", tmp_path).controller_share < 1.0
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
     assert share_in_words(*of_a_class).endswith(" % of the work was your controller's own code")
 
 
-def test_a_compiled_controller_has_no_share(of_a_compiled_one):
-    assert "controller_share" not in summary_of(*of_a_compiled_one, "done")
+def test_a_compiled_controller_has_no_share(of_a_compiled_one, tmp_path):
+    assert "controller_share" not in summary_of(*of_a_compiled_one, "done", tmp_path).table()
     assert share_in_words(*of_a_compiled_one) is None
 
 
@@ -79,3 +79,11 @@ def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_
     list(campaign.run())
     again.store.close()
     assert campaign.state.seconds == 1_000.0
+
+
+def test_a_summary_is_read_as_it_was_written(of_a_class, tmp_path):
+    campaign_run = begin(of_a_class[0], tmp_path, Budget(units=1))
+    written = summary_of(*of_a_class, "done", tmp_path)
+    campaign_run.store.save_summary(written.table())
+    campaign_run.store.close()
+    assert read_summary(tmp_path).table() == written.table()

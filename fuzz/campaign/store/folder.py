@@ -21,6 +21,7 @@ from typing import Any
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.store.fingerprint import Fingerprint
 from fuzz.campaign.store.last_error import forget_error
+from fuzz.campaign.store.summary import MEMORY, SUMMARY_FILE
 from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
@@ -29,7 +30,6 @@ from worldgen.files.whole import read_text, write_bytes
 
 __all__ = ["CampaignStore", "FolderStore"]
 
-_NAME = ".campaign"
 _VERSION = 1
 _SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid")
 _CUT = ".cut.json"
@@ -82,7 +82,7 @@ class FolderStore(CampaignStore):
     """
 
     def __init__(self, out: Path) -> None:
-        self.out, self._path = out, out / _NAME
+        self.out, self._path = out, out / MEMORY
         self._fingerprint = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
@@ -107,7 +107,7 @@ class FolderStore(CampaignStore):
         Raises:
             FormatError: If it cannot be read.
         """
-        file = out / _NAME / "campaign.json"
+        file = out / MEMORY / "campaign.json"
         if not file.is_file():
             return None
         try:
@@ -166,7 +166,7 @@ class FolderStore(CampaignStore):
         """
         with _told(self._path):
             (self._path / "campaign.json").unlink(missing_ok=True)  # first: what is left is then no campaign
-            (self._path / "summary.json").unlink(missing_ok=True)
+            (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:
                 if (self._path / part).exists():
@@ -265,7 +265,7 @@ class FolderStore(CampaignStore):
     def seconds(self) -> float:
         """Return how long earlier runs took, shrinking after the last unit included; 0 if that cannot be read."""
         try:
-            seconds = float(json.loads((self._path / "summary.json").read_bytes())["seconds"])
+            seconds = float(json.loads((self._path / SUMMARY_FILE).read_bytes())["seconds"])
         except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return 0.0
         return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
@@ -276,7 +276,7 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        self._save("summary.json", (json.dumps(summary, indent=1) + "\n").encode())
+        self._save(SUMMARY_FILE, (json.dumps(summary, indent=1) + "\n").encode())
 
     def save_status(self, status: str) -> None:
         """Write how the campaign stands into the summary that is there, if there is one.
@@ -284,7 +284,7 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be written.
         """
-        file = self._path / "summary.json"
+        file = self._path / SUMMARY_FILE
         try:
             summary = json.loads(read_text(file))
             self.save_summary({**summary, "status": status})

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from fuzz.campaign.store.summary import MEMORY
 from worldgen.errors import FormatError, Message, OutputError, WorldgenError
 from worldgen.files.locks import holder
 from worldgen.files.whole import read_text, write_bytes
@@ -24,7 +25,7 @@ _SPEC = re.compile(r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}")  # no width, which 
 
 
 def _file(out: Path) -> Path:
-    return out / ".campaign" / "error.json"
+    return out / MEMORY / "error.json"
 
 
 def record_error(out: Path, error: WorldgenError) -> None:
@@ -34,7 +35,7 @@ def record_error(out: Path, error: WorldgenError) -> None:
         out: The campaign's folder.
         error: Why.
     """
-    memory = out / ".campaign"
+    memory = out / MEMORY
     if not memory.is_dir() or holder(memory / "lock") not in (None, os.getpid()):
         return
     problem, remedy = error.message.templates

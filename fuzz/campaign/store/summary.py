@@ -1,4 +1,4 @@
-"""What a campaign notes of itself for reports: ``.campaign/summary.json`` in its folder."""
+"""A campaign in numbers: ``.campaign/summary.json``, written and read here."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from typing import Any
 from worldgen.errors import FormatError
 from worldgen.files.whole import read_text
 
-__all__ = ["MEMORY", "Archive", "Find", "Lane", "Summary", "read_summary"]
+__all__ = ["MEMORY", "SUMMARY_FILE", "Archive", "BucketTotals", "StrategyTotals", "Summary", "read_summary"]
 
 MEMORY = ".campaign"  # folder, in a campaign's folder, of what it remembers
-_FILE = "summary.json"
+SUMMARY_FILE = "summary.json"
 _VERSION = 1
 _MOST_ROWS = 100_000
 _STATUSES = ("", "running", "done", "stopped", "failed")
 
 
 @dataclass(frozen=True)
-class Lane:
+class StrategyTotals:
     """What one way of searching did: ``classes`` counts those that it was the first to find."""
 
     lane: str
@@ -33,7 +33,7 @@ class Lane:
 
 
 @dataclass(frozen=True)
-class Find:
+class BucketTotals:
     """A class met for the first time, or in a smaller world; ``worlds`` and what follows are totals up to then."""
 
     unit: int
@@ -43,6 +43,20 @@ class Find:
     worlds: int
     steps: int
     seconds: float
+    file: str = ""
+
+    def row(self) -> dict[str, Any]:
+        """Return the part of the file that is about it."""
+        return {
+            "unit": self.unit,
+            "lane": self.lane,
+            "class": self.kind,
+            "solid_cells": self.solid_cells,
+            "worlds": self.worlds,
+            "steps": self.steps,
+            "seconds": round(self.seconds, 3),
+            "file": self.file,
+        }
 
 
 @dataclass(frozen=True)
@@ -58,6 +72,11 @@ class Archive:
     names: tuple[str, str]
     edges: tuple[list[float], list[float]]
     cells: list[tuple[int, int, float, str]]
+
+    def table(self) -> dict[str, Any]:
+        """Return the part of the file that is about it."""
+        axes = [{"name": name, "edges": edges} for name, edges in zip(self.names, self.edges, strict=True)]
+        return {"axes": axes, "cells": [list(cell) for cell in self.cells]}
 
 
 @dataclass(frozen=True)
@@ -80,6 +99,10 @@ class Summary:
         lanes: What each lane did.
         found: In order of time.
         archive: Behaviours met, if an archive was kept.
+        units_cut: Units cut short, not among ``units``.
+        units_too_early: Units done before a cut one that they learn from, not among ``units``.
+        times: Seconds of the last run, by part.
+        controller_share: Of the last run's work, in a class or program of the user's.
     """
 
     folder: Path
@@ -94,9 +117,38 @@ class Summary:
     verdicts: dict[str, int] = field(default_factory=dict)
     met: dict[str, int] = field(default_factory=dict)
     known: dict[str, int] = field(default_factory=dict)
-    lanes: list[Lane] = field(default_factory=list)
-    found: list[Find] = field(default_factory=list)
+    lanes: list[StrategyTotals] = field(default_factory=list)
+    found: list[BucketTotals] = field(default_factory=list)
     archive: Archive | None = None
+    units_cut: int = 0
+    units_too_early: int = 0
+    times: dict[str, float] = field(default_factory=dict)
+    controller_share: float | None = None
+
+    def table(self) -> dict[str, Any]:
+        """Return what the file holds; ``docs/campaigns.md`` says what each part means."""
+        share = {} if self.controller_share is None else {"controller_share": round(self.controller_share, 3)}
+        return {
+            "version": _VERSION,
+            "status": self.status,
+            "controller": self.controller,
+            "motion": self.motion,
+            "seed": self.seed,
+            "units": self.units,
+            "units_cut": self.units_cut,
+            "units_too_early": self.units_too_early,
+            "worlds": self.worlds,
+            "steps": self.steps,
+            "seconds": round(self.seconds, 3),
+            "times": {name: round(seconds, 3) for name, seconds in self.times.items()},
+            **share,
+            "verdicts": self.verdicts,
+            "met": self.met,
+            "known": self.known,
+            "lanes": [vars(lane) for lane in self.lanes],
+            "found": [find.row() for find in self.found],
+            "archive": None if self.archive is None else self.archive.table(),
+        }
 
 
 def read_summary(folder: Path) -> Summary | None:
@@ -105,12 +157,12 @@ def read_summary(folder: Path) -> Summary | None:
     Raises:
         FormatError: If it cannot be read, or is no summary of version 1.
     """
-    path = folder / MEMORY / _FILE
+    path = folder / MEMORY / SUMMARY_FILE
     if not path.is_file():
         return None
     text = read_text(path)
     try:
-        return _summary(folder, _Reader(json.loads(text)))
+        return _summary(folder, _SummaryReader(json.loads(text)))
     except (ValueError, OverflowError, RecursionError) as error:
         raise FormatError(
             "invalid-summary",
@@ -125,7 +177,7 @@ class _Fault(ValueError):
     """Something in the summary that is not as it must be."""
 
 
-class _Reader:
+class _SummaryReader:
     """A JSON object whose values are asked for by name and kind."""
 
     def __init__(self, values: object) -> None:
@@ -142,11 +194,24 @@ class _Reader:
     def number(self, name: str) -> float:
         return _number(self._values.get(name), name)
 
+    def whole_or_0(self, name: str) -> int:
+        return self.whole(name) if name in self._values else 0
+
+    def number_or_none(self, name: str) -> float | None:
+        return self.number(name) if name in self._values else None
+
+    def numbers(self, name: str) -> dict[str, float]:
+        part = _SummaryReader(self._values.get(name, {}))
+        return {key: part.number(key) for key in part._values}
+
     def text(self, name: str) -> str:
         value = self._values.get(name)
         if not isinstance(value, str) or not value:
             raise _Fault(f"{name!r} is no text, or empty")
         return value
+
+    def text_or_empty(self, name: str) -> str:
+        return self.text(name) if name in self._values else ""
 
     def one_of(self, name: str, known: tuple[str, ...]) -> str:
         value = self._values.get(name, "")
@@ -155,7 +220,7 @@ class _Reader:
         return str(value)
 
     def counts(self, name: str) -> dict[str, int]:
-        part = _Reader(self._values.get(name, {}))
+        part = _SummaryReader(self._values.get(name, {}))
         return {key: part.whole(key) for key in part._values}
 
     def rows(self, name: str) -> list[Any]:
@@ -164,12 +229,12 @@ class _Reader:
             raise _Fault(f"{name!r} is no list of at most {_MOST_ROWS} rows")
         return value
 
-    def part(self, name: str) -> _Reader | None:
+    def part(self, name: str) -> _SummaryReader | None:
         value = self._values.get(name)
-        return None if value is None else _Reader(value)
+        return None if value is None else _SummaryReader(value)
 
 
-def _summary(folder: Path, said: _Reader) -> Summary:
+def _summary(folder: Path, said: _SummaryReader) -> Summary:
     if said.whole("version") != _VERSION:
         raise _Fault(f"its version is {said.whole('version')}, and {_VERSION} is known")
     archive = said.part("archive")
@@ -186,19 +251,23 @@ def _summary(folder: Path, said: _Reader) -> Summary:
         verdicts=said.counts("verdicts"),
         met=said.counts("met"),
         known=said.counts("known"),
-        lanes=[_lane(_Reader(row)) for row in said.rows("lanes")],
-        found=[_find(_Reader(row)) for row in said.rows("found")],
+        lanes=[_lane(_SummaryReader(row)) for row in said.rows("lanes")],
+        found=[_find(_SummaryReader(row)) for row in said.rows("found")],
         archive=None if archive is None else _archive(archive),
+        units_cut=said.whole_or_0("units_cut"),
+        units_too_early=said.whole_or_0("units_too_early"),
+        times=said.numbers("times"),
+        controller_share=said.number_or_none("controller_share"),
     )
 
 
-def _lane(said: _Reader) -> Lane:
+def _lane(said: _SummaryReader) -> StrategyTotals:
     numbers = (said.whole(name) for name in ("units", "worlds", "steps", "failures", "classes"))
-    return Lane(said.text("lane"), *numbers)
+    return StrategyTotals(said.text("lane"), *numbers)
 
 
-def _find(said: _Reader) -> Find:
-    return Find(
+def _find(said: _SummaryReader) -> BucketTotals:
+    return BucketTotals(
         unit=said.whole("unit"),
         lane=said.text("lane"),
         kind=said.text("class"),
@@ -206,11 +275,12 @@ def _find(said: _Reader) -> Find:
         worlds=said.whole("worlds"),
         steps=said.whole("steps"),
         seconds=said.number("seconds"),
+        file=said.text_or_empty("file"),
     )
 
 
-def _archive(said: _Reader) -> Archive:
-    axes = [_Reader(axis) for axis in said.rows("axes")]
+def _archive(said: _SummaryReader) -> Archive:
+    axes = [_SummaryReader(axis) for axis in said.rows("axes")]
     if len(axes) != 2:
         raise _Fault(f"'axes' has {len(axes)} axes, and two can be drawn")
     edges = [[_number(edge, "edges") for edge in axis.rows("edges")] for axis in axes]
@@ -221,7 +291,7 @@ def _archive(said: _Reader) -> Archive:
 def _cell(row: object, columns: int, rows: int) -> tuple[int, int, float, str]:
     if not isinstance(row, list) or len(row) != 4:
         raise _Fault("a cell of 'archive' is not [i, j, quality, verdict]")
-    said = _Reader(dict(zip(("i", "j", "quality", "verdict"), row, strict=True)))
+    said = _SummaryReader(dict(zip(("i", "j", "quality", "verdict"), row, strict=True)))
     i, j = said.whole("i"), said.whole("j")
     if i >= columns or j >= rows:
         raise _Fault(f"cell [{i}, {j}] of 'archive' lies outside its {columns} x {rows} cells")
