@@ -20,7 +20,7 @@ from sim.controllers.catalogue import called, controller_of
 from sim.episode import Episode, simulate
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
-from sim.options.run import RunOptions, options_of, poses_of, seeds_of, whole, worlds_of
+from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
 from sim.runners.lattice import LatticeRun
 from sim.runners.lockstep import FleetRun
@@ -122,6 +122,7 @@ class _Job:
 def simulate_many(
     worlds: World | Sequence[World],
     controllers: str | Controller | type | Sequence[str | Controller | type],
+    options: RunOptions | None = None,
     *,
     seeds: int | Sequence[int] = 1,
     starts: Sequence[Pose] | None = None,
@@ -137,11 +138,12 @@ def simulate_many(
     Args:
         worlds: One or many.
         controllers: Names, controllers themselves, or their classes.
+        options: As for :func:`sim.simulate`.
         seeds: Seeds, or how many, from 0.
         starts: Poses to start from, in every world; without them each world's own.
         digest: Whether to work out the traces' digests.
         workers: Threads, 1 to 1024; without a number as many as there are cores.
-        **settings: As for :func:`sim.simulate`: ``motion="endpoint", steps=5000, beams=36``.
+        **settings: Single options, as an alternative to ``options``: ``motion="endpoint", steps=5000, beams=36``.
 
     Raises:
         InvalidParameter: If there is nothing to run, or a name or an option is unknown or of the wrong type.
@@ -157,11 +159,11 @@ def simulate_many(
         raise InvalidParameter(
             "nothing-given", "nothing to run", "give at least one world, one controller, one start and one seed"
         )
-    if "seed" in settings:
+    if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
         raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
-    jobs = list(_jobs(found, drivers, poses, len(numbers), settings))
+    jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
     threaded = [job for job in jobs if _is_threaded(job)]
     _run_side_by_side(threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest)
     _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
@@ -199,13 +201,14 @@ def _jobs(
     controllers: Sequence[Controller],
     poses: tuple[Pose, ...] | None,
     seeds: int,
+    given: RunOptions | None,
     settings: Mapping[str, Value],
 ) -> Iterator[_Job]:
     first = 0
     for world, pose in itertools.product(worlds, poses or ()):
         replace(world, start=pose)  # refused if it lies outside
     for world, controller in itertools.product(worlds, controllers):
-        starts, options = poses or (world.start,), options_of(world, settings)
+        starts, options = poses or (world.start,), options_from(world, given, settings)
         rows = range(first, first + len(starts) * seeds)
         first = rows.stop
         for begin in range(rows.start, rows.stop, _MOST_AT_ONCE):

@@ -17,7 +17,7 @@ from sim.evidence import (
 )
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.options.run import RunOptions, check_recordable, check_world, options_of, switch_sets
+from sim.options.run import RunOptions, check_recordable, check_world, options_from, switch_sets
 from sim.outcome import Outcome, Runnable
 from sim.runners.lattice import LatticeRun
 from sim.thesis.run import ThesisRun
@@ -98,17 +98,7 @@ def simulate(
         InvalidWorld: If the robot cannot stand at the start.
     """
     check_world(world)
-    if options is None:
-        options = options_of(world, settings)
-    elif not isinstance(options, RunOptions):
-        raise InvalidParameter(
-            "wrong-type",
-            "{options!r} is not RunOptions",
-            "give these, or single settings: steps=3000, seed=3",
-            options=options,
-        )
-    elif settings:
-        raise InvalidParameter("options-given-twice", "give options or {settings!l}, not both", settings=list(settings))
+    options = options_from(world, options, settings)
     found = controller_of(controller)
     run = prepare(world, found, options, lean=lean)
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)

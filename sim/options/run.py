@@ -34,6 +34,7 @@ __all__ = [
     "check_step_length",
     "check_world",
     "option_without_effect",
+    "options_from",
     "options_of",
     "poses_of",
     "seeds_of",
@@ -231,6 +232,26 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
     options = RunOptions(**own)  # type: ignore[arg-type]
     budget = options.steps if "steps" in own else step_budget(world, options.time_step)
     return replace(options, steps=budget, **(switch_sets(options.motion, rest) if rest else {}))
+
+
+def options_from(world: World, options: RunOptions | None, settings: Mapping[str, Value]) -> RunOptions:
+    """Return the options that a caller gave: all of them at once, or as single settings.
+
+    Raises:
+        InvalidParameter: If both are given, or a name or a value is unknown or out of range.
+    """
+    if options is None:
+        return options_of(world, settings)
+    if not isinstance(options, RunOptions):
+        raise InvalidParameter(
+            "wrong-type",
+            "{options!r} is not RunOptions",
+            "give these, or single settings: steps=3000, seed=3",
+            options=options,
+        )
+    if settings:
+        raise InvalidParameter("options-given-twice", "give options or {settings!l}, not both", settings=list(settings))
+    return options
 
 
 def check_world(world: object) -> World:

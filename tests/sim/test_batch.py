@@ -108,3 +108,21 @@ def test_a_batch_that_another_thread_stops_runs_no_further():
     starts = np.array([run.start_of(run.world.start)] * 3, np.int64)
     reports = run.run_many(controller, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64))
     assert reports["steps"].tolist() == [0, 0, 0]
+
+
+def test_options_given_at_once_are_those_given_one_by_one():
+    world = generate("maze", 3, size=12)
+    at_once = simulate_many(world, "wall-left", RunOptions(motion="endpoint", steps=50), seeds=2, digest=True)
+    assert np.array_equal(
+        at_once.digest, simulate_many(world, "wall-left", motion="endpoint", steps=50, seeds=2, digest=True).digest
+    )
+
+
+def test_options_at_once_and_one_by_one_are_refused_together():
+    with raises(InvalidParameter, "options-given-twice", settings=["steps"]):
+        simulate_many(generate("maze", 3, size=12), "wall-left", RunOptions(), steps=50)
+
+
+def test_the_seed_of_options_is_refused_for_many_runs():
+    with raises(InvalidParameter, "seed-for-many-runs"):
+        simulate_many(generate("maze", 3, size=12), "wall-left", RunOptions(seed=3), seeds=2)

@@ -69,6 +69,7 @@ def check_hidden() -> None:
         "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first on Python's path",
         "take that folder out of Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, not "
         "`python -m pytest`), or rename {folder}",
+        at_terminal=True,
         kind=kind,
         place=place,
         name=name,
