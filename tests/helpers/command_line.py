@@ -4,27 +4,50 @@ import contextlib
 import io
 import sys
 from dataclasses import dataclass
+from typing import Any
 from unittest import mock
 
-from worldgen.cli.main import main
+from worldgen.cli.main import cli, main
+from worldgen.errors import WorldgenError
 
 
 @dataclass
 class Result:
-    """What a command left behind."""
+    """What a command left behind; ``error`` is what it refused its input with, if that ended it."""
 
     code: int
     out: str
     err: str
+    error: WorldgenError | None = None
+
+    @property
+    def error_code(self) -> str:
+        """The rule that was broken; empty if the command was not ended by such an error."""
+        return "" if self.error is None else self.error.code
 
 
 def worldgen(*args: object) -> Result:
     """Runs ``worldgen ARGS`` as the console script does."""
     out, err = io.StringIO(), io.StringIO()
     argv = ["worldgen", *map(str, args)]
-    with mock.patch.object(sys, "argv", argv), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+    ended_by: list[WorldgenError] = []
+    without_record = cli.main
+
+    def recording(**settings: Any) -> Any:
+        try:
+            return without_record(**settings)
+        except WorldgenError as error:
+            ended_by.append(error)
+            raise
+
+    with (
+        mock.patch.object(sys, "argv", argv),
+        mock.patch.object(cli, "main", recording),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
         try:
             main()
         except SystemExit as stop:
             code = stop.code if isinstance(stop.code, int) else 1
-    return Result(code, out.getvalue(), err.getvalue())
+    return Result(code, out.getvalue(), err.getvalue(), ended_by[0] if ended_by else None)

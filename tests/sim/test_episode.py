@@ -372,7 +372,7 @@ def test_a_loop_too_long_to_record_is_proved_all_the_same():
     counter = CompiledController("counter", act, (0.0,), senses=("bump",))
     episode = simulate(arena(), counter, steps=20_000_000)
     assert (episode.verdict, episode.evidence.entry, episode.evidence.period) == ("loop", 8, 4_499_993)
-    with pytest.raises(InvalidParameter, match="at most 4000000 can be recorded"):
+    with raises(InvalidParameter, "run-too-long", most=4_000_000):
         simulate(arena(), counter, steps=20_000_000, record=True)
 
 
