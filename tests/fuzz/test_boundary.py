@@ -190,7 +190,7 @@ def test_a_controller_that_arrives_at_every_value_is_exit_code_0(gap):
 
 def test_a_world_that_is_no_trap_has_no_depth(gap):
     result = worldgen("boundary", *gap, "depth")
-    assert result.code == 2 and "no world of family trap" in result.err
+    assert result.code == 2 and result.error_code == "not-a-trap"
 
 
 def test_a_world_without_failure_needs_a_controller(gap):

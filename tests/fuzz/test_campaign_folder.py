@@ -422,12 +422,12 @@ def test_force_begins_anew(copied, tmp_path):
 
 def test_fewer_units_than_are_done_are_refused(copied):
     result = worldgen("fuzz", "--resume", copied, "--units", 2)
-    assert result.code == 2 and "has done 3 units already; give --units 3 or more" in result.err
+    assert result.code == 2 and result.error_code == "campaign-is-further"
 
 
 def test_a_folder_without_a_campaign_is_not_resumed(tmp_path):
     result = worldgen("fuzz", "--resume", tmp_path)
-    assert result.code == 2 and "holds no campaign to resume" in result.err and not list(tmp_path.iterdir())
+    assert result.code == 2 and result.error_code == "no-campaign" and not list(tmp_path.iterdir())
 
 
 def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
@@ -462,7 +462,7 @@ def test_a_second_writer_is_refused(copied):
     folder = FolderStore(copied)
     result = worldgen("fuzz", "--resume", copied)
     folder.close()
-    assert result.code == 2 and "another worldgen fuzz is writing" in result.err
+    assert result.code == 2 and result.error_code == "campaign-is-running"
 
 
 @pytest.mark.gate
@@ -511,7 +511,7 @@ def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(w
 
     monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", full)
     result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
-    assert result.code == 2 and "No space left on device; what is there is whole: make room, and" in result.err
+    assert result.code == 2 and result.error_code == "broken-off"
     assert read_error(tmp_path).code == "broken-off"
     monkeypatch.undo()
     assert worldgen("fuzz", "--resume", tmp_path, "--workers", 1, "--json").code == 1

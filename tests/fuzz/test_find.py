@@ -237,7 +237,7 @@ def test_every_world_gets_the_start_that_is_given(tmp_path):
 def test_an_existing_file_is_refused_before_the_search(tmp_path):
     (tmp_path / "w.grid").write_text("mine")
     result = worldgen("find", "--outcome", WANTED, "--budget", "1h", "--seed", 1, "--out", tmp_path / "w.grid")
-    assert result.code == 2 and "--force" in result.err and (tmp_path / "w.grid").read_text() == "mine"
+    assert result.code == 2 and result.error_code == "file-exists" and (tmp_path / "w.grid").read_text() == "mine"
 
 
 def test_force_overwrites(tmp_path):

@@ -265,7 +265,7 @@ def test_nothing_to_report_on_is_refused(tmp_path):
 
 def test_a_page_that_is_there_is_not_overwritten(page):
     result = worldgen("report", page.parent / "failures", "--out", page)
-    assert (result.code, "--force" in result.err) == (2, True)
+    assert (result.code, result.error_code) == (2, "file-exists")
 
 
 def test_the_command_says_what_it_wrote(tmp_path):

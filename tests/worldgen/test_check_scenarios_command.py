@@ -108,4 +108,4 @@ def test_the_table_has_a_line_a_file(check, tmp_path):
 def test_a_folder_without_scenarios_is_refused(tmp_path):
     done = worldgen("check-scenarios", str(tmp_path))
     assert done.code == 2
-    assert "holds no scenario file" in done.err
+    assert done.error_code == "no-map-found"

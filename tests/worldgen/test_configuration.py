@@ -199,7 +199,7 @@ def test_a_quiet_command_prints_results_only(tmp_path):
 
 def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
-    assert "already" in worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").err
+    assert worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").error_code == "file-exists"
 
 
 def test_a_hidden_package_is_an_error_even_if_quiet(monkeypatch, capsys):

@@ -130,7 +130,7 @@ def test_a_file_that_is_there_stays(tmp_path):
     path = tmp_path / "w.grid"
     path.write_text("mine")
     result = run("maze", "--out", path)
-    assert result.code == 2 and "is there already; give --force" in result.err and path.read_text() == "mine"
+    assert result.code == 2 and result.error_code == "file-exists" and path.read_text() == "mine"
 
 
 def test_force_overwrites_it(tmp_path):
@@ -143,7 +143,7 @@ def test_force_overwrites_it(tmp_path):
 def test_one_file_in_the_way_stops_a_count_before_it_begins(tmp_path):
     (tmp_path / "maze-9.grid").write_text("mine")
     result = run("maze", "--count", 3, "--seed", 8, "--out", tmp_path)
-    assert result.code == 2 and "holds other files: maze-9.grid;" in result.err
+    assert result.code == 2 and result.error_code == "folder-not-empty"
     assert [path.name for path in tmp_path.iterdir()] == ["maze-9.grid"]
 
 
@@ -202,7 +202,7 @@ def test_bad_parameters_leave_no_folder_behind(tmp_path):
 
 def test_a_full_disk_is_told():
     result = run("maze", "--out", "/dev/full", "--force")
-    assert result.code == 2 and "No space left on device" in result.err
+    assert result.code == 2 and result.error_code == "unwritable"
 
 
 @pytest.mark.gate
