@@ -259,7 +259,7 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
     ("arguments", "message"),
     [
         (["{}", "--controllers", "thesis-1,thesis-1"], "named twice"),
-        (["{}", "--controllers", "thesis-1,"], "names no controller"),
+        (["{}", "--controllers", "thesis-1,"], "an empty text is not a name"),
         (["{}", "{}/empty.grid", "--controllers", "thesis-1"], "given twice"),
         (["{}/none", "--controllers", "thesis-1"], "none"),
         (["{}", "--controllers", "thesis-1", "--picture", "a.svg"], "name a .png file"),

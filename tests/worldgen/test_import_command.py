@@ -212,12 +212,12 @@ REFUSED = [
     (
         [HALL, "--cell-size", "1"],
         InvalidParameter,
-        {"code": "unknown-name", "name": "cell_size", "format": "ros", "way": "in"},
+        {"code": "unknown-name", "name": "cell_size", "owner": "format ros on the way in"},
     ),
     (
         [MAZE, "--unknown", "free"],
         InvalidParameter,
-        {"code": "unknown-name", "name": "unknown", "format": "movingai", "way": "in"},
+        {"code": "unknown-name", "name": "unknown", "owner": "format movingai on the way in"},
     ),
     ([MAZE, "--cell-size", "0"], InvalidParameter, {"code": "out-of-range", "name": "cell_size"}),
     ([MAZE, "--cell-size", "nan"], InvalidParameter, {"code": "not-finite", "name": "cell_size"}),
