@@ -1,9 +1,12 @@
-"""What campaigns cost, and what a billion worlds would: ``python -m benchmarks.campaigns``, ``--json`` for one object.
+"""What campaigns cost, and what a billion worlds would.
 
-For each lane worlds and steps a second and core, with proof and classification of what fails. For a whole campaign
-bytes a unit on disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what a piece
-of work costs client and scheduler together. ``--units`` is the number of units of each lane (default 3). Times are
-the processor's, so other work on the machine counts little; before the clock starts, kernels are loaded.
+``python -m benchmarks.campaigns``, ``--json`` for one object. For each lane worlds and steps a
+second and core, with proof and classification of what fails. For a whole campaign bytes a unit on
+    disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
+        a piece
+of work costs client and scheduler together. ``--units`` is the number of units of each lane
+(default 3). Times are the processor's, so other work on the machine counts little; before the clock
+starts, kernels are loaded.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ import click
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import cluster_executor
-from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.run import Campaign, CampaignState, shrunk_or_same
 from fuzz.campaign.store import Budget, begin
 from fuzz.campaign.store.entry import Done
@@ -36,23 +39,29 @@ _TASKS = 300  # pieces of no work for the cluster
 _SHRUNK = 10  # failures
 
 
-def lanes(config: CampaignConfig, units: int, memory: Memory) -> Iterator[dict[str, Any]]:
+def lanes(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
     """Does units of each lane.
 
     Returns:
-        ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and ``step_rate``.
+        ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and
+        ``step_rate``.
     """
     for name in lanes_for(config, memory):
-        only = CampaignConfig(config.scenario, config.seed, families=(name,), examples=config.examples)
+        only = CampaignConfig(
+            config.scenario, config.seed, families=(name,), examples=config.examples
+        )
         run_unit(only, 0, memory)
         results: list[UnitResult] = []
         taken = _seconds(lambda only=only, results=results: _do_units(only, units, memory, results))
-        worlds, steps = sum(one.worlds for one in results), sum(one.steps for one in results)
+        worlds = sum(one.worlds for one in results)
+        steps = sum(one.steps for one in results)
         row = {"lane": name, "units": units, "worlds": worlds, "steps": steps}
         yield row | {"rate": worlds / taken, "step_rate": steps / taken}
 
 
-def _do_units(config: CampaignConfig, units: int, memory: Memory, results: list[UnitResult]) -> None:
+def _do_units(
+    config: CampaignConfig, units: int, memory: SearchState, results: list[UnitResult]
+) -> None:
     results += [run_unit(config, unit, memory) for unit in range(1, units + 1)]
 
 
@@ -60,15 +69,16 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
     """A campaign with its folder: what it leaves, and what parts of it take.
 
     Returns:
-        Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds, for the first units
-        leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
+        Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds,
+        for the first units leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
     """
     with tempfile.TemporaryDirectory() as place:
         campaign_run = begin(config, Path(place) / "out", Budget(units=units))
         campaign = Campaign(config, units=units, store=campaign_run.store)
         for _ in campaign.run():
             pass
-        state, files = campaign.state, [file for file in Path(place).rglob("*") if file.is_file()]
+        state = campaign.state
+        files = [file for file in Path(place).rglob("*") if file.is_file()]
         found = UnitResult("features", failures=dict(list(state.memory.failures.items())[:2]))
         save = _seconds(lambda: campaign_run.store.save_unit(units, Done(found, 0.0)))
         campaign_run.store.close()
@@ -84,7 +94,10 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
 
 
 def scheduler(config: CampaignConfig) -> float | None:
-    """Seconds of client and scheduler, in one process here, for a piece of work; ``None`` without the extra."""
+    """Seconds of client and scheduler, in one process here, for a piece of work.
+
+    ``None`` without the extra.
+    """
     try:
         from distributed import LocalCluster  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
@@ -95,11 +108,18 @@ def scheduler(config: CampaignConfig) -> float | None:
     ):
         executor.submit(int, 0).result()
         return (
-            _seconds(lambda: [future.result() for future in [executor.submit(int, k) for k in range(_TASKS)]]) / _TASKS
+            _seconds(
+                lambda: [
+                    future.result() for future in [executor.submit(int, k) for k in range(_TASKS)]
+                ]
+            )
+            / _TASKS
         )
 
 
-def model(rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None) -> list[dict[str, float | str]]:
+def model(
+    rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None
+) -> list[dict[str, float | str]]:
     """A billion worlds of each lane.
 
     Returns:
@@ -126,7 +146,12 @@ def measure(units: int, controller: str) -> dict[str, Any]:
     state, costs = whole(config, _WARM + units)
     rates = list(lanes(config, units, state.memory))
     task_s = scheduler(config)
-    return {"lanes": rates, "campaign": costs, "task_s": task_s, "billion": model(rates, costs, task_s)}
+    return {
+        "lanes": rates,
+        "campaign": costs,
+        "task_s": task_s,
+        "billion": model(rates, costs, task_s),
+    }
 
 
 def _seconds(work: Callable[[], object]) -> float:
@@ -146,14 +171,20 @@ def main() -> None:
     if options.json:
         click.echo(json.dumps(result))
         return
-    click.echo("lane        worlds/s  steps/s   a billion worlds: core hours      units        GB  scheduler hours")
+    click.echo(
+        "lane        worlds/s  steps/s   a billion worlds: core hours      units        GB  "
+        "scheduler hours"
+    )
     for rate, cost in zip(result["lanes"], result["billion"], strict=True):
         click.echo(
-            f"{rate['lane']:<11} {rate['rate']:>8.0f} {rate['step_rate']:>8.2g} {cost['core_hours']:>29.0f} "
+            f"{rate['lane']:<11} {rate['rate']:>8.0f} {rate['step_rate']:>8.2g} "
+            f"{cost['core_hours']:>29.0f} "
             f"{cost['units']:>10.3g} {cost['gigabytes']:>9.0f} {cost['scheduler_hours']:>16.1f}"
         )
     click.echo(", ".join(f"{name} {value:.3g}" for name, value in result["campaign"].items()))
-    click.echo(f"a piece of work costs client and scheduler {1e3 * (result['task_s'] or 0.0):.2f} ms")
+    click.echo(
+        f"a piece of work costs client and scheduler {1e3 * (result['task_s'] or 0.0):.2f} ms"
+    )
 
 
 if __name__ == "__main__":

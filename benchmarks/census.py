@@ -1,10 +1,12 @@
 """The table of docs/census.md: worlds of other people's generators and collections, judged.
 
-``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown table and under it the
-command of each row, with ``--json`` one object. What is not installed, or not given, is skipped, and said so on stderr.
-Not all generators go into one environment; ``--add`` takes the rows of an earlier run elsewhere, from its ``--json``.
+``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
+table and under it the command of each row, with ``--json`` one object. What is not installed, or
+not given, is skipped, and said so on stderr. Not all generators go into one environment; ``--add``
+takes the rows of an earlier run elsewhere, from its ``--json``.
 
-- Generators are those of examples/census, each with the version that its file names; another version is said loudly.
+- Generators are those of examples/census, each with the version that its file names; another
+  version is said loudly.
 - ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge,
 - ``--movingai`` a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2,
 - ``--arena`` is ``worlds`` of github.com/Arena-Rosnav/arena-simulation-setup.
@@ -25,7 +27,15 @@ from typing import Any
 import click
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.census import CensusOptions, Radius, Tally, folder_maps, generated_maps, take_census, tally
+from worldgen.interop.census import (
+    CensusOptions,
+    Radius,
+    Tally,
+    folder_maps,
+    generated_maps,
+    take_census,
+    tally,
+)
 from worldgen.support.intervals import interval_95
 
 __all__ = ["ROWS", "Row", "measure"]
@@ -62,23 +72,39 @@ class Row:
     def command(self, count: int) -> str:
         """The command line that gives the same figures."""
         sources = [*self.folders] or [f"./examples/census/{self.adapter}.py:maps"]
-        words = ["worldgen", "census", *sources, *(word for radius in self.radii for word in ("--radius", radius))]
+        words = [
+            "worldgen",
+            "census",
+            *sources,
+            *(word for radius in self.radii for word in ("--radius", radius)),
+        ]
         words += [] if self.folders else ["--count", str(count)]
         words += [word for key, value in self.options for word in ("--option", f"{key}={value}")]
         words += ["--pairs", str(self.pairs)] if self.pairs > 1 else []
         words += ["--clear-ends"] if self.clear_ends else []
-        return " ".join(shlex.quote(word) if "{" not in word else word for word in [*words, "--seed", str(SEED)])
+        return " ".join(
+            shlex.quote(word) if "{" not in word else word for word in [*words, "--seed", str(SEED)]
+        )
 
 
 def _generators() -> Iterator[Row]:
-    mazelib, dataset, pogema = ("mazelib", "0.9.16"), ("maze-dataset", "1.4.2"), ("pogema", "1.4.0")
+    mazelib = ("mazelib", "0.9.16")
+    dataset = ("maze-dataset", "1.4.2")
+    pogema = ("pogema", "1.4.0")
     for name in ("Prims", "CellularAutomaton"):
         yield Row(f"mazelib {name}", "mazelib_maps", mazelib, (("generator", name), ("side", "20")))
-    yield Row("maze-dataset gen_dfs", "maze_dataset_maps", dataset, (("generator", "gen_dfs"), ("side", "20")))
+    yield Row(
+        "maze-dataset gen_dfs",
+        "maze_dataset_maps",
+        dataset,
+        (("generator", "gen_dfs"), ("side", "20")),
+    )
     for p in ("0.4", "0.6"):
         options = (("generator", "gen_percolation"), ("side", "20"), ("p", p))
         yield Row(f"maze-dataset gen_percolation, p {p}", "maze_dataset_maps", dataset, options)
-    yield Row("labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", "31"), ("rooms", "6")))
+    yield Row(
+        "labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", "31"), ("rooms", "6"))
+    )
     yield Row("tcod noise", "tcod_maps", ("tcod", "21.2.2"))
     yield Row("tcod noise, clear ends", "tcod_maps", ("tcod", "21.2.2"), clear_ends=True)
     for name in ("SimpleCrossingS11N5", "FourRooms"):
@@ -93,12 +119,23 @@ def _generators() -> Iterator[Row]:
 
 
 def _collections() -> Iterator[Row]:
-    metres = ("0.35", "0.375", "0.376", "0.45")  # its generator keeps 0.375 m free, so 0.376 is the first to matter
+    metres = (
+        "0.35",
+        "0.375",
+        "0.376",
+        "0.45",
+    )  # its generator keeps 0.375 m free, so 0.376 is the first to matter
     yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):
         folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")
         yield Row(f"MovingAI {name}", folders=folders)
-    yield Row("Arena-Rosnav maps", folders=("{arena}",), radii=("0.105", "0.22", "0.35"), pairs=5, clear_ends=True)
+    yield Row(
+        "Arena-Rosnav maps",
+        folders=("{arena}",),
+        radii=("0.105", "0.22", "0.35"),
+        pairs=5,
+        clear_ends=True,
+    )
 
 
 ROWS = (*_generators(), *_collections())
@@ -113,7 +150,9 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
     options = CensusOptions(radii, row.pairs, SEED, row.clear_ends)
     began = time.perf_counter()
     if row.folders:
-        maps: Any = folder_maps([Path(part.format(**given)) for part in row.folders], pairs=row.pairs, seed=SEED)
+        maps: Any = folder_maps(
+            [Path(part.format(**given)) for part in row.folders], pairs=row.pairs, seed=SEED
+        )
     else:
         keywords = {key: value.format(**given) for key, value in row.options}
         place = f"{EXAMPLES / row.adapter}.py:maps"
@@ -138,7 +177,12 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
 
 
 def _figures(one: Tally) -> dict[str, Any]:
-    return {"radius": str(one.asked), "questions": one.questions, **one.counts, "prover_seconds": one.seconds}
+    return {
+        "radius": str(one.asked),
+        "questions": one.questions,
+        **one.counts,
+        "prover_seconds": one.seconds,
+    }
 
 
 def _missing(row: Row, given: dict[str, str]) -> str:
@@ -154,13 +198,23 @@ def _missing(row: Row, given: dict[str, str]) -> str:
         found = importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return f"{name} is not installed: pip install {name}=={version}"
-    return "" if found == version else f"{name} is {found}, the table is of {version}: pip install {name}=={version}"
+    return (
+        ""
+        if found == version
+        else f"{name} is {found}, the table is of {version}: pip install {name}=={version}"
+    )
 
 
 COLUMNS = (
-    "reachable, 95 % interval", "no room", "4-grid only", "8-grid only", "costmap: wrong yes", "wrong no",
-    "square: wrong no", "undecided",
-)  # fmt: skip
+    "reachable, 95 % interval",
+    "no room",
+    "4-grid only",
+    "8-grid only",
+    "costmap: wrong yes",
+    "wrong no",
+    "square: wrong no",
+    "undecided",
+)
 
 
 def table(results: Sequence[dict[str, Any]]) -> str:
@@ -171,7 +225,9 @@ def table(results: Sequence[dict[str, Any]]) -> str:
         sides = " to ".join(str(side) for side in dict.fromkeys(result["sides"]))
         for index, one in enumerate(result["radii"]):
             first = [result["name"], str(result["maps"]), sides] if index == 0 else ["", "", ""]
-            lines.append(f"| {' | '.join([*first, one['radius'], str(one['questions']), *_cells(one)])} |")
+            lines.append(
+                f"| {' | '.join([*first, one['radius'], str(one['questions']), *_cells(one)])} |"
+            )
     return "\n".join([*lines, "", "```sh", *(result["command"] for result in results), "```"])
 
 
@@ -183,7 +239,10 @@ def _cells(one: dict[str, Any]) -> list[str]:
         str(one["no_room"]),
         f"{one['four_only']} ({one['four_parted']})",
         f"{one['eight_only']} ({one['eight_parted']})",
-        *(str(one[key]) for key in ("costmap_wrong_yes", "costmap_wrong_no", "square_wrong_no", "undecided")),
+        *(
+            str(one[key])
+            for key in ("costmap_wrong_yes", "costmap_wrong_no", "square_wrong_no", "undecided")
+        ),
     ]
 
 
@@ -193,13 +252,21 @@ def _cells(one: dict[str, Any]) -> list[str]:
 @click.option("--barn", type=click.Path(exists=True))
 @click.option("--movingai", type=click.Path(exists=True))
 @click.option("--arena", type=click.Path(exists=True))
-@click.option("--add", type=click.Path(exists=True, path_type=Path), multiple=True, help="JSON of other environments.")
+@click.option(
+    "--add",
+    type=click.Path(exists=True, path_type=Path),
+    multiple=True,
+    help="JSON of other environments.",
+)
 @click.option("--json", "as_json", is_flag=True)
-def main(count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool, **folders: str | None) -> None:
+def main(
+    count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool, **folders: str | None
+) -> None:
     """Judges every source that is there."""
     given = {name: folder for name, folder in folders.items() if folder is not None}
     added = {row["name"]: row for file in add for row in json.loads(file.read_text())["rows"]}
-    results, skipped = [], []
+    results = []
+    skipped = []
     for row in ROWS:
         if only and not row.name.startswith(only):
             continue
@@ -209,7 +276,9 @@ def main(count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool
             click.echo(f"interrupted in {row.name}; what is whole is kept", err=True)
             break
         (skipped if "skipped" in result else results).append(result)
-        click.echo(f"{row.name}: {result.get('skipped') or str(round(result['seconds'])) + ' s'}", err=True)
+        click.echo(
+            f"{row.name}: {result.get('skipped') or str(round(result['seconds'])) + ' s'}", err=True
+        )
     click.echo(json.dumps({"rows": results, "skipped": skipped}) if as_json else table(results))
     for result in skipped:
         click.echo(f"SKIPPED: {result['name']}: {result['skipped']}", err=True)

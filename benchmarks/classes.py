@@ -1,12 +1,16 @@
-"""How many worlds a campaign tries a second against controllers that users bring: classes, and programs.
+"""How many worlds a campaign tries a second against controllers that users bring.
 
-``python -m benchmarks.classes`` prints a table, with ``--json`` one object; ``--document docs/search.md`` writes it to
-that page, too. Rates are per second of one core's processor time, without compilation. For a program they are per
-second of wall time, because most of its time is spent in another process.
+Classes, and programs. ``python -m benchmarks.classes`` prints a table, with ``--json`` one object;
+``--document docs/search.md`` writes it to that page, too. Rates are per second of one core's
+processor time, without compilation. For a program they are per second of wall time, because most of
+its time is spent in another process.
 
-``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets. ``lane``: whole units
-of the lane ``native``, with the proofs of what they report. ``features``: the lane in which Hypothesis draws worlds,
-which was all that such controllers had before. ``user``: the share of the time of ``looks`` that passes in the
+``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets.
+    ``lane``: whole units
+of the lane ``native``, with the proofs of what they report. ``features``: the lane in which
+    Hypothesis draws worlds,
+which was all that such controllers had before. ``user``: the share of the time of ``looks`` that
+    passes in the
 controller's own code.
 """
 
@@ -28,7 +32,7 @@ from benchmarks.worlds import documented
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
 from fuzz.faults.as_classes import AsClass
-from fuzz.screening import Looks, evaluate
+from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
 from sim import Command, Observation, RobotOptions
 from sim.controllers import CONTROLLERS, ProcessController
@@ -42,7 +46,10 @@ __all__ = ["CASES", "Row", "measure"]
 SHORT = 60  # steps
 BEAMS = 36
 PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
-MARKS = ("<!-- table: python -m benchmarks.classes --document docs/search.md -->", "<!-- end of table -->")
+MARKS = (
+    "<!-- table: python -m benchmarks.classes --document docs/search.md -->",
+    "<!-- end of table -->",
+)
 _FOR = 0.5  # s that a rate is measured for, at least
 _MOST_SCENES = 20_000
 
@@ -58,7 +65,9 @@ class Widest:
         """It remembers nothing."""
         return ()
 
-    def act(self, observation: Observation, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
+    def act(
+        self, observation: Observation, memory: tuple[float, ...]
+    ) -> tuple[Command, tuple[float, ...]]:
         """Scores each beam by its length and by how far it leads off."""
         bearings = np.linspace(0.0, 2 * np.pi, BEAMS, endpoint=False)
         off = np.cos(bearings - (observation.target_heading - observation.heading))
@@ -125,14 +134,20 @@ class Row:
 def measure(name: str, controller: str, seconds: float) -> Row:
     """Measures one controller under ``swept``."""
     scenario = Scenario(controller)
-    clock = time.monotonic if isinstance(CONTROLLERS.get(controller), ProcessController) else time.process_time
+    clock = (
+        time.monotonic
+        if isinstance(CONTROLLERS.get(controller), ProcessController)
+        else time.process_time
+    )
     short, _ = _looks(scenario, SHORT, clock)
     looks, steps = _looks(scenario, None, clock)
     lane, features = (_units(scenario, which, seconds, clock) for which in ("native", "features"))
     return Row(name, short, looks, steps, _share_of_user(scenario), lane, features)
 
 
-def _looks(scenario: Scenario, budget: int | None, clock: Callable[[], float]) -> tuple[float, float]:
+def _looks(
+    scenario: Scenario, budget: int | None, clock: Callable[[], float]
+) -> tuple[float, float]:
     """Worlds and steps a second of first looks."""
     _look(scenario, 20, budget)
     count = 100
@@ -145,15 +160,19 @@ def _looks(scenario: Scenario, budget: int | None, clock: Callable[[], float]) -
         count *= 4
 
 
-def _look(scenario: Scenario, count: int, budget: int | None) -> Looks:
-    return evaluate(scenes(RandomStream(3), count), scenario, np.arange(count, dtype=np.uint64), 0.015, budget)
+def _look(scenario: Scenario, count: int, budget: int | None) -> Screening:
+    return evaluate(
+        scenes(RandomStream(3), count), scenario, np.arange(count, dtype=np.uint64), 0.015, budget
+    )
 
 
 def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], float]) -> float:
     """Worlds a second of whole units; what compiles does not count."""
     config = CampaignConfig(scenario, seed=3, families=(lane,))
     run_unit(CampaignConfig(scenario, seed=3, families=(lane,), examples=8), 0)
-    worlds, unit, begin = 0, 0, clock()
+    worlds = 0
+    unit = 0
+    begin = clock()
     while (spent := clock() - begin) < seconds:
         unit += 1
         worlds += run_unit(config, unit).worlds
@@ -169,23 +188,39 @@ def _share_of_user(scenario: Scenario) -> float:
 
 
 def _markdown(rows: list[Row]) -> str:
-    lines = ["| controller | short | looks | steps | user | lane | features | gain |", "| --- |" + " ---: |" * 7]
+    lines = [
+        "| controller | short | looks | steps | user | lane | features | gain |",
+        "| --- |" + " ---: |" * 7,
+    ]
     for row in rows:
         rates = [f"{rate:,.0f}" for rate in (row.short, row.looks, row.steps)]
-        cells = [*rates, f"{row.user:.0%}".replace("%", " %"), f"{row.lane:,.0f}", f"{row.features:,.0f}"]
+        cells = [
+            *rates,
+            f"{row.user:.0%}".replace("%", " %"),
+            f"{row.lane:,.0f}",
+            f"{row.features:,.0f}",
+        ]
         lines.append(f"| {row.controller} | {' | '.join(cells)} | {row.gain:.0f} |")
     return "\n".join(lines)
 
 
 def main() -> None:
     """Measures all and prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--controllers", default=";".join(CASES), help="names of the table, with semicolons between")
-    parser.add_argument("--seconds", type=float, default=4.0, help="of the processor for each lane (default 4)")
+    parser.add_argument(
+        "--controllers", default=";".join(CASES), help="names of the table, with semicolons between"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=4.0, help="of the processor for each lane (default 4)"
+    )
     parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()
-    rows = [measure(name, CASES[name], arguments.seconds) for name in arguments.controllers.split(";")]
+    rows = [
+        measure(name, CASES[name], arguments.seconds) for name in arguments.controllers.split(";")
+    ]
     table = _markdown(rows)
     if arguments.document is not None:
         arguments.document.write_text(documented(arguments.document.read_text(), table, MARKS))

@@ -1,10 +1,11 @@
 """Which metrics of a world predict that a controller fails in it, and how well ``difficulty`` does.
 
-``python -m benchmarks.difficulty`` makes worlds of every family whose worlds stand still, with parameters drawn at
-random, runs the library's controllers in them, and prints the tables of ``docs/difficulty.md``: Spearman's rank
-correlation of every metric with failure, with bootstrap intervals, and the weights that
-``worldgen/difficulty/model.py`` holds. With ``--json`` it prints one object, with ``--barn FOLDER`` also the
-correlations with the outcomes that the BARN challenge publishes, from a copy of its repository. Takes ten minutes.
+``python -m benchmarks.difficulty`` makes worlds of every family whose worlds stand still, with
+parameters drawn at random, runs the library's controllers in them, and prints the tables of
+``docs/difficulty.md``: Spearman's rank correlation of every metric with failure, with bootstrap
+intervals, and the weights that ``worldgen/difficulty/model.py`` holds. With ``--json`` it prints
+one object, with ``--barn FOLDER`` also the correlations with the outcomes that the BARN challenge
+publishes, from a copy of its repository. Takes ten minutes.
 """
 
 from __future__ import annotations
@@ -39,9 +40,15 @@ FAMILIES_AT_REST = ("cave", "corridor", "forest", "maze", "rooms", "rubble", "tr
 WORLDS = 110  # of each family
 STEPS = 10_000  # two and a half minutes of 15 ms: time for 300 m in worlds of some 3 m
 SKIPPED = ("thesis-1", "thesis-2", "thesis-3")  # other names of controllers that are run anyway
-CANDIDATES = ("concavity", "detour")  # with retreat, turning, decisions and visibility too, no more is told apart
+CANDIDATES = (
+    "concavity",
+    "detour",
+)  # with retreat, turning, decisions and visibility too, no more is told apart
 OFTEN = (0.1, 0.9)  # shares of failed runs between which a controller tells worlds apart
-LED_AWAY = ("wall-left", "wall-right")  # do not look where the target is: they fail where a wall leads round an island
+LED_AWAY = (
+    "wall-left",
+    "wall-right",
+)  # do not look where the target is: they fail where a wall leads round an island
 BOOTSTRAP = 1000
 
 Floats = npt.NDArray[np.float64]
@@ -49,8 +56,11 @@ Floats = npt.NDArray[np.float64]
 
 def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
     """Worlds of a family, each with parameters of its own."""
-    rng, family = RandomStream(seed).child("difficulty", name), FAMILIES.get(name)
-    free = free_parameters(family, ("size", "cell_size"))  # all are 30 x 30 cells of 0.1 m, or as the family has them
+    rng = RandomStream(seed).child("difficulty", name)
+    family = FAMILIES.get(name)
+    free = free_parameters(
+        family, ("size", "cell_size")
+    )  # all are 30 x 30 cells of 0.1 m, or as the family has them
     made = 0
     while made < count:
         try:
@@ -70,8 +80,10 @@ def ranks(values: Floats) -> Floats:
 
 def spearman(one: Floats, other: Floats) -> float:
     """Spearman's rank correlation; nan where one of them is constant."""
-    a, b = ranks(one), ranks(other)
-    a, b = a - a.mean(), b - b.mean()
+    a = ranks(one)
+    b = ranks(other)
+    a = a - a.mean()
+    b = b - b.mean()
     size = float(np.sqrt((a * a).sum() * (b * b).sum()))
     return float((a * b).sum()) / size if size else float("nan")
 
@@ -86,8 +98,13 @@ def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[floa
 
 def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
     """Chance that a failed run's score is higher than that of one that arrived."""
-    lost, won = int(failed.sum()), int((~failed).sum())
-    return float((ranks(score)[failed].sum() - lost * (lost + 1) / 2) / (lost * won)) if lost and won else float("nan")
+    lost = int(failed.sum())
+    won = int((~failed).sum())
+    return (
+        float((ranks(score)[failed].sum() - lost * (lost + 1) / 2) / (lost * won))
+        if lost and won
+        else float("nan")
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +131,11 @@ class Campaign:
     def telling(self) -> list[str]:
         """Controllers that go for the target, and fail neither hardly ever nor nearly always."""
         low, high = OFTEN
-        return [name for name, lost in self.failed.items() if low <= lost.mean() <= high and name not in LED_AWAY]
+        return [
+            name
+            for name, lost in self.failed.items()
+            if low <= lost.mean() <= high and name not in LED_AWAY
+        ]
 
     @property
     def share(self) -> Floats:
@@ -127,14 +148,17 @@ def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
     """Makes, measures and runs."""
     worlds = [world for name in FAMILIES_AT_REST for world in worlds_of(name, count, seed)]
     families = np.repeat(FAMILIES_AT_REST, count)
-    failed = {name: ~simulate_many(worlds, [name], motion="swept", steps=STEPS).reached for name in names}
+    failed = {
+        name: ~simulate_many(worlds, [name], motion="swept", steps=STEPS).reached for name in names
+    }
     tables = [measure(world).as_dict() for world in worlds]
     return Campaign(families, tables, np.array([world.robot_radius for world in worlds]), failed)
 
 
 def correlations(campaign: Campaign) -> dict[str, dict[str, Any]]:
     """By metric: with the share of the telling controllers that fail, its interval, and with each that ever fails."""
-    rng, found = np.random.default_rng(0), {}
+    rng = np.random.default_rng(0)
+    found = {}
     for metric in METRICS:
         values = campaign.column(metric)
         there = ~np.isnan(values)
@@ -154,9 +178,15 @@ def _with_interval(one: Floats, other: Floats, rng: np.random.Generator) -> dict
     return {"all": round(spearman(one, other), 2), "low": round(low, 2), "high": round(high, 2)}
 
 
-def fitted(campaign: Campaign, rows: npt.NDArray[np.bool_]) -> tuple[dict[str, tuple[float, float]], float]:
-    """Scales and weights, none of the wrong sign, and the offset: least squares by projected gradient steps."""
-    scales, columns = {}, []
+def fitted(
+    campaign: Campaign, rows: npt.NDArray[np.bool_]
+) -> tuple[dict[str, tuple[float, float]], float]:
+    """Scales and weights, none of the wrong sign, and the offset.
+
+    Least squares by projected gradient steps.
+    """
+    scales = {}
+    columns = []
     for name in CANDIDATES:
         raw = np.nan_to_num(campaign.column(name))
         plain = np.maximum(raw - 1.0, 0.0) if name == "detour" else raw
@@ -165,9 +195,11 @@ def fitted(campaign: Campaign, rows: npt.NDArray[np.bool_]) -> tuple[dict[str, t
         scales[name] = float(f"{max(float(np.median(plain[plain > 0])), 0.01):.2g}")
         pairs = zip(raw.tolist(), campaign.radius.tolist(), strict=True)
         columns.append([squashed(name, value, scales[name], radius) for value, radius in pairs])
-    x, share = np.array(columns).T[rows], campaign.share[rows]
+    x = np.array(columns).T[rows]
+    share = campaign.share[rows]
     sign = np.array([METRICS[name].harder for name in CANDIDATES], float)
-    weights, offset = np.zeros(len(CANDIDATES)), 0.0
+    weights = np.zeros(len(CANDIDATES))
+    offset = 0.0
     for _ in range(20_000):
         total = x @ weights + offset
         slope = (0.5 + 0.5 * total / (1 + np.abs(total)) - share) / (1 + np.abs(total)) ** 2
@@ -175,13 +207,20 @@ def fitted(campaign: Campaign, rows: npt.NDArray[np.bool_]) -> tuple[dict[str, t
         weights = np.where(weights * sign < 0.0, 0.0, weights)
         offset -= 2.0 * float(slope.mean())
     kept = zip(CANDIDATES, weights.tolist(), strict=True)
-    return {name: (scales[name], round(weight, 2)) for name, weight in kept if abs(weight) >= 0.05}, round(offset, 2)
+    return {
+        name: (scales[name], round(weight, 2)) for name, weight in kept if abs(weight) >= 0.05
+    }, round(offset, 2)
 
 
 def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> dict[str, float]:
-    """How well a score tells failed runs from others: the area under the curve, over all runs and by controller."""
+    """How well a score tells failed runs from others.
+
+    The area under the curve, over all runs and by controller.
+    """
     lost = {name: campaign.failed[name][rows] for name in campaign.telling}
-    found = {"all": round(auc(np.tile(score[rows], len(lost)), np.concatenate([*lost.values()])), 3)}
+    found = {
+        "all": round(auc(np.tile(score[rows], len(lost)), np.concatenate([*lost.values()])), 3)
+    }
     return found | {name: round(auc(score[rows], failed), 3) for name, failed in lost.items()}
 
 
@@ -198,12 +237,17 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
     for line in (folder / "res" / "dwa_out.txt").read_text().splitlines():
         number, success = line.split()[:2]
         outcomes.setdefault(int(number), []).append(success == "0")
-    pose = re.compile(r"<model name='unit_cylinder_\d+'>\s*<static>1</static>\s*<pose frame=''>(\S+) (\S+) ")
+    pose = re.compile(
+        r"<model name='unit_cylinder_\d+'>\s*<static>1</static>\s*<pose frame=''>(\S+) (\S+) "
+    )
     for number, lost in sorted(outcomes.items()):
         text = (folder / "jackal_helper" / "worlds" / "BARN" / f"world_{number}.world").read_text()
-        walls = np.zeros((92, 32), np.bool_)  # x from -4.65 m, y from -0.15 m; obstacles are as wide as a cell, 0.15 m
+        walls = np.zeros(
+            (92, 32), np.bool_
+        )  # x from -4.65 m, y from -0.15 m; obstacles are as wide as a cell, 0.15 m
         for x, y in pose.findall(text):
-            ix, iy = round((float(x) + 4.65) / 0.15 - 0.5), round((float(y) + 0.15) / 0.15 - 0.5)
+            ix = round((float(x) + 4.65) / 0.15 - 0.5)
+            iy = round((float(y) + 0.15) / 0.15 - 0.5)
             if 0 <= ix < 32 and 0 <= iy < 92:
                 walls[iy, ix] = True
         world = World(walls, Pose(2.4, 3.15, 1.57), Target(2.4, 13.15, 0.5), 0.15, 0.2)
@@ -212,10 +256,15 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
 
 def barn_table(folder: Path) -> dict[str, Any]:
     """Correlations of the metrics with the published share of failed runs."""
-    rng, found = np.random.default_rng(0), list(barn_worlds(folder))
+    rng = np.random.default_rng(0)
+    found = list(barn_worlds(folder))
     tables = [measure(world).as_dict() for _, world, _ in found]
     share = np.array([lost for _, _, lost in found])
-    result: dict[str, Any] = {"worlds": len(found), "failed": round(float(share.mean()), 3), "metrics": {}}
+    result: dict[str, Any] = {
+        "worlds": len(found),
+        "failed": round(float(share.mean()), 3),
+        "metrics": {},
+    }
     for metric in METRICS:
         values = np.array([table.get(metric, np.nan) for table in tables])
         there = ~np.isnan(values)
@@ -238,12 +287,18 @@ def in_words(found: Mapping[str, Any], names: Sequence[str]) -> str:
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})")
+    parser.add_argument(
+        "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the worlds (default 0)")
-    parser.add_argument("--barn", type=Path, help="folder with a copy of the BARN challenge's repository")
+    parser.add_argument(
+        "--barn", type=Path, help="folder with a copy of the BARN challenge's repository"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
-    campaign = run_campaign(given.worlds, given.seed, [name for name in controllers() if name not in SKIPPED])
+    campaign = run_campaign(
+        given.worlds, given.seed, [name for name in controllers() if name not in SKIPPED]
+    )
     result = report(campaign)
     result["barn"] = None if given.barn is None else barn_table(given.barn)
     if given.json:

@@ -1,9 +1,9 @@
 """How many worlds a guided search makes until one fits, beside drawing seed after seed, in one run.
 
-``python -m benchmarks.difficulty_search`` prints the table of ``docs/difficulty.md``, with ``--json`` one object. Each
-wish is searched for with several seeds; a search that finds nothing within ``--tries`` counts with that number, so what
-drawing needs is then a lower bound. Drawing comes in two kinds: with the family's defaults, and with parameters drawn
-at random.
+``python -m benchmarks.difficulty_search`` prints the table of ``docs/difficulty.md``, with
+``--json`` one object. Each wish is searched for with several seeds; a search that finds nothing
+within ``--tries`` counts with that number, so what drawing needs is then a lower bound. Drawing
+comes in two kinds: with the family's defaults, and with parameters drawn at random.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 import click
 
-from worldgen.difficulty.search import Search, wish_for
+from worldgen.difficulty.search import Search, constraint_for
 from worldgen.family import FAMILIES
 
 __all__ = ["tries_of"]
@@ -31,12 +31,16 @@ WISHES = (
 )
 SEEDS = 5
 TRIES = 250
-KINDS = {"guided": {"guided": True}, "random parameters": {"learns": False}, "defaults": {"guided": False}}
+KINDS = {
+    "guided": {"guided": True},
+    "random parameters": {"learns": False},
+    "defaults": {"guided": False},
+}
 
 
 def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int:
     """Worlds made until one fits, at most ``tries``."""
-    search = Search(FAMILIES.get(family), wish_for(where), seed, {}, **how)
+    search = Search(FAMILIES.get(family), constraint_for(where), seed, {}, **how)
     while search.tried < tries and search.asked < 5 * tries:
         found = search.step()
         if found is not None and found.violation == 0.0:
@@ -47,20 +51,35 @@ def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=SEEDS, help=f"searches for each wish (default {SEEDS})")
-    parser.add_argument("--tries", type=int, default=TRIES, help=f"worlds made at most (default {TRIES})")
+    parser.add_argument(
+        "--seeds", type=int, default=SEEDS, help=f"searches for each wish (default {SEEDS})"
+    )
+    parser.add_argument(
+        "--tries", type=int, default=TRIES, help=f"worlds made at most (default {TRIES})"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     rows: list[dict[str, Any]] = []
     for family, where in WISHES:
         row: dict[str, Any] = {"family": family, "where": where}
         for kind, how in KINDS.items():
-            counts = [tries_of(family, where, seed, given.tries, **how) for seed in range(given.seeds)]
-            row[kind] = {"median": median(counts), "found": sum(count < given.tries for count in counts)}
-        row["ratio"] = {kind: row[kind]["median"] / row["guided"]["median"] for kind in KINDS if kind != "guided"}
+            counts = [
+                tries_of(family, where, seed, given.tries, **how) for seed in range(given.seeds)
+            ]
+            row[kind] = {
+                "median": median(counts),
+                "found": sum(count < given.tries for count in counts),
+            }
+        row["ratio"] = {
+            kind: row[kind]["median"] / row["guided"]["median"]
+            for kind in KINDS
+            if kind != "guided"
+        }
         rows.append(row)
         if not given.json:
-            cells = [f"{row[kind]['median']:g} ({row[kind]['found']}/{given.seeds})" for kind in KINDS]
+            cells = [
+                f"{row[kind]['median']:g} ({row[kind]['found']}/{given.seeds})" for kind in KINDS
+            ]
             click.echo(f"| `{family}` | `{where}` | {' | '.join(cells)} |")
     if given.json:
         click.echo(json.dumps({"seeds": given.seeds, "tries": given.tries, "wishes": rows}))

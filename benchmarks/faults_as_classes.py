@@ -1,10 +1,11 @@
 """How soon a campaign finds the seeded faults, compiled and as Python classes.
 
-``python -m benchmarks.faults_as_classes`` runs a campaign, its own plan and without shrinking, against each fault of
-:mod:`fuzz.faults` until it finds a failure that tells the fault: with the verdict expected of it, confirmed by replay,
-in a world in which the controller without the fault arrives. It prints the CPU seconds of one core that this took; with
-``--json`` one object. ``class``: the fault as a class whose ``act`` calls the compiled function. ``interpreted``:
-the same with the function's own Python, as a user would have written it.
+``python -m benchmarks.faults_as_classes`` runs a campaign, its own plan and without shrinking,
+against each fault of :mod:`fuzz.faults` until it finds a failure that tells the fault: with the
+verdict expected of it, confirmed by replay, in a world in which the controller without the fault
+arrives. It prints the CPU seconds of one core that this took; with ``--json`` one object.
+``class``: the fault as a class whose ``act`` calls the compiled function. ``interpreted``: the same
+    with the function's own Python, as a user would have written it.
 """
 
 from __future__ import annotations
@@ -61,7 +62,8 @@ def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,))
     for lane in ("native", "archive", "features"):  # compiles what they need
         next(lanes(lane)(replace(config, seed=_COMPILES, examples=1)))
-    worlds, begun = 0, time.process_time()
+    worlds = 0
+    begun = time.process_time()
     for result in lanes()(config):
         worlds += result.worlds
         found = any(shows(controller, world) for world in result.failures.values())
@@ -74,22 +76,37 @@ def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
 def _table(rows: Sequence[Row], ways: Sequence[str]) -> str:
     lines = [f"| fault | {' | '.join(ways)} |", "| --- |" + " ---: |" * len(ways)]
     for fault in dict.fromkeys(row.fault for row in rows):
-        cells = [f"{row.seconds:.1f} s" if row.found else "not found" for row in rows if row.fault == fault]
+        cells = [
+            f"{row.seconds:.1f} s" if row.found else "not found"
+            for row in rows
+            if row.fault == fault
+        ]
         lines.append(f"| `{fault}` | {' | '.join(cells)} |")
-    found = [f"{sum(row.found for row in rows if row.way == way)} of {len(rows) // len(ways)}" for way in ways]
+    found = [
+        f"{sum(row.found for row in rows if row.way == way)} of {len(rows) // len(ways)}"
+        for way in ways
+    ]
     return "\n".join([*lines, f"| found | {' | '.join(found)} |"])
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--seconds", type=float, default=60.0, help="CPU seconds for each fault (default 60)")
+    parser.add_argument(
+        "--seconds", type=float, default=60.0, help="CPU seconds for each fault (default 60)"
+    )
     parser.add_argument("--faults", default=",".join(FAULTS), help="names, with commas between")
-    parser.add_argument("--ways", default=",".join(WAYS), help="of compiled, class, interpreted (default all)")
+    parser.add_argument(
+        "--ways", default=",".join(WAYS), help="of compiled, class, interpreted (default all)"
+    )
     given = parser.parse_args()
     ways = given.ways.split(",")
-    rows = [look_for(fault, way, given.seconds) for fault in given.faults.split(",") for way in ways]
+    rows = [
+        look_for(fault, way, given.seconds) for fault in given.faults.split(",") for way in ways
+    ]
     found = {"seconds": given.seconds, "rows": [asdict(row) for row in rows]}
     click.echo(json.dumps(found) if given.json else _table(rows, ways))
 

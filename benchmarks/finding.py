@@ -1,12 +1,14 @@
-"""How well failures are found: over the seeded faults, by each lane, the whole plan, and what one would do without.
+"""How well failures are found.
 
-``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many simulated steps against each
-fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the tables of ``docs/finding.md``; with ``--json`` one
-object. With ``--out DIR`` each cell of the table is a file: what is there already is not done again, and several
-processes may work at the same table. ``--quick`` takes minutes, ``--full`` a day.
+Over the seeded faults, by each lane, the whole plan, and what one would do without.
+``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many
+simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the
+tables of ``docs/finding.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
+is a file: what is there already is not done again, and several processes may work at the same
+    table. ``--quick`` takes minutes, ``--full`` a day.
 
-A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a world in which the
-controller without the fault arrives.
+A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a
+world in which the controller without the fault arrives.
 """
 
 from __future__ import annotations
@@ -45,16 +47,44 @@ from worldgen.errors import WorldgenError
 from worldgen.files.grid import write_world
 from worldgen.world import World
 
-__all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "shows", "tables", "tells"]
+__all__ = [
+    "Limits",
+    "Row",
+    "controller_name",
+    "look_for",
+    "removable_cells",
+    "shows",
+    "tables",
+    "tells",
+]
 
 EXAMPLES = 1  # of a unit, so that it is known which world it was
-_FAILURES_ALONE = ("native", "archive", "boundary")  # lanes that ask no oracle about a run that arrives
-_FLOOR_SECONDS = 60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
+_FAILURES_ALONE = (
+    "native",
+    "archive",
+    "boundary",
+)  # lanes that ask no oracle about a run that arrives
+_FLOOR_SECONDS = (
+    60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
+)
 _SHRINK_SECONDS = 60.0  # by the clock; slow controllers may not be done by then
 _IDLE = 100  # units without a world, after which a searcher has no more to try
 _OTHER_SEED = 1 << 40  # of what is done before the clock runs, so that kernels are compiled
-COMPLETE = ("bug1", "bug2", "mapper")  # docs/library.md: those that arrive wherever the world stands still
-ORACLES = ("repeat", "turn", "shift", "scale", "mirror", "finer", "wall", "block")  # that hold for who arrives
+COMPLETE = (
+    "bug1",
+    "bug2",
+    "mapper",
+)  # docs/library.md: those that arrive wherever the world stands still
+ORACLES = (
+    "repeat",
+    "turn",
+    "shift",
+    "scale",
+    "mirror",
+    "finer",
+    "wall",
+    "block",
+)  # that hold for who arrives
 
 
 @dataclass(frozen=True)
@@ -97,7 +127,8 @@ class Row:
         cells: Likewise.
         shrink_seconds: CPU seconds.
         one_minimal: Whether the shrinker says so.
-        removable: Solid cells of the shrunk world that a check of our own could take away, one at a time.
+        removable: Solid cells of the shrunk world that a check of our own could take away, one at a
+            time.
         shrunk_tells: Whether the controller without the fault arrives in the shrunk world, too.
     """
 
@@ -134,24 +165,47 @@ def tells(fault: Fault, failure: Failure) -> bool:
 def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, Failure | None]:
     """One search for one fault, and the failure that tells, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
-    config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES)
+    config = CampaignConfig(
+        scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES
+    )
     _compile(searcher)
-    next(SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4)))  # compiles the fault
-    cpu, wall, worlds, steps, found = time.process_time(), time.monotonic(), 0, 0, None
+    next(
+        SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4))
+    )  # compiles the fault
+    cpu = time.process_time()
+    wall = time.monotonic()
+    worlds = 0
+    steps = 0
+    found = None
     for result in _units(searcher, config):
-        worlds, steps = worlds + result.worlds, steps + result.steps
+        worlds = worlds + result.worlds
+        steps = steps + result.steps
         found = next((one for one in result.failures.values() if shows(fault, one)), None)
         spent = time.process_time() - cpu
         if found or steps >= limits.steps or spent >= limits.seconds:
             break
-    spent, waited = time.process_time() - cpu, time.monotonic() - wall
-    row = Row(fault.name, searcher, seed, limits, found is not None, worlds, steps, round(spent, 3), round(waited, 3))
+    spent = time.process_time() - cpu
+    waited = time.monotonic() - wall
+    row = Row(
+        fault.name,
+        searcher,
+        seed,
+        limits,
+        found is not None,
+        worlds,
+        steps,
+        round(spent, 3),
+        round(waited, 3),
+    )
     return (row, None) if found is None else _shrunk(row, fault, found)
 
 
 @functools.cache
 def _compile(searcher: str) -> None:
-    """Does a unit against a quick controller, so that no kernel is compiled while the clock runs."""
+    """Does a unit against a quick controller.
+
+    So that no kernel is compiled while the clock runs.
+    """
     next(SEARCHERS[searcher](CampaignConfig(Scenario("turn-right"), seed=_OTHER_SEED, examples=4)))
 
 
@@ -176,7 +230,9 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
     try:
         small = shrink(found, seconds=_SHRINK_SECONDS).failure
     except WorldgenError:
-        return replace(row, solid_cells=(found.world.solid_cells,) * 2, cells=(found.world.walls.size,) * 2), found
+        return replace(
+            row, solid_cells=(found.world.solid_cells,) * 2, cells=(found.world.walls.size,) * 2
+        ), found
     spent = time.process_time() - begun
     details = small.record.details
     row = replace(
@@ -193,18 +249,24 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
 
 
 def removable_cells(failure: Failure) -> int:
-    """How many of a failure's solid cells can go, each by itself, by brute force; shares no code with the shrinker."""
+    """How many of a failure's solid cells can go, each by itself, by brute force.
+
+    Shares no code with the shrinker.
+    """
     found = 0
     for iy, ix in np.argwhere(failure.world.walls):
         walls = failure.world.walls.copy()
         walls[iy, ix] = False
-        found += _fails_likewise(failure, replace(failure.world, walls=walls, certificate=None, provenance=None))
+        found += _fails_likewise(
+            failure, replace(failure.world, walls=walls, certificate=None, provenance=None)
+        )
     return found
 
 
 def _fails_likewise(failure: Failure, candidate: World) -> bool:
     """Whether a reachable world fails in the manner that shrinking kept."""
-    record, options = failure.record, failure.options
+    record = failure.record
+    options = failure.options
     proved = certified(candidate)
     if proved is None:
         return False
@@ -215,14 +277,16 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
         return other is not None and other.bucket == failure.bucket
     episode = simulate(proved, record.controller, options)
     manner = "kind" if record.verdict == Verdict.STALLED else "cause"
-    return episode.verdict == record.verdict and evidence_table(episode.evidence).get(manner) == record.evidence.get(
+    return episode.verdict == record.verdict and evidence_table(episode.evidence).get(
         manner
-    )
+    ) == record.evidence.get(manner)
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """What one searcher found against a controller that is known to arrive; anything is a false alarm.
+    """What one searcher found against a controller that is known to arrive.
+
+    Anything is a false alarm.
 
     Args:
         controller: Its name.
@@ -241,9 +305,15 @@ class Alarm:
 
 def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = None) -> Alarm:
     """Looks for failures of a controller that has none; keeps what it finds in a folder."""
-    met, looked = Counter[str](), []
-    for oracles, most in (((), worlds), (ORACLES, 0 if searcher in _FAILURES_ALONE else worlds // 10)):
-        config = CampaignConfig(Scenario(controller), seed=1 + len(oracles), examples=EXAMPLES, oracles=oracles)
+    met = Counter[str]()
+    looked = []
+    for oracles, most in (
+        ((), worlds),
+        (ORACLES, 0 if searcher in _FAILURES_ALONE else worlds // 10),
+    ):
+        config = CampaignConfig(
+            Scenario(controller), seed=1 + len(oracles), examples=EXAMPLES, oracles=oracles
+        )
         looked.append(0)
         for result in _units(searcher, config) if most else ():
             met += result.met
@@ -256,20 +326,30 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
 
 
 def floors() -> dict[str, float]:
-    """Median CPU seconds to the first proved loop of ``turn-right``; speeds are for :mod:`benchmarks.native`."""
+    """Median CPU seconds to the first proved loop of ``turn-right``.
+
+    Speeds are for :mod:`benchmarks.native`.
+    """
     seconds = []
     for seed in range(10):
         config = CampaignConfig(Scenario("turn-right"), seed=seed, examples=EXAMPLES)
         begun = time.process_time()
-        next(result for result in lanes()(config) if any(kind.startswith("loop") for kind in result.failures))
+        next(
+            result
+            for result in lanes()(config)
+            if any(kind.startswith("loop") for kind in result.failures)
+        )
         seconds.append(time.process_time() - begun)
     return {"first_loop_seconds": round(median(seconds[1:]), 4)}  # the first also compiles
 
 
-# --- a table in files ---------------------------------------------------------------------------------------------
+# --- a table in files
+# ---------------------------------------------------------------------------------------------
 
 
-def _once(file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+def _once(
+    file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]
+) -> dict[str, Any]:
     """The work's result: from its file if it was done there with the same key, else done now, and kept."""
     if file is not None and file.exists():
         known: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
@@ -284,15 +364,22 @@ def _once(file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, A
     return result
 
 
-def _rows(given: argparse.Namespace, limits: Limits, seeds: Sequence[int]) -> Iterator[dict[str, Any]]:
-    """Every cell of the table; of a fault all that belongs to it, for its kernels are compiled once a process."""
+def _rows(
+    given: argparse.Namespace, limits: Limits, seeds: Sequence[int]
+) -> Iterator[dict[str, Any]]:
+    """Every cell of the table.
+
+    Of a fault all that belongs to it, for its kernels are compiled once a process.
+    """
     for name, seed, searcher in product(given.fault or FAULTS, seeds, given.searcher or SEARCHERS):
         file = given.out / "rows" / f"{searcher}.{name}.{seed}.json" if given.out else None
 
         def work(name: str = name, seed: int = seed, searcher: str = searcher) -> dict[str, Any]:
             row, world = look_for(FAULTS[name], searcher, seed, limits)
             if given.out and world:
-                write_world(world, given.out / "rows" / f"{searcher}.{name}.{seed}.grid", force=True)
+                write_world(
+                    world, given.out / "rows" / f"{searcher}.{name}.{seed}.grid", force=True
+                )
             click.echo(_in_words(row), err=True)
             return asdict(row)
 
@@ -300,11 +387,19 @@ def _rows(given: argparse.Namespace, limits: Limits, seeds: Sequence[int]) -> It
 
 
 def _in_words(row: Row) -> str:
-    what = f"{row.kind}, {row.solid_cells[0]} -> {row.solid_cells[1]} solid cells" if row.found else "not found"
-    return f"{row.fault:<40} {row.searcher:<9} {row.seed} {row.worlds:>7} worlds {row.seconds:>7.2f} s  {what}"
+    what = (
+        f"{row.kind}, {row.solid_cells[0]} -> {row.solid_cells[1]} solid cells"
+        if row.found
+        else "not found"
+    )
+    return (
+        f"{row.fault:<40} {row.searcher:<9} {row.seed} {row.worlds:>7} worlds "
+        f"{row.seconds:>7.2f} s  {what}"
+    )
 
 
-# --- what it says -------------------------------------------------------------------------------------------------
+# --- what it says
+# -------------------------------------------------------------------------------------------------
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -327,15 +422,30 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _quartiles(values: Sequence[float]) -> list[float | None]:
-    """Lower quartile, median, upper quartile, each one of the values; ``None`` for what is endless or not there."""
+    """Lower quartile, median, upper quartile, each one of the values.
+
+    ``None`` for what is endless or not there.
+    """
     ranked = sorted(values)
-    picked = [ranked[math.ceil(len(ranked) * share) - 1] for share in (0.25, 0.5, 0.75)] if ranked else [math.inf] * 3
+    picked = (
+        [ranked[math.ceil(len(ranked) * share) - 1] for share in (0.25, 0.5, 0.75)]
+        if ranked
+        else [math.inf] * 3
+    )
     return [round(value, 3) if value < math.inf else None for value in picked]
 
 
 def tables(rows: Sequence[dict[str, Any]]) -> str:
     """The two tables of ``docs/finding.md``: by searcher, and by fault."""
-    columns = ("found", "worlds", "thousand steps", "CPU s", "solid cells, shrunk", "1-minimal", "shrink, ms")
+    columns = (
+        "found",
+        "worlds",
+        "thousand steps",
+        "CPU s",
+        "solid cells, shrunk",
+        "1-minimal",
+        "shrink, ms",
+    )
     lines = [f"| searcher | {' | '.join(columns)} |", "| --- |" + " ---: |" * len(columns)]
     for entry in summary(_done_by_all(rows)):
         thousands = [value / 1000 if value is not None else None for value in entry["steps"]]
@@ -346,16 +456,26 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
         )  # fmt: skip
         lines.append(f"| `{entry['searcher']}` | {' | '.join(cells)} |")
     searchers = _searchers(rows)
-    lines += ["", "| fault | " + " | ".join(searchers) + " |", "| --- |" + " ---: |" * len(searchers)]
+    lines += [
+        "",
+        "| fault | " + " | ".join(searchers) + " |",
+        "| --- |" + " ---: |" * len(searchers),
+    ]
     for fault in dict.fromkeys(row["fault"] for row in rows):
-        cells = tuple(_cell([row for row in rows if (row["fault"], row["searcher"]) == (fault, s)]) for s in searchers)
+        cells = tuple(
+            _cell([row for row in rows if (row["fault"], row["searcher"]) == (fault, s)])
+            for s in searchers
+        )
         lines.append(f"| `{fault}` | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
 def _done_by_all(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The searches that every searcher has done, for a table made in pieces may not be whole yet."""
-    done = {name: {(row["fault"], row["seed"]) for row in rows if row["searcher"] == name} for name in _searchers(rows)}
+    done = {
+        name: {(row["fault"], row["seed"]) for row in rows if row["searcher"] == name}
+        for name in _searchers(rows)
+    }
     return [row for row in rows if all((row["fault"], row["seed"]) in own for own in done.values())]
 
 
@@ -364,11 +484,16 @@ def _searchers(rows: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _cell(rows: Sequence[dict[str, Any]]) -> str:
-    """Median worlds to the find; how many searches found it where not all did; nothing where none was done."""
+    """Median worlds to the find; how many searches found it where not all did.
+
+    Nothing where none was done.
+    """
     hits = [row["worlds"] for row in rows if row["found"]]
     if not hits:
         return "not found" if rows else ""
-    return f"{median(hits):.0f}" + (f" ({len(hits)} of {len(rows)})" if len(hits) < len(rows) else "")
+    return f"{median(hits):.0f}" + (
+        f" ({len(hits)} of {len(rows)})" if len(hits) < len(rows) else ""
+    )
 
 
 def _span(three: Sequence[float | None]) -> str:
@@ -378,16 +503,43 @@ def _span(three: Sequence[float | None]) -> str:
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     size = parser.add_mutually_exclusive_group()
-    size.add_argument("--quick", action="store_const", const="quick", dest="size", default="", help="one seed, minutes")
-    size.add_argument("--full", action="store_const", const="full", dest="size", help="five seeds, a day")
-    parser.add_argument("--fault", action="append", choices=sorted(FAULTS), help="only this one; may be repeated")
-    parser.add_argument("--searcher", action="append", choices=sorted(SEARCHERS), help="only this one; may be repeated")
+    size.add_argument(
+        "--quick",
+        action="store_const",
+        const="quick",
+        dest="size",
+        default="",
+        help="one seed, minutes",
+    )
+    size.add_argument(
+        "--full", action="store_const", const="full", dest="size", help="five seeds, a day"
+    )
+    parser.add_argument(
+        "--fault", action="append", choices=sorted(FAULTS), help="only this one; may be repeated"
+    )
+    parser.add_argument(
+        "--searcher",
+        action="append",
+        choices=sorted(SEARCHERS),
+        help="only this one; may be repeated",
+    )
     parser.add_argument("--seed", action="append", type=int, help="only this one; may be repeated")
-    parser.add_argument("--part", action="append", choices=("faults", "alarms", "floors"), help="only this; likewise")
-    parser.add_argument("--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher")
-    parser.add_argument("--out", type=Path, help="folder that keeps every cell of the table, and the worlds")
+    parser.add_argument(
+        "--part",
+        action="append",
+        choices=("faults", "alarms", "floors"),
+        help="only this; likewise",
+    )
+    parser.add_argument(
+        "--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher"
+    )
+    parser.add_argument(
+        "--out", type=Path, help="folder that keeps every cell of the table, and the worlds"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     parts = given.part or ("faults", "alarms", "floors")
@@ -406,13 +558,19 @@ def main() -> None:
     ]
     measured = floors() if "floors" in parts else {}
     if given.json:
-        told = {"limits": asdict(limits), "searchers": summary(rows), "alarms": alarmed, "floors": measured}
+        told = {
+            "limits": asdict(limits),
+            "searchers": summary(rows),
+            "alarms": alarmed,
+            "floors": measured,
+        }
         click.echo(json.dumps({**told, "rows": rows}))
         return
     click.echo(tables(rows) if rows else "", nl=bool(rows))
     for entry in alarmed:
         click.echo(
-            f"{entry['controller']} {entry['searcher']}: {entry['worlds']} worlds, {entry['failures'] or 'none'}"
+            f"{entry['controller']} {entry['searcher']}: {entry['worlds']} worlds, "
+            f"{entry['failures'] or 'none'}"
         )
     for name, value in measured.items():
         click.echo(f"{name}: {value}")

@@ -1,19 +1,24 @@
 """Steps a second of the Gymnasium environments, beside other libraries of environments.
 
-``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its rate and its ratio to
-each peer, all from one run. Every case and peer runs in a process of its own, and they take turns in every round, so
-that other work on the machine hits all alike; the best of all rounds counts. A peer runs in the interpreter that its
-option names, ``--envpool``, ``--minigrid``, ``--navix``, else in this one; one that is not installed there is left out,
-and named.
+``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its
+rate and its ratio to each peer, all from one run. Every case and peer runs in a process of its own,
+and they take turns in every round, so that other work on the machine hits all alike; the best of
+all rounds counts. A peer runs in the interpreter that its option names, ``--envpool``,
+``--minigrid``, ``--navix``, else in this one; one that is not installed there is left out, and
+named.
 
-Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of ``step`` only:
-actions are drawn before, or, of a policy, outside the clock. All that ``step`` does counts: what Python does around the
+Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of
+``step`` only: actions are drawn before, or, of a policy, outside the clock. All that ``step`` does
+    counts: what Python does around the
 kernel, observations made anew, rewards, and episodes that begin.
 
-- ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their steps, the dear ones.
-- ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one step of twenty.
+- ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their
+  steps, the dear ones.
+- ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one
+  step of twenty.
 
-What peers do is not the same: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula; envpool's PointMaze
+What peers do is not the same: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
+    envpool's PointMaze
 moves a ball among walls by MuJoCo.
 """
 
@@ -53,22 +58,34 @@ def _random(robots: int) -> Policy:
 
 
 def _turns_away(robots: int) -> Policy:
-    rng, rest = np.random.default_rng(0), np.zeros(robots, np.int64)
+    rng = np.random.default_rng(0)
+    rest = np.zeros(robots, np.int64)
 
     def act(observation: Any, _: int) -> Any:
-        rest[...] = np.where(observation[:, 3] > 0.0, rng.integers(5, 25, robots), np.maximum(rest - 1, 0))
+        rest[...] = np.where(
+            observation[:, 3] > 0.0, rng.integers(5, 25, robots), np.maximum(rest - 1, 0)
+        )
         return np.where(rest > 0, 3, 0)
 
     return act
 
 
-def _many(policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any) -> float:
-    """Steps a second of the vector environment; the kernels are compiled, and the robots under way, before."""
-    name, limit = worldgen.gym.ENVIRONMENT, 1000
-    envs = gymnasium.make_vec(name, ROBOTS, "vector_entry_point", sensors=sensors, max_episode_steps=limit, **options)
+def _many(
+    policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any
+) -> float:
+    """Steps a second of the vector environment.
+
+    The kernels are compiled, and the robots under way, before.
+    """
+    name = worldgen.gym.ENVIRONMENT
+    limit = 1000
+    envs = gymnasium.make_vec(
+        name, ROBOTS, "vector_entry_point", sensors=sensors, max_episode_steps=limit, **options
+    )
     act = policy(ROBOTS)
     observation, _ = envs.reset(seed=1)
-    count, took = -200, 0.0
+    count = -200
+    took = 0.0
     while took < SECONDS:
         actions = act(observation, count)
         begin = time.process_time()
@@ -83,7 +100,8 @@ def _one() -> float:
     env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
     actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
     env.reset(seed=1)
-    count, begin = 0, time.process_time()
+    count = 0
+    begin = time.process_time()
     while time.process_time() < begin + SECONDS:
         for _ in range(100):
             if any(env.step(actions[count % 512])[2:4]):
@@ -101,7 +119,9 @@ CASES: dict[str, Callable[[], float]] = {
     "vector, turns away": lambda: _many(_turns_away, **MAZE),
     "vector, turns away, 16 beams of 2 m": lambda: _many(_turns_away, **MAZE, **_beams(16, 2.0)),
     "vector, turns away, 36 beams of 5 m": lambda: _many(_turns_away, **MAZE, **_beams(36, 5.0)),
-    "vector, random, in front of traps": lambda: _many(_random, **{**MAZE, "family": "trap", "params": {}}),
+    "vector, random, in front of traps": lambda: _many(
+        _random, **{**MAZE, "family": "trap", "params": {}}
+    ),
     "single, random": _one,
 }
 
@@ -127,7 +147,10 @@ def _peer(name: str, python: str) -> dict[str, Any] | None:
 
 def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
     """Best rates of all rounds, steps a second, and the load meanwhile."""
-    ours, theirs, versions, loads = dict.fromkeys(CASES, 0.0), {}, {}, []
+    ours = dict.fromkeys(CASES, 0.0)
+    theirs = {}
+    versions = {}
+    loads = []
     for _ in range(rounds):
         loads.append(os.getloadavg()[0])
         for name in CASES:
@@ -141,7 +164,10 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
                     theirs[label] = max(theirs.get(label, 0.0), rate)
     return {
         "cases": {
-            name: {"steps_per_second": rate, "ratios": {peer: rate / theirs[peer] for peer in theirs}}
+            name: {
+                "steps_per_second": rate,
+                "ratios": {peer: rate / theirs[peer] for peer in theirs},
+            }
             for name, rate in ours.items()
         },
         "peers": {name: {"steps_per_second": rate} for name, rate in theirs.items()},
@@ -153,11 +179,18 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
 
 def main() -> None:
     """Runs all and prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--rounds", type=int, default=3, help="rounds; the best counts (default 3)")
     for peer in PEERS:
-        parser.add_argument(f"--{peer}", default=sys.executable, metavar="PYTHON", help=f"interpreter that has {peer}")
+        parser.add_argument(
+            f"--{peer}",
+            default=sys.executable,
+            metavar="PYTHON",
+            help=f"interpreter that has {peer}",
+        )
     arguments = parser.parse_args()
     result = measure(arguments.rounds, {peer: getattr(arguments, peer) for peer in PEERS})
     if arguments.json:

@@ -1,8 +1,10 @@
 """What lanes bring, alone and together: classes of failures for equal CPU seconds of one core.
 
-``python -m benchmarks.lanes`` gives every way of sharing a campaign's budget the same CPU seconds for each controller:
-the campaign's own plan, all its lanes in turn, and some lanes alone. It prints how many classes each finds, and how
-large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled before that.
+``python -m benchmarks.lanes`` gives every way of sharing a campaign's budget the same CPU seconds
+for each controller: the campaign's own plan, all its lanes in turn, and some lanes alone. It prints
+    how many classes each finds, and how
+large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled
+before that.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from dataclasses import asdict, dataclass, replace
 import click
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Memory
+from fuzz.campaign.result import SearchState
 from fuzz.campaign.unit import run_unit
 from fuzz.search.plan import lanes_for
 from sim.scenario import Scenario
@@ -30,7 +32,9 @@ CASES = (
 """Controllers and motion models of the table."""
 
 _ALONE = ("native", "archive", "features", "boundary")
-_EXAMPLES = 100  # of a unit: a quarter of a campaign's, so that a lane's share can be told in few seconds
+_EXAMPLES = (
+    100  # of a unit: a quarter of a campaign's, so that a lane's share can be told in few seconds
+)
 _COMPILES = 10**6  # a unit that is far from all others
 
 
@@ -67,24 +71,31 @@ def lanes_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...
     """Which lanes a unit may be of."""
     if way == "plan":
         return lambda unit: ()
-    names = lanes_for(config, Memory()) if way == "in turn" else (way,)
+    names = lanes_for(config, SearchState()) if way == "in turn" else (way,)
     return lambda unit: (names[unit % len(names)],)
 
 
 def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
     """A campaign without shrinking, for so many CPU seconds after the first unit of every lane is compiled."""
-    config = CampaignConfig(Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES)
+    config = CampaignConfig(
+        Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
+    )
     at = lanes_at(way, config)
-    for name in lanes_for(config, Memory()):
+    for name in lanes_for(config, SearchState()):
         run_unit(replace(config, families=(name,), examples=1), _COMPILES)
-    memory, known, unit = Memory(), [Memory(), Memory()], 0
+    memory = SearchState()
+    known = [SearchState(), SearchState()]
+    unit = 0
     started = time.process_time()
     while time.process_time() - started < seconds:
-        memory = memory.after(run_unit(replace(config, families=at(unit)), unit, known[unit // config.epoch]))
+        memory = memory.after(
+            run_unit(replace(config, families=at(unit)), unit, known[unit // config.epoch])
+        )
         unit += 1
         if unit % config.epoch == 0:
             known.append(memory)
-    brought, failures = memory.lanes.values(), memory.failures
+    brought = memory.lanes.values()
+    failures = memory.failures
     return Row(
         controller, motion, way, seed, unit,
         worlds=sum(lane.worlds for lane in brought),
@@ -98,7 +109,9 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=20.0, help="CPU seconds of each campaign (default 20)")
+    parser.add_argument(
+        "--seconds", type=float, default=20.0, help="CPU seconds of each campaign (default 20)"
+    )
     parser.add_argument("--seeds", type=int, default=1, help="campaigns of each kind (default 1)")
     parser.add_argument("--controller", help="only this one")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -107,7 +120,7 @@ def main() -> None:
     for controller, motion in CASES:
         if given.controller in (None, controller):
             config = CampaignConfig(Scenario.parse(controller, motion=motion))
-            fit = [name for name in _ALONE if name in lanes_for(config, Memory())]
+            fit = [name for name in _ALONE if name in lanes_for(config, SearchState())]
             for way in ("plan", "in turn", *fit):
                 for seed in range(1, given.seeds + 1):
                     rows.append(campaign(controller, motion, way, seed, given.seconds))
@@ -120,8 +133,10 @@ def main() -> None:
 def _in_words(row: Row) -> str:
     cells = row.solid_cells / max(len(row.classes), 1)
     return (
-        f"{row.controller:<34} {row.motion:<9} {row.way:<9} {row.units:>4} units {row.worlds:>8} worlds "
-        f"{row.steps / 1e6:>7.1f} M steps {row.proved:>5} proved {len(row.classes):>3} classes of {cells:.0f} cells"
+        f"{row.controller:<34} {row.motion:<9} {row.way:<9} {row.units:>4} units {row.worlds:>8} "
+        f"worlds "
+        f"{row.steps / 1e6:>7.1f} M steps {row.proved:>5} proved {len(row.classes):>3} classes of "
+        f"{cells:.0f} cells"
     )
 
 

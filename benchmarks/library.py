@@ -1,11 +1,13 @@
-"""How often each registered controller arrives: over ``corpora/thesis``, and over many worlds of every family.
+"""How often each registered controller arrives.
 
-``python -m benchmarks.library`` prints how each run ended, table by table, and then the two tables of
-``docs/library.md``; with ``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the
-dynamic window's.
+Over ``corpora/thesis``, and over many worlds of every family. ``python -m benchmarks.library``
+prints how each run ended, table by table, and then the two tables of ``docs/library.md``; with
+``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the dynamic
+window's.
 
-Worlds are made here, each from its own seed, so they are the same on every machine, and so is every run. All
-controllers run under ``swept``, the thesis's three, too, each with the sensors that it needs.
+Worlds are made here, each from its own seed, so they are the same on every machine, and so is every
+run. All controllers run under ``swept``, the thesis's three, too, each with the sensors that it
+needs.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ class Row:
     Args:
         controller: Its name.
         verdicts: Runs by verdict, those of ``VERDICTS`` and ``other``.
-        detour: Median, over the runs that arrived, of the driven way over the witness's; nan without any.
+        detour: Median, over the runs that arrived, of the driven way over the witness's; nan
+            without any.
     """
 
     controller: str
@@ -58,16 +61,28 @@ def controllers() -> list[str]:
 
 
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
-    """Each table's name and its worlds: the corpus, then a number of each family with seeds from ``seed`` on."""
-    files = sorted((file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str)
+    """Each table's name and its worlds.
+
+    The corpus, then a number of each family with seeds from ``seed`` on.
+    """
+    files = sorted(
+        (file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str
+    )
     yield "corpora/thesis", [read_world(str(file)) for file in files if file.name.endswith(".grid")]
     for family in families:
         yield family, family_worlds(family, worlds, seed)
 
 
 def family_worlds(family: str, count: int, seed: int) -> list[World]:
-    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn, as far as they go together."""
-    words = {parameter.name: parameter.choices for parameter in FAMILIES.get(family).parameters if parameter.choices}
+    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
+
+    As far as they go together.
+    """
+    words = {
+        parameter.name: parameter.choices
+        for parameter in FAMILIES.get(family).parameters
+        if parameter.choices
+    }
     allowed = []
     for values in product(*words.values()):
         try:
@@ -94,7 +109,11 @@ def _row(runs: Runs, index: int, worlds: Sequence[World]) -> Row:
         for run in arrived
         if isinstance((world := worlds[runs.world[run]]).certificate, Witness)
     ]
-    return Row(runs.names[index], {**verdicts, "other": counts.total()}, float(np.median(ways)) if ways else np.nan)
+    return Row(
+        runs.names[index],
+        {**verdicts, "other": counts.total()},
+        float(np.median(ways)) if ways else np.nan,
+    )
 
 
 def _in_words(title: str, count: int, rows: Sequence[Row]) -> str:
@@ -113,7 +132,12 @@ def _in_words(title: str, count: int, rows: Sequence[Row]) -> str:
 
 
 def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row], str]) -> str:
-    lines = [f"{title}:", "", f"| | {' | '.join(tables_of)} |", "| --- |" + " ---: |" * len(tables_of)]
+    lines = [
+        f"{title}:",
+        "",
+        f"| | {' | '.join(tables_of)} |",
+        "| --- |" + " ---: |" * len(tables_of),
+    ]
     for rows in zip(*tables_of.values(), strict=True):
         lines.append(f"| `{rows[0].controller}` | {' | '.join(entry(row) for row in rows)} |")
     return "\n".join(lines) + "\n"
@@ -122,29 +146,47 @@ def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row],
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})")
+    parser.add_argument(
+        "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the first world (default 0)")
-    parser.add_argument("--steps", type=int, default=STEPS, help=f"budget of a run (default {STEPS})")
+    parser.add_argument(
+        "--steps", type=int, default=STEPS, help=f"budget of a run (default {STEPS})"
+    )
     parser.add_argument("--controller", action="append", help="only this one; may be repeated")
     parser.add_argument("--family", action="append", help="only this one; may be repeated")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     if given.worlds < 1:
         parser.error(f"--worlds {given.worlds} is below 1; give a number of worlds")
-    names, all_rows = given.controller or controllers(), dict[str, list[Row]]()
+    names = given.controller or controllers()
+    all_rows = dict[str, list[Row]]()
     for title, worlds in tables(given.worlds, given.seed, given.family or FAMILIES.names()):
         all_rows[title] = rows_of(worlds, names, given.steps)
         if not given.json:
             click.echo(_in_words(title, len(worlds), all_rows[title]))
     if given.json:
         plain = {
-            title: [{**asdict(row), "detour": None if np.isnan(row.detour) else row.detour} for row in rows]
+            title: [
+                {**asdict(row), "detour": None if np.isnan(row.detour) else row.detour}
+                for row in rows
+            ]
             for title, rows in all_rows.items()
         }
-        click.echo(json.dumps({"seed": given.seed, "steps": given.steps, "worlds": given.worlds, "tables": plain}))
+        click.echo(
+            json.dumps(
+                {"seed": given.seed, "steps": given.steps, "worlds": given.worlds, "tables": plain}
+            )
+        )
         return
     click.echo(_summary("Reached", all_rows, lambda row: str(row.verdicts["reached"] or "")))
-    click.echo(_summary("Path / witness", all_rows, lambda row: "" if np.isnan(row.detour) else f"{row.detour:.2f}"))
+    click.echo(
+        _summary(
+            "Path / witness",
+            all_rows,
+            lambda row: "" if np.isnan(row.detour) else f"{row.detour:.2f}",
+        )
+    )
 
 
 if __name__ == "__main__":

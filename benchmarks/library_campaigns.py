@@ -1,8 +1,9 @@
 """What a campaign finds against each controller of the library, family by family.
 
-``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts and of every family
-and prints the table of ``docs/library.md``, with ``--json`` one object. What a unit draws depends on the seed alone,
-so the figures are the same on every machine. Failures are proved and classified; they are not shrunk.
+``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
+and of every family and prints the table of ``docs/library.md``, with ``--json`` one object. What a
+unit draws depends on the seed alone, so the figures are the same on every machine. Failures are
+proved and classified; they are not shrunk.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ class Found:
         controller: Its name.
         lane: A family, or feature layouts.
         worlds: Worlds tried.
-        failed: Proved failures that were classified, by class; of one verdict and cause at most 24 a unit.
+        failed: Proved failures that were classified, by class; of one verdict and cause at most 24
+            a unit.
     """
 
     controller: str
@@ -48,7 +50,8 @@ class Found:
 def search(controller: str, lane: str, *, units: int, seed: int) -> Found:
     """A campaign of one controller over one lane."""
     config = CampaignConfig(Scenario.parse(controller), seed=seed, families=(lane,))
-    worlds, met = 0, Counter[str]()
+    worlds = 0
+    met = Counter[str]()
     for unit in range(units):
         result = run_unit(config, unit)
         worlds += result.worlds
@@ -61,14 +64,20 @@ def _in_words(found: Sequence[Found], lanes: Sequence[str]) -> str:
     lines = ["| | " + " | ".join(lanes) + " |", "| --- |" + " ---: |" * len(lanes)]
     for name in dict.fromkeys(entry.controller for entry in found):
         row = [cells[name, lane] for lane in lanes]
-        lines.append(f"| `{name}` | " + " | ".join(str(sum(entry.failed.values()) or "") for entry in row) + " |")
+        lines.append(
+            f"| `{name}` | "
+            + " | ".join(str(sum(entry.failed.values()) or "") for entry in row)
+            + " |"
+        )
     return "\n".join(lines)
 
 
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--units", type=int, default=UNITS, help=f"units of each lane (default {UNITS})")
+    parser.add_argument(
+        "--units", type=int, default=UNITS, help=f"units of each lane (default {UNITS})"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of every campaign (default 1)")
     parser.add_argument("--controller", action="append", help="only this one; may be repeated")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -76,13 +85,22 @@ def main() -> None:
     if given.units < 1:
         parser.error(f"--units {given.units} is below 1; give a number of units")
     lanes = [FEATURES, *FAMILIES.names()]
-    found, begun = [], time.perf_counter()
+    found = []
+    begun = time.perf_counter()
     for name in given.controller or controllers():
         for lane in lanes:
             found.append(search(name, lane, units=given.units, seed=given.seed))
             click.echo(f"{name} {lane}: {found[-1].worlds} worlds, {found[-1].failed}", err=True)
     if given.json:
-        click.echo(json.dumps({"seed": given.seed, "units": given.units, "found": [asdict(entry) for entry in found]}))
+        click.echo(
+            json.dumps(
+                {
+                    "seed": given.seed,
+                    "units": given.units,
+                    "found": [asdict(entry) for entry in found],
+                }
+            )
+        )
         return
     worlds = sum(entry.worlds for entry in found)
     click.echo(_in_words(found, lanes))

@@ -1,17 +1,20 @@
 """How fast mazes are made, beside other libraries, and how much memory a large one takes.
 
-``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a second of
-processor time on one core, the best of ``--rounds``; the cells are those of the square that comes out, with passages
-and walls one cell wide. ``tree`` is the maze alone, as links between chambers; ``grid`` is maze and solid cells;
-``world`` is a whole World, without its proof. ``fill`` is what writing one byte a cell takes.
+``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a
+second of processor time on one core, the best of ``--rounds``; the cells are those of the square
+that comes out, with passages and walls one cell wide. ``tree`` is the maze alone, as links between
+chambers; ``grid`` is maze and solid cells; ``world`` is a whole World, without its proof. ``fill``
+is what writing one byte a cell takes.
 
-Peers run once at each side of ``--sizes``, and at 60, as far as a run is foreseen to take ``--peer-seconds`` at most;
-the ratio is that of ``grid`` at the peer's largest side. A peer that is not installed is named. What is not the
-same: labmaze and tcod have none of these algorithms (labmaze: a maze between rooms, here without rooms; tcod: a
+Peers run once at each side of ``--sizes``, and at 60, as far as a run is foreseen to take
+``--peer-seconds`` at most; the ratio is that of ``grid`` at the peer's largest side. A peer that is
+not installed is named. What is not the same: labmaze and tcod have none of these algorithms
+    (labmaze: a maze between rooms, here without rooms; tcod: a
 binary space partition), and the Python peers hand over grids or lattices of their own kind.
 
-``python -m benchmarks.mazes --memory`` makes one maze for each algorithm that has room for it, each in a process of
-its own, at the largest of ``--sizes``, and says how much memory it took at most beyond the grid that it hands over.
+``python -m benchmarks.mazes --memory`` makes one maze for each algorithm that has room for it, each
+in a process of its own, at the largest of ``--sizes``, and says how much memory it took at most
+beyond the grid that it hands over.
 """
 
 from __future__ import annotations
@@ -64,7 +67,9 @@ def _maze_dataset(name: str) -> Maker:
 
 def _labmaze() -> Maker:
     library: Any = importlib.import_module("labmaze")
-    return lambda chambers: library.RandomMaze(2 * chambers + 1, 2 * chambers + 1, max_rooms=0, random_seed=1)
+    return lambda chambers: library.RandomMaze(
+        2 * chambers + 1, 2 * chambers + 1, max_rooms=0, random_seed=1
+    )
 
 
 def _tcod() -> Maker:
@@ -72,7 +77,8 @@ def _tcod() -> Maker:
 
     def make(chambers: int) -> Any:
         side = 2 * chambers + 1
-        tree, walls = library.BSP(0, 0, side, side), np.ones((side, side), np.bool_)
+        tree = library.BSP(0, 0, side, side)
+        walls = np.ones((side, side), np.bool_)
         tree.split_recursive(depth=2 * side.bit_length(), min_width=3, min_height=3, max_horizontal_ratio=2,
                              max_vertical_ratio=2)  # fmt: skip
         for leaf in tree.pre_order():
@@ -139,19 +145,27 @@ def _rate(side: int, seconds: float) -> float:
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, float]]]:
-    """Million cells a second: of each algorithm, side and case; under ``fill``, of writing memory alone."""
+    """Million cells a second: of each algorithm, side and case.
+
+    Under ``fill``, of writing memory alone.
+    """
     best: dict[str, dict[int, dict[str, float]]] = {}
     for turn in range(rounds + 1):
         for side in sizes:
             for name, case, make in _cases(side, turn):
                 rate = _rate(side, _seconds(make))
                 rates = best.setdefault(name, {}).setdefault(side, {})
-                rates[case] = max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0  # the first only warms up
+                rates[case] = (
+                    max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0
+                )  # the first only warms up
     return best
 
 
 def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """Million cells a second of each peer at each side that it could do in time; and what is missing, and why."""
+    """Million cells a second of each peer at each side that it could do in time.
+
+    And what is missing, and why.
+    """
     rates: dict[str, dict[str, Any]] = {}
     absent = []
     for name, (ours, load) in PEERS.items():
@@ -167,23 +181,36 @@ def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, A
             ours_once = partial(_grid, ours, (side - 1) // 2, 1)
             ours_once()
             own = max(_rate(side, _seconds(ours_once)) for _ in range(5))
-            rates[name] = {"beside": ours, "rates": done, "side": side, "ours": own, "ratio": own / done[side]}
+            rates[name] = {
+                "beside": ours,
+                "rates": done,
+                "side": side,
+                "ours": own,
+                "ratio": own / done[side],
+            }
     return rates, absent
 
 
 def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
     done: dict[int, float] = {}
-    seconds, before = 0.0, sides[0]
+    seconds = 0.0
+    before = sides[0]
     for side in sides:
-        if seconds * (side / before) ** 3 > limit:  # some take time with the square of the cells, or more
+        if (
+            seconds * (side / before) ** 3 > limit
+        ):  # some take time with the square of the cells, or more
             break
-        seconds, before = _seconds(partial(make, (side - 1) // 2)), side
+        seconds = _seconds(partial(make, (side - 1) // 2))
+        before = side
         done[side] = _rate(side, seconds)
     return done
 
 
 def peak_memory(name: str, side: int) -> dict[str, float]:
-    """What one large grid takes in a new process: seconds, and bytes a cell beyond the grid itself."""
+    """What one large grid takes in a new process.
+
+    Seconds, and bytes a cell beyond the grid itself.
+    """
     code = f"from benchmarks.mazes import _take; _take({name!r}, {side})"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return dict(json.loads(done.stdout))
@@ -196,7 +223,15 @@ def _take(name: str, side: int) -> None:
     grid = _grid(name, (side - 1) // 2, 1)
     seconds = time.process_time() - begin
     beyond = _status("VmHWM") - before - grid.nbytes
-    click.echo(json.dumps({"seconds": seconds, "bytes_a_cell": beyond / grid.size, "rate": grid.size / seconds / 1e6}))
+    click.echo(
+        json.dumps(
+            {
+                "seconds": seconds,
+                "bytes_a_cell": beyond / grid.size,
+                "rate": grid.size / seconds / 1e6,
+            }
+        )
+    )
 
 
 def _status(field: str) -> int:
@@ -207,9 +242,17 @@ def _status(field: str) -> int:
 
 
 def _tables(result: dict[str, Any], sizes: list[int]) -> str:
-    lines = ["".join([f"{'Mcells/s':24}", *(f"{f'{case} {side}':>14}" for side in sizes for case in _CASES)])]
+    lines = [
+        "".join(
+            [f"{'Mcells/s':24}", *(f"{f'{case} {side}':>14}" for side in sizes for case in _CASES)]
+        )
+    ]
     for name, by_side in result["ours"].items():
-        numbers = (by_side[side].get(case) for side in sizes for case in (("fill",) if name == "fill" else _CASES))
+        numbers = (
+            by_side[side].get(case)
+            for side in sizes
+            for case in (("fill",) if name == "fill" else _CASES)
+        )
         lines.append("".join([f"{name:24}", *(f"{number:14,.1f}" for number in numbers)]))
     lines += ["", f"{'peer':34}{'side':>6}{'Mcells/s':>12}{'ours':>10}  ratio, and to which"]
     for name, peer in result["peers"].items():
@@ -223,23 +266,37 @@ _CASES = ("tree", "grid", "world")
 
 def main() -> None:
     """Runs all and prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)")
+    parser.add_argument(
+        "--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)"
+    )
     parser.add_argument("--rounds", type=int, default=5, help="rounds; the best counts (default 5)")
-    parser.add_argument("--peer-seconds", type=float, default=10.0, help="longest run of a peer (default 10); 0: none")
-    parser.add_argument("--memory", action="store_true", help="measure memory instead, at the largest size")
+    parser.add_argument(
+        "--peer-seconds",
+        type=float,
+        default=10.0,
+        help="longest run of a peer (default 10); 0: none",
+    )
+    parser.add_argument(
+        "--memory", action="store_true", help="measure memory instead, at the largest size"
+    )
     arguments = parser.parse_args()
     sizes = sorted(int(side) for side in arguments.sizes.split(","))
     if arguments.memory:
         taken = {name: peak_memory(name, sizes[-1]) for name in LARGE}
         lines = (
-            f"{name:24}{one['seconds']:8.2f} s {one['rate']:8.1f} Mcells/s {one['bytes_a_cell']:6.2f} bytes a cell more"
+            f"{name:24}{one['seconds']:8.2f} s {one['rate']:8.1f} Mcells/s "
+            f"{one['bytes_a_cell']:6.2f} bytes a cell more"
             for name, one in taken.items()
         )
         click.echo(json.dumps(taken) if arguments.json else "\n".join(lines))
         return
-    peers, absent = measure_peers(sizes, arguments.peer_seconds) if arguments.peer_seconds > 0 else ({}, [])
+    peers, absent = (
+        measure_peers(sizes, arguments.peer_seconds) if arguments.peer_seconds > 0 else ({}, [])
+    )
     result = {"ours": measure(sizes, arguments.rounds), "peers": peers, "absent": absent}
     click.echo(json.dumps(result) if arguments.json else _tables(result, sizes))
 

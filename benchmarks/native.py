@@ -1,13 +1,20 @@
-"""What native search costs: robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
+"""What native search costs.
 
-``python -m benchmarks.native`` prints a table, with ``--json`` one object; ``--document docs/search.md`` also puts it
-into that document. All rates are per second of one core's processor time, compilation left out.
+Robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
+``python -m benchmarks.native`` prints a table, with ``--json`` one object;
+``--document docs/search.md`` also puts it into that document. All rates are per second of one
+core's processor time, compilation left out.
 
-``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at; what it reports
-proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the simulator's step in
-the worlds of the same scenes, with everything ready before the clock starts: what the lane could be at most.
-``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same scenes
-through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a world.
+``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at;
+    what it reports
+proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the
+    simulator's step in
+the worlds of the same scenes, with everything ready before the clock starts: what the lane could be
+    at most.
+``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of
+    the same scenes
+through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a
+    world.
 """
 
 from __future__ import annotations
@@ -29,13 +36,13 @@ from benchmarks.simulator import maze
 from benchmarks.worlds import documented
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.unit import run_unit
-from fuzz.screening import Looks, evaluate
+from fuzz.screening import Screening, evaluate
 from fuzz.search.native import scenes
 from sim import RunOptions, simulate_many
 from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
-from sim.runners.core_calls import Driver, Episode
+from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
@@ -46,7 +53,10 @@ NAMES = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left",
 ALONE_STEPS = 300_000
 LOOKS = 4_000  # scenes
 SAME_WORLDS = 300  # of simulate_many
-MARKS = ("<!-- table: python -m benchmarks.native --document docs/search.md -->", "<!-- end of table -->")
+MARKS = (
+    "<!-- table: python -m benchmarks.native --document docs/search.md -->",
+    "<!-- end of table -->",
+)
 
 
 @dataclass(frozen=True)
@@ -86,7 +96,10 @@ class Row:
     @property
     def shares(self) -> dict[str, float]:
         """The rates of first looks and of whole units, as shares of the bare step's."""
-        return {"looks_share": self.looks_steps / self.bare, "lane_share": self.lane_steps / self.bare}
+        return {
+            "looks_share": self.looks_steps / self.bare,
+            "lane_share": self.lane_steps / self.bare,
+        }
 
 
 def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
@@ -95,14 +108,23 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _units(scenario: Scenario, lane: str, budget: float) -> tuple[float, float, int]:
-    """Steps and worlds a second of whole units, and all classes that they find; what compiles does not count."""
+    """Steps and worlds a second of whole units, and all classes that they find.
+
+    What compiles does not count.
+    """
     config = CampaignConfig(scenario, seed=3, families=(lane,))
     run_unit(config, 0)
-    steps, worlds, unit, classes, begin = 0, 0, 0, set[str](), time.process_time()
+    steps = 0
+    worlds = 0
+    unit = 0
+    classes = set[str]()
+    begin = time.process_time()
     while (taken := time.process_time() - begin) < budget:
         unit += 1
         result = run_unit(config, unit)
-        steps, worlds, classes = steps + result.steps, worlds + result.worlds, classes | result.failures.keys()
+        steps = steps + result.steps
+        worlds = worlds + result.worlds
+        classes = classes | result.failures.keys()
     return steps / taken, worlds / taken, len(classes)
 
 
@@ -111,24 +133,30 @@ def _alone(scenario: Scenario, rounds: int) -> float:
     run = prepare(maze(), scenario.controller, RunOptions("swept", ALONE_STEPS))
     run.run(10, find_loop=False, record=False, digest=False)
     taken = [
-        _timed(lambda: run.run(ALONE_STEPS, find_loop=False, record=False, digest=False))[1] for _ in range(rounds)
+        _timed(lambda: run.run(ALONE_STEPS, find_loop=False, record=False, digest=False))[1]
+        for _ in range(rounds)
     ]
     return ALONE_STEPS / median(taken)
 
 
-def _bare(scenario: Scenario, looks: Looks) -> float:
-    """Steps a second of the runs of first looks: nothing but the step and its search for recurrences."""
+def _bare(scenario: Scenario, looks: Screening) -> float:
+    """Steps a second of the runs of first looks.
+
+    Nothing but the step and its search for recurrences.
+    """
     controller = CONTROLLERS.get(scenario.controller)
     assert isinstance(controller, CompiledController)
     steps = 0
     taken = 0.0
     for n in np.flatnonzero(looks.ran).tolist():
         world = looks.world(n)
-        run = LatticeRun(world, controller, looks.scenario_of(n).options(world, int(looks.budget[n])))
+        run = LatticeRun(
+            world, controller, looks.scenario_of(n).options(world, int(looks.budget[n]))
+        )
         run.settings.steps = int(looks.budget[n])
         run.settings.digest = 0
         run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
-        episode = Episode(run.arena(), run.settings, Driver(controller, controller.memory))
+        episode = CoreEpisode(run.arena(), run.settings, Driver(controller, controller.memory))
         taken += _timed(functools.partial(episode.run, run.settings.steps))[1]
         steps += int(episode.report.steps)
     return steps / taken
@@ -136,10 +164,12 @@ def _bare(scenario: Scenario, looks: Looks) -> float:
 
 def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float, float]:
     """Bare steps a second; steps and worlds of first looks, and of ``simulate_many`` in the same worlds."""
-    drawn, seeds = scenes(RandomStream(3), LOOKS), np.arange(LOOKS, dtype=np.uint64)
+    drawn = scenes(RandomStream(3), LOOKS)
+    seeds = np.arange(LOOKS, dtype=np.uint64)
     evaluate(drawn[:50], scenario, seeds[:50], 0.015)
     done = [_timed(lambda: evaluate(drawn, scenario, seeds, 0.015)) for _ in range(rounds)]
-    looks, seconds = done[0][0], median(taken for _, taken in done)
+    looks = done[0][0]
+    seconds = median(taken for _, taken in done)
     worlds = [looks.world(n) for n in np.flatnonzero(looks.ran)[:SAME_WORLDS].tolist()]
     simulate_many(worlds[:1], scenario.controller, steps=10, workers=1)
     runs, taken = _timed(lambda: simulate_many(worlds, scenario.controller, steps=4000, workers=1))
@@ -158,21 +188,39 @@ def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Ro
     for name in controllers:
         scenario = Scenario(name)
         bare, looks_steps, looks_worlds, many_steps, many_worlds = _looks(scenario, rounds)
-        native, features = _units(scenario, "native", budget), _units(scenario, "features", budget)
+        native = _units(scenario, "native", budget)
+        features = _units(scenario, "features", budget)
         alone = _alone(scenario, rounds)
-        rows.append(Row(name, alone, bare, looks_steps, looks_worlds, *native, many_steps, many_worlds, *features))
+        rows.append(
+            Row(
+                name,
+                alone,
+                bare,
+                looks_steps,
+                looks_worlds,
+                *native,
+                many_steps,
+                many_worlds,
+                *features,
+            )
+        )
     return rows
 
 
 def _markdown(rows: list[Row]) -> str:
     lines = [
-        "| controller | alone | bare | looks | looks / bare | lane | lane / bare | simulate_many | features | worlds "
+        "| controller | alone | bare | looks | looks / bare | lane | lane / bare | simulate_many | "
+        "features | worlds "
         "| features | classes | features |",
         "| --- |" + " ---: |" * 12,
     ]
     for row in rows:
         others = (row.many_steps, row.features_steps)
-        cells = [row.controller.rpartition(":")[2].lower(), f"{row.alone / 1e6:.2f}", f"{row.bare / 1e6:.2f}"]
+        cells = [
+            row.controller.rpartition(":")[2].lower(),
+            f"{row.alone / 1e6:.2f}",
+            f"{row.bare / 1e6:.2f}",
+        ]
         for rate, share in zip((row.looks_steps, row.lane_steps), row.shares.values(), strict=True):
             cells += [f"{rate / 1e6:.2f}", f"{share:.2f}"]
         cells += [f"{rate / 1e6:.2f}" for rate in others]
@@ -184,18 +232,28 @@ def _markdown(rows: list[Row]) -> str:
 
 def main() -> None:
     """Runs all and prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--controllers", default=",".join(NAMES), help="names, with commas between")
-    parser.add_argument("--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)")
+    parser.add_argument(
+        "--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)"
+    )
     parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()
     rows = measure(tuple(arguments.controllers.split(",")), arguments.rounds, arguments.seconds)
     table = _markdown(rows)
     if arguments.document is not None:
         arguments.document.write_text(documented(arguments.document.read_text(), table, MARKS))
-    click.echo(json.dumps({"rows": [asdict(row) | row.shares for row in rows]}) if arguments.json else table)
+    click.echo(
+        json.dumps({"rows": [asdict(row) | row.shares for row in rows]})
+        if arguments.json
+        else table
+    )
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
     python -m benchmarks.player
 
-Each frame is drawn whole and read back, so that nothing is put off; a frame of 60 a second has 16.7 ms. One world
-changes 6,000 times a second, in the other a robot's way has 30,000 corners, as many as the studio's page holds; all of
-them are in sight, also where the robot is followed.
+Each frame is drawn whole and read back, so that nothing is put off; a frame of 60 a second has 16.7
+ms. One world changes 6,000 times a second, in the other a robot's way has 30,000 corners, as many
+as the studio's page holds; all of them are in sight, also where the robot is followed.
 """
 
 from __future__ import annotations
@@ -65,10 +65,16 @@ _DRAW = """async ([world, run, how]) => {
 def main() -> None:
     """Prints a table."""
     click.echo(f"{'':28} first ms   median ms   19 in 20 below")
-    with tempfile.TemporaryDirectory() as there, studio_of(Path(there)) as gate, chromium_browser() as browser:
+    with (
+        tempfile.TemporaryDirectory() as there,
+        studio_of(Path(there)) as gate,
+        chromium_browser() as browser,
+    ):
         for name, changes, corners, how in CASES:
             with opened(browser, gate) as page:
-                first, median, most = page.evaluate(_DRAW, [drawn_world(_world(changes)), _run(corners), how])
+                first, median, most = page.evaluate(
+                    _DRAW, [drawn_world(_world(changes)), _run(corners), how]
+                )
                 click.echo(f"{name:28} {first:8.1f} {median:11.1f} {most:16.1f}")
 
 
@@ -89,8 +95,20 @@ def _run(corners: int) -> dict[str, object]:
     walked = (chance.integers(-3 * 1_024, 3 * 1_024 + 1, corners).cumsum() for _ in range(2))
     x, y = (np.clip(way + SIDE * 512, 3_000, (SIDE - 3) * 1_024) for way in walked)
     at = np.linspace(0, 1_000 * 256, corners).astype(np.int64)
-    columns = {"at": numbers(at), "x": numbers(x), "y": numbers(y), "heading": numbers(np.zeros(corners))}
-    return {"steps": 1_000, "dt": 0.01, **columns, "bump": bits(np.zeros(corners)), "loop": None, "marks": []}
+    columns = {
+        "at": numbers(at),
+        "x": numbers(x),
+        "y": numbers(y),
+        "heading": numbers(np.zeros(corners)),
+    }
+    return {
+        "steps": 1_000,
+        "dt": 0.01,
+        **columns,
+        "bump": bits(np.zeros(corners)),
+        "loop": None,
+        "marks": [],
+    }
 
 
 if __name__ == "__main__":

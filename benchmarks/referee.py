@@ -1,11 +1,12 @@
 """A foreign referee for swept moves: shapely is asked about every piece of the way of many discs.
 
-``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with ``--json`` as one
-object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse to dense, some with walls one cell
-thick and diagonal gaps; radii go from 0.05 to 6 cells, moves from a lattice unit to 300 cells.
+``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with
+``--json`` as one object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse
+to dense, some with walls one cell thick and diagonal gaps; radii go from 0.05 to 6 cells, moves
+from a lattice unit to 300 cells.
 
-Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below a millionth of a
-unit: that is the tolerance, a nanometre where a cell is a metre.
+Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below
+a millionth of a unit: that is the tolerance, a nanometre where a cell is a metre.
 """
 
 from __future__ import annotations
@@ -60,8 +61,11 @@ def _room(stream: RandomStream) -> np.ndarray:
     side = stream.between(8, 24)
     cells = np.zeros((side, side), np.uint8)
     for _ in range(stream.between(1, side * side // 6)):
-        ix, iy = stream.below(side), stream.below(side)
-        width, height = (1, stream.between(1, side)) if stream.below(3) == 0 else (stream.between(1, 3),) * 2
+        ix = stream.below(side)
+        iy = stream.below(side)
+        width, height = (
+            (1, stream.between(1, side)) if stream.below(3) == 0 else (stream.between(1, 3),) * 2
+        )
         cells[iy : iy + height, ix : ix + width] = SOLID
     return cells
 
@@ -72,9 +76,12 @@ def _walls(cells: np.ndarray) -> shapely.STRtree:
     return shapely.STRtree(shapely.box(low[:, 0], low[:, 1], low[:, 0] + UNIT, low[:, 1] + UNIT))
 
 
-def _place(stream: RandomStream, cells: np.ndarray, clear_sq: int, reach: int) -> tuple[int, int] | None:
+def _place(
+    stream: RandomStream, cells: np.ndarray, clear_sq: int, reach: int
+) -> tuple[int, int] | None:
     for _ in range(40):
-        x, y = stream.below(cells.shape[1] * UNIT), stream.below(cells.shape[0] * UNIT)
+        x = stream.below(cells.shape[1] * UNIT)
+        y = stream.below(cells.shape[0] * UNIT)
         if pose_is_clear(cells, SOLID, clear_sq, reach, x, y):
             return x, y
     return None
@@ -87,10 +94,13 @@ def referee(moves: int, seed: int) -> Report:
         moves: At least so many.
         seed: Of all chance.
     """
-    stream, report, begin = RandomStream(seed), Report(), time.perf_counter()
+    stream = RandomStream(seed)
+    report = Report()
+    begin = time.perf_counter()
     chain = np.zeros((MOST_CORNERS, 3), np.int64)
     while report.moves < moves:
-        cells, radius = _room(stream), RADII[stream.below(len(RADII))]
+        cells = _room(stream)
+        radius = RADII[stream.below(len(RADII))]
         clear_sq = clear_distance_sq(radius)
         reach = math.isqrt(clear_sq - 1) + 1
         place = _place(stream, cells, clear_sq, reach)
@@ -113,9 +123,13 @@ def _drive(
     pieces: list[list[tuple[int, int]]] = []
     x, y = place
     for _ in range(MOVES_A_ROOM):
-        length, angle = LENGTHS[stream.below(len(LENGTHS))], stream.below(720) * math.pi / 360
-        dx, dy = round(length * math.cos(angle)), round(length * math.sin(angle))
-        count, nx, ny = swept_move(cells, clear_sq, reach, (x, y, dx, dy), (0.0, 1.0), 0.0, chain, 0)
+        length = LENGTHS[stream.below(len(LENGTHS))]
+        angle = stream.below(720) * math.pi / 360
+        dx = round(length * math.cos(angle))
+        dy = round(length * math.sin(angle))
+        count, nx, ny = swept_move(
+            cells, clear_sq, reach, (x, y, dx, dy), (0.0, 1.0), 0.0, chain, 0
+        )
         for k in range(count):
             to = int(chain[k, 0]), int(chain[k, 1])
             pieces.append([(x, y), to])
@@ -124,7 +138,8 @@ def _drive(
         report.contacts += (nx, ny) != (0.0, 0.0)
     if not pieces:
         return
-    lines, tree = shapely.linestrings(np.array(pieces, float)), _walls(cells)
+    lines = shapely.linestrings(np.array(pieces, float))
+    tree = _walls(cells)
     radius = math.sqrt(clear_sq)
     which, boxes = tree.query(lines, "dwithin", radius + 1.0)
     gaps = shapely.distance(lines[which], tree.geometries[boxes])
@@ -136,7 +151,9 @@ def _drive(
 
 def main() -> None:
     """Asks the referee and prints the report."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--moves", type=int, default=100_000, help="how many (default 100,000)")
     parser.add_argument("--seed", type=int, default=1)
@@ -146,8 +163,10 @@ def main() -> None:
         click.echo(json.dumps(vars(report)))
         return
     click.echo(
-        f"{report.moves:,} moves, {report.contacts:,} of them bent or stopped, {report.pieces:,} straight pieces: "
-        f"{report.cuts} cut a wall; the worst came {report.deepest:.2e} lattice units too near ({report.seconds:.0f} s)"
+        f"{report.moves:,} moves, {report.contacts:,} of them bent or stopped, {report.pieces:,} "
+        f"straight pieces: "
+        f"{report.cuts} cut a wall; the worst came {report.deepest:.2e} lattice units too near "
+        f"({report.seconds:.0f} s)"
     )
 
 

@@ -1,17 +1,19 @@
-"""Ways to look for a controller's failures, for ``benchmarks.finding`` to compare; all hand them in at the one door.
+"""Ways to look for a controller's failures, for ``benchmarks.finding`` to compare.
 
-A searcher makes of a campaign's configuration one unit's result after another, without end, each of as many worlds as
-the configuration says. The lanes are those of the product; the two others are what one would do without it:
+All hand them in at the one door. A searcher makes of a campaign's configuration one unit's result
+after another, without end, each of as many worlds as the configuration says. The lanes are those of
+the product; the two others are what one would do without it:
 
-- ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too, until a witness shows
-  that the target can be reached.
-- ``genetic``: a genetic algorithm over the bytes of a feature layout. The more time a robot takes beyond the straight
-  way, the fitter the layout; who fails has been found, and has no children.
+- ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too,
+  until a witness shows that the target can be reached.
+- ``genetic``: a genetic algorithm over the bytes of a feature layout. The more time a robot takes
+  beyond the straight way, the fitter the layout; who fails has been found, and has no children.
 
-Source: Dmytro Humeniuk, Foutse Khomh and Giuliano Antoniol, "A search-based framework for automatic generation of
-testing environments for cyber-physical systems", Information and Software Technology 149 (2022), for the robot's
-way as fitness, one-point crossover and mutation of an environment's elements; Darrell Whitley, "The GENITOR algorithm
-and selection pressure", ICGA 1989, for one child at a time.
+Source: Dmytro Humeniuk, Foutse Khomh and Giuliano Antoniol, "A search-based framework for automatic
+    generation of
+testing environments for cyber-physical systems", Information and Software Technology 149 (2022),
+for the robot's way as fitness, one-point crossover and mutation of an environment's elements;
+Darrell Whitley, "The GENITOR algorithm and selection pressure", ICGA 1989, for one child at a time.
 """
 
 from __future__ import annotations
@@ -22,11 +24,11 @@ from dataclasses import replace
 from itertools import count
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.unit import run_unit
 from fuzz.search.features import LAYOUT_BYTES, decode_world
 from fuzz.triage.proofs import certified
-from fuzz.triage.triage import Door
+from fuzz.triage.triage import Triage
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.options.run import step_budget
@@ -34,7 +36,14 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Pose, Target, World
+from worldgen.world import (
+    DEFAULT_CELL_SIZE,
+    DEFAULT_ROBOT_RADIUS,
+    DEFAULT_ROBOT_SPEED,
+    Pose,
+    Target,
+    World,
+)
 
 __all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "lanes", "random_cells"]
 
@@ -43,7 +52,14 @@ Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
 """Families whose worlds do not change: in those that do, no controller arrives everywhere."""
 
-_DENSITIES = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)  # beyond, hardly any way is left for a robot wider than a cell
+_DENSITIES = (
+    0.05,
+    0.1,
+    0.15,
+    0.2,
+    0.25,
+    0.3,
+)  # beyond, hardly any way is left for a robot wider than a cell
 _SIDES = (8, 28)  # cells, as feature layouts have them
 _POPULATION = 50
 _CROSSOVER = 0.9
@@ -56,7 +72,9 @@ def lanes(*names: str) -> Searcher:
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
-        memory, known = Memory(), [Memory(), Memory()]  # by epoch, as in a campaign
+        # by epoch, as in a campaign
+        memory = SearchState()
+        known = [SearchState(), SearchState()]
         for unit in count():
             result = run_unit(config, unit, known[unit // config.epoch])
             memory = memory.after(result)
@@ -71,7 +89,7 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
     """Uniformly random cells at several densities, reachable."""
     stream = RandomStream(config.seed).child("random cells")
     while True:
-        door = Door(config, UnitResult(lane="random"))
+        door = Triage(config, UnitResult(lane="random"))
         for _ in range(config.examples):
             world = None
             while world is None:
@@ -81,11 +99,14 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
-    """A genetic algorithm over feature layouts, one child at a time: it takes the place of one that is less fit."""
+    """A genetic algorithm over feature layouts, one child at a time.
+
+    It takes the place of one that is less fit.
+    """
     stream = RandomStream(config.seed).child("genetic")
     population: list[tuple[float, bytes]] = []
     while True:
-        door = Door(config, UnitResult(lane="genetic"))
+        door = Triage(config, UnitResult(lane="genetic"))
         while door.result.worlds < config.examples:
             full = len(population) == _POPULATION
             layout = _child(population, stream) if full else stream.bits(_WORDS).tobytes()
@@ -101,7 +122,9 @@ def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
 
 def _child(population: list[tuple[float, bytes]], stream: RandomStream) -> bytes:
     """Two parents by tournaments of two, one point of crossover, mutation."""
-    mother, father = (population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2))
+    mother, father = (
+        population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2)
+    )
     cut = stream.below(len(mother)) if stream.random() < _CROSSOVER else 0
     child = bytearray(father[:cut] + mother[cut:])
     for k in range(len(child)):
@@ -114,8 +137,11 @@ def _two(stream: RandomStream) -> tuple[int, int]:
     return stream.below(_POPULATION), stream.below(_POPULATION)
 
 
-def _look(door: Door, config: CampaignConfig, world: World, stream: RandomStream) -> float:
-    """Runs a reachable world; the time that the robot takes over that of the straight way, 0 if it does not arrive."""
+def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStream) -> float:
+    """Runs a reachable world.
+
+    The time that the robot takes over that of the straight way, 0 if it does not arrive.
+    """
     scenario = replace(config.scenario, seed=stream.below(1 << 32))
     budget = step_budget(world, scenario.time_step)
     try:
@@ -130,10 +156,15 @@ def _look(door: Door, config: CampaignConfig, world: World, stream: RandomStream
 
 
 def _random_world(stream: RandomStream) -> World:
-    """Cells that are solid or not, each by itself; those round start and target are free, the border is solid."""
+    """Cells that are solid or not, each by itself.
+
+    Those round start and target are free, the border is solid.
+    """
     height, width = (stream.between(*_SIDES) for _ in range(2))
     walls = stream.floats(height * width).reshape(height, width) < stream.choice(_DENSITIES)
-    (ix, iy), (jx, jy) = ((stream.between(2, width - 3), stream.between(2, height - 3)) for _ in range(2))
+    (ix, iy), (jx, jy) = (
+        (stream.between(2, width - 3), stream.between(2, height - 3)) for _ in range(2)
+    )
     for x, y in ((ix, iy), (jx, jy)):
         walls[y - 1 : y + 2, x - 1 : x + 2] = False
     walls[[0, -1], :] = walls[:, [0, -1]] = True
@@ -161,4 +192,7 @@ SEARCHERS: dict[str, Searcher] = {
     "random": random_cells,
     "genetic": genetic,
 }
-"""By name, in the order of the table; ``plan`` is the campaign as it is, with lanes that share by its own plan."""
+"""By name, in the order of the table.
+
+``plan`` is the campaign as it is, with lanes that share by its own plan.
+"""

@@ -1,9 +1,10 @@
-"""How fast sets are made, on one core: ``python -m benchmarks.sets``, with ``--json`` as one object.
+"""How fast sets are made, on one core.
 
-For each family worlds a second: made and thrown away (``stream``), written as a folder and as archives, and measured
-as well. The ratio is to ``stream`` in the same run; it says what writing and measuring cost. ``--count`` is the number
-of worlds of each case (default 2,000). Times are the processor's, so other work on the machine counts little; before
-the clock starts, kernels are loaded.
+``python -m benchmarks.sets``, with ``--json`` as one object. For each family worlds a second: made
+and thrown away (``stream``), written as a folder and as archives, and measured as well. The ratio
+is to ``stream`` in the same run; it says what writing and measuring cost. ``--count`` is the number
+of worlds of each case (default 2,000). Times are the processor's, so other work on the machine
+counts little; before the clock starts, kernels are loaded.
 """
 
 from __future__ import annotations
@@ -47,15 +48,33 @@ def measure(count: int) -> Iterator[dict[str, Any]]:
     for family in FAMILIES:
         deque(stream(family, count=WARM), maxlen=0)
         bare = _seconds(lambda family=family: deque(stream(family, count=count), maxlen=0))
-        yield {"family": family, "case": "stream", "worlds": count, "rate": count / bare, "ratio": 1.0}
+        yield {
+            "family": family,
+            "case": "stream",
+            "worlds": count,
+            "rate": count / bare,
+            "ratio": 1.0,
+        }
         for case, how in CASES.items():
             with tempfile.TemporaryDirectory() as folder:
-                out, plan = Path(folder) / how["name"], plan_set(family, 0, count, {}, metrics=how["metrics"])
+                out = Path(folder) / how["name"]
+                plan = plan_set(family, 0, count, {}, metrics=how["metrics"])
                 taken = _seconds(lambda plan=plan, out=out: make_set(plan, out))
-                yield {"family": family, "case": case, "worlds": count, "rate": count / taken, "ratio": bare / taken}
+                yield {
+                    "family": family,
+                    "case": case,
+                    "worlds": count,
+                    "rate": count / taken,
+                    "ratio": bare / taken,
+                }
                 if case == "folder":
                     taken = _seconds(lambda out=out: check_set(out, manifest_of(out)))
-                    yield {"family": family, "case": "check", "worlds": count, "rate": count / taken}
+                    yield {
+                        "family": family,
+                        "case": "check",
+                        "worlds": count,
+                        "rate": count / taken,
+                    }
 
 
 def _seconds(work: Callable[[], object]) -> float:
@@ -66,7 +85,9 @@ def _seconds(work: Callable[[], object]) -> float:
 
 def main() -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--count", type=int, default=2_000)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
@@ -75,7 +96,9 @@ def main() -> None:
         found.append(result)
         if not options.json:
             ratio = f"{result['ratio']:6.2f} of stream" if "ratio" in result else ""
-            click.echo(f"{result['family']:6} {result['case']:16} {result['rate']:9,.0f} worlds/s {ratio}")
+            click.echo(
+                f"{result['family']:6} {result['case']:16} {result['rate']:9,.0f} worlds/s {ratio}"
+            )
     if options.json:
         click.echo(json.dumps({"cases": found}))
 

@@ -1,12 +1,13 @@
 """How quick and how good shrinking is, beside Hypothesis on the same failures.
 
-``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model with fixed seeds,
-shrinks each, and prints the table of ``docs/shrinking.md``; with ``--json`` one object. ``--each N`` says how many
-failures a case contributes at most (default 6), ``--hypothesis N`` how many Hypothesis shrinks too (default 1).
-Times are CPU milliseconds.
+``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model
+with fixed seeds, shrinks each, and prints the table of ``docs/shrinking.md``; with ``--json`` one
+object. ``--each N`` says how many failures a case contributes at most (default 6),
+``--hypothesis N`` how many Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 
-Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure was
-drawn from, through public calls only: its property fails where the layout's world fails with the same
+Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure
+was drawn from, through public calls only: its property fails where the layout's world fails with
+    the same
 verdict. So it never leaves the layouts.
 """
 
@@ -101,7 +102,9 @@ def failures_of(controller: str, motion: str, time_step: float, most: int) -> li
         failure = _failure(data, scenario)
         if failure is not None:
             by_verdict.setdefault(failure.verdict, []).append(Found(data, failure, scenario))
-    ranked = sorted((rank, verdict) for verdict, found in by_verdict.items() for rank in range(len(found)))
+    ranked = sorted(
+        (rank, verdict) for verdict, found in by_verdict.items() for rank in range(len(found))
+    )
     return [by_verdict[verdict][rank] for rank, verdict in ranked[:most]]
 
 
@@ -134,7 +137,8 @@ def by_passes(found: Found) -> Failure:
 
 def by_hypothesis(found: Found) -> Failure:
     """What Hypothesis makes of the layout's bytes, with the same exact judge."""
-    still_fails, best = StillFails.of(found.failure), found.data
+    still_fails = StillFails.of(found.failure)
+    best = found.data
 
     @settings(
         database=InMemoryExampleDatabase(), phases=[Phase.reuse, Phase.shrink], deadline=None, derandomize=False,
@@ -153,7 +157,11 @@ def by_hypothesis(found: Found) -> Failure:
     with contextlib.suppress(_Fails):
         arrives()
     proved = certified(decode_world(best))
-    small = None if proved is None else failure_of(proved, found.scenario, steps=still_fails.proof_budget)
+    small = (
+        None
+        if proved is None
+        else failure_of(proved, found.scenario, steps=still_fails.proof_budget)
+    )
     return found.failure if small is None else small
 
 
@@ -196,18 +204,37 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--each", type=int, default=6, help="failures of each case at most")
-    parser.add_argument("--hypothesis", type=int, default=1, help="failures of each case that Hypothesis shrinks")
+    parser.add_argument(
+        "--hypothesis", type=int, default=1, help="failures of each case that Hypothesis shrinks"
+    )
     asked = parser.parse_args()
     made = tables(asked.each, asked.hypothesis)
     if asked.json:
         click.echo(json.dumps(made))
         return
-    click.echo("| case | by | failures | median ms | p95 ms | solid cells | cells | 1-minimal |\n" + "| --- " * 8 + "|")
+    click.echo(
+        "| case | by | failures | median ms | p95 ms | solid cells | cells | 1-minimal |\n"
+        + "| --- " * 8
+        + "|"
+    )
     for row in made["rows"]:
         if row["failures"]:
-            values = [row[name] for name in ("failures", "median_ms", "p95_ms", "median_solid_cells", "median_cells")]
+            values = [
+                row[name]
+                for name in (
+                    "failures",
+                    "median_ms",
+                    "p95_ms",
+                    "median_solid_cells",
+                    "median_cells",
+                )
+            ]
             share = f"{row['one_minimal']:.0%}"
-            click.echo("| " + " | ".join([row["case"], row["way"], *(f"{value:g}" for value in values), share]) + " |")
+            click.echo(
+                "| "
+                + " | ".join([row["case"], row["way"], *(f"{value:g}" for value in values), share])
+                + " |"
+            )
 
 
 if __name__ == "__main__":

@@ -1,17 +1,19 @@
 """Steps a second of the simulator, beside other engines that drive a disc through the same maze.
 
-``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its rate and its ratio to
-each peer, all from one run. Peers that are not installed are left out, and named: pymunk and mujoco come with pip.
+``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its
+rate and its ratio to each peer, all from one run. Peers that are not installed are left out, and
+    named: pymunk and mujoco come with pip.
 
-The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller is a simple
-reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are steps per second of processor
-time, but for those of several threads or processes, which are per second of wall time; the best of all rounds
-counts. Cases and
+The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller
+is a simple reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are
+    steps per second of processor
+time, but for those of several threads or processes, which are per second of wall time; the best of
+all rounds counts. Cases and
 peers take turns in every round, so that other work on the machine hits all alike.
 
 Two peers are C of our own (``peers/plain_disc.c``): a disc that drives through the
-maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is what a simulator is
-measured by; ``plain C, bouncer`` turns on the spot as the cases do.
+maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is
+what a simulator is measured by; ``plain C, bouncer`` turns on the spot as the cases do.
 """
 
 from __future__ import annotations
@@ -36,7 +38,15 @@ import numpy as np
 import shapely
 
 from build_tools.cores import compiler
-from sim import Command, Commands, CompiledController, ProcessController, RobotOptions, RunOptions, simulate_many
+from sim import (
+    Command,
+    Commands,
+    CompiledController,
+    ProcessController,
+    RobotOptions,
+    RunOptions,
+    simulate_many,
+)
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare
 from sim.kernels import layout
@@ -63,7 +73,9 @@ def _act(observation: Any, memory: Any, command: Any) -> None:
         command[layout.CMD_SPEED] = 2.0
 
 
-BOUNCER = CompiledController("bouncer", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random"))
+BOUNCER = CompiledController(
+    "bouncer", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random")
+)
 """The bouncer as a function that numba compiles."""
 
 
@@ -201,19 +213,22 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
     """The controller for peers: heading and whether to drive; it is sent whether a wall was met."""
-    heading, rest = 0.0, 0
+    heading = 0.0
+    rest = 0
     bumped = yield heading, True
     while True:
         if bumped:
             rest = stream.between(5, 24)
         if rest > 0:
-            rest, heading = rest - 1, heading + RATE * STEP
+            rest = rest - 1
+            heading = heading + RATE * STEP
         bumped = yield heading, rest == 0
 
 
 def _boxes(world: World) -> list[tuple[float, float, float, float]]:
     """Walls as boxes, runs of cells in a row merged, m."""
-    side, found = world.cell_size, []
+    side = world.cell_size
+    found = []
     for iy in range(world.height):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], world.walls[iy].astype(np.int8), [0]])))
         for first, last in zip(edges[::2], edges[1::2], strict=True):
@@ -223,18 +238,25 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
 
 def _plain(name: str) -> Callable[[], Rate]:
     """A function of the plain disc, in the maze of the cases; lengths are cells."""
-    world, steps = maze(), 2_000_000
+    world = maze()
+    steps = 2_000_000
     side = world.cell_size
     cells = np.ascontiguousarray(world.walls, np.uint8)
     function = ctypes.CDLL(f"{_built().name}/plain_disc.so")[name]
     function.restype = ctypes.c_double
     pose = (world.start.x / side, world.start.y / side, world.robot_radius / side, 0.03 / side)
-    grid = (ctypes.c_void_p(cells.ctypes.data), ctypes.c_int64(world.width), ctypes.c_int64(world.height))
+    grid = (
+        ctypes.c_void_p(cells.ctypes.data),
+        ctypes.c_int64(world.width),
+        ctypes.c_int64(world.height),
+    )
     before = (*grid, *map(ctypes.c_double, pose))
     after = (ctypes.c_uint64(5), ctypes.c_int64(steps))
     # Places to head for: free cells whose four neighbours are free, so that the disc fits.
     walls = np.pad(world.walls, 1, constant_values=True)
-    shut = walls[1:-1, 1:-1] | walls[:-2, 1:-1] | walls[2:, 1:-1] | walls[1:-1, :-2] | walls[1:-1, 2:]
+    shut = (
+        walls[1:-1, 1:-1] | walls[:-2, 1:-1] | walls[2:, 1:-1] | walls[1:-1, :-2] | walls[1:-1, 2:]
+    )
     marks = np.ascontiguousarray(np.argwhere(~shut)[::7, ::-1] + 0.5)
 
     def once() -> Rate:
@@ -242,25 +264,33 @@ def _plain(name: str) -> Callable[[], Rate]:
         if name == "bounce":
             function(*before, ctypes.c_double(RATE * STEP), *after)
         else:
-            function(*before, ctypes.c_void_p(marks.ctypes.data), ctypes.c_int64(len(marks)), *after)
+            function(
+                *before, ctypes.c_void_p(marks.ctypes.data), ctypes.c_int64(len(marks)), *after
+            )
         return steps, time.process_time() - begin
 
     return once
 
 
 def _shapely() -> Callable[[], Rate]:
-    world, steps = maze(), 2_000
+    world = maze()
+    steps = 2_000
     tree = shapely.STRtree([shapely.box(*box) for box in _boxes(world)])
 
     def once() -> Rate:
-        drive, x, y = _turns(RandomStream(5)), world.start.x, world.start.y
+        drive = _turns(RandomStream(5))
+        x = world.start.x
+        y = world.start.y
         heading, ahead = next(drive)
         begin = time.process_time()
         for _ in range(steps):
             bumped = False
             if ahead:
                 to = x + 0.03 * math.cos(heading), y + 0.03 * math.sin(heading)
-                bumped = len(tree.query(shapely.LineString([(x, y), to]), "dwithin", world.robot_radius)) > 0
+                bumped = (
+                    len(tree.query(shapely.LineString([(x, y), to]), "dwithin", world.robot_radius))
+                    > 0
+                )
                 x, y = (x, y) if bumped else to
             heading, ahead = drive.send(bumped)  # type: ignore[attr-defined]
         return steps, time.process_time() - begin
@@ -271,7 +301,8 @@ def _shapely() -> Callable[[], Rate]:
 def _pymunk() -> Callable[[], Rate]:
     pymunk = importlib.import_module("pymunk")
 
-    world, steps = maze(), 20_000
+    world = maze()
+    steps = 20_000
     space = pymunk.Space()
     for left, low, right, high in _boxes(world):
         corners = [(left, low), (right, low), (right, high), (left, high)]
@@ -299,9 +330,11 @@ def _pymunk() -> Callable[[], Rate]:
 def _mujoco() -> Callable[[], Rate]:
     mujoco = importlib.import_module("mujoco")
 
-    world, steps = maze(), 5_000
+    world = maze()
+    steps = 5_000
     geoms = "".join(
-        f'<geom type="box" pos="{(a + c) / 2} {(b + d) / 2} 0" size="{(c - a) / 2} {(d - b) / 2} 0.1"/>'
+        f'<geom type="box" pos="{(a + c) / 2} {(b + d) / 2} 0" size="{(c - a) / 2} {(d - b) / 2} '
+        f'0.1"/>'
         for a, b, c, d in _boxes(world)
     )
     model = mujoco.MjModel.from_xml_string(
@@ -340,7 +373,8 @@ PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
     """Best rate of each case and peer, steps a second, and the peers that are not installed."""
-    ready, absent = {name: make() for name, make in CASES.items()}, []
+    ready = {name: make() for name, make in CASES.items()}
+    absent = []
     for name, make in PEERS.items():
         try:
             ready[name] = make()
@@ -374,7 +408,9 @@ def _bytes_per_robot() -> int:
 
 def main() -> None:
     """Runs all and prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--rounds", type=int, default=5, help="rounds; the best counts (default 5)")
     arguments = parser.parse_args()
@@ -382,7 +418,10 @@ def main() -> None:
     first = _first_call()
     peers = [name for name in PEERS if name in rates]
     cases = {
-        name: {"steps_per_second": rates[name], "ratios": {peer: rates[name] / rates[peer] for peer in peers}}
+        name: {
+            "steps_per_second": rates[name],
+            "ratios": {peer: rates[name] / rates[peer] for peer in peers},
+        }
         for name in CASES
     }
     result = {
@@ -402,7 +441,10 @@ def main() -> None:
     for peer in peers:
         click.echo(f"{peer:36}{rates[peer]:12,.0f}")
     click.echo(f"first step of a new process: {first:.2f} s")
-    click.echo(f"memory per robot: {result['bytes_per_robot']} bytes, and a byte of each cell for where it has been")
+    click.echo(
+        f"memory per robot: {result['bytes_per_robot']} bytes, and a byte of each cell for where "
+        f"it has been"
+    )
     if absent:
         click.echo(f"not installed: {', '.join(absent)}")
 

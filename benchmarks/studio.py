@@ -1,9 +1,11 @@
-"""How smooth the studio is: times of frames in headless Chromium, in a world of 2000 x 2000 cells and a long run.
+"""How smooth the studio is.
 
-    python -m benchmarks.studio
+Times of frames in headless Chromium, in a world of 2000 x 2000 cells and a long run. python -m
+benchmarks.studio
 
-The board is zoomed and drawn on in each frame, the player plays a million steps, with the whole world in view and with
-the robot followed. A frame of 60 a second has 16.7 ms; headless Chromium draws without a graphics card.
+The board is zoomed and drawn on in each frame, the player plays a million steps, with the whole
+world in view and with the robot followed. A frame of 60 a second has 16.7 ms; headless Chromium
+draws without a graphics card.
 """
 
 from __future__ import annotations
@@ -42,7 +44,11 @@ def main() -> None:
     """Prints a table."""
     with tempfile.TemporaryDirectory() as there:
         write_world(generate("cave", 3, size=SIDE), Path(there) / "big.grid")
-        with studio_of(Path(there)) as gate, chromium_browser() as browser, opened(browser, gate) as page:
+        with (
+            studio_of(Path(there)) as gate,
+            chromium_browser() as browser,
+            opened(browser, gate) as page,
+        ):
             page.set_default_timeout(300_000)
             click.echo(f"{'':32} median ms   19 in 20 below")
             _measure(page)

@@ -1,7 +1,8 @@
-"""How often the thesis's robots enter walls: scattered worlds and U traps, by rule, cause and repair.
+"""How often the thesis's robots enter walls.
 
-``python -m benchmarks.thesis_faults`` prints the figures of ``docs/thesis-faults.md``, with ``--json`` as one object.
-It takes some four minutes.
+Scattered worlds and U traps, by rule, cause and repair. ``python -m benchmarks.thesis_faults``
+prints the figures of ``docs/thesis-faults.md``, with ``--json`` as one object. It takes some four
+minutes.
 """
 
 from __future__ import annotations
@@ -42,21 +43,29 @@ def scattered(stream: RandomStream) -> Walls:
     """10 to 30 blocks of 1 to 3 by 1 to 3 cells, anywhere in a hall with a border."""
     walls = _hall()
     for _ in range(stream.between(10, 30)):
-        width, height = stream.between(1, 3), stream.between(1, 3)
-        ix, iy = stream.between(1, SIDE - 1 - width), stream.between(1, SIDE - 1 - height)
+        width = stream.between(1, 3)
+        height = stream.between(1, 3)
+        ix = stream.between(1, SIDE - 1 - width)
+        iy = stream.between(1, SIDE - 1 - height)
         walls[iy : iy + height, ix : ix + width] = True
     return walls
 
 
 def u_traps(stream: RandomStream, count: int) -> Walls:
-    """Us of 5 to 12 by 4 to 12 cells, walls one or two cells thick, open to any side; they may cut each other."""
+    """Us of 5 to 12 by 4 to 12 cells, walls one or two cells thick, open to any side.
+
+    They may cut each other.
+    """
     walls = _hall()
     for _ in range(count):
-        width, depth, thick = stream.between(5, 12), stream.between(4, 12), stream.between(1, 2)
+        width = stream.between(5, 12)
+        depth = stream.between(4, 12)
+        thick = stream.between(1, 2)
         shape = np.ones((depth, width), bool)
         shape[thick:, thick : width - thick] = False
         shape = np.rot90(shape, stream.below(4))
-        ix, iy = stream.between(1, SIDE - 1 - shape.shape[1]), stream.between(1, SIDE - 1 - shape.shape[0])
+        ix = stream.between(1, SIDE - 1 - shape.shape[1])
+        iy = stream.between(1, SIDE - 1 - shape.shape[0])
         walls[iy : iy + shape.shape[0], ix : ix + shape.shape[1]] |= shape
     return walls
 
@@ -72,7 +81,8 @@ def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
     """Worlds of a kind whose target can be reached; others are drawn again."""
     stream = RandomStream(seed).child(kind)
     while count:
-        walls, target = KINDS[kind](stream), stream.choice(_TARGETS)
+        walls = KINDS[kind](stream)
+        target = stream.choice(_TARGETS)
         for ix, iy in (_START, target):
             walls[iy - 1 : iy + 2, ix - 1 : ix + 2] = False
         start = Pose(_centre(_START[0]), _centre(_START[1]), _HEADING)
@@ -84,7 +94,8 @@ def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
 
 def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[str]:
     """How many runs overlap a wall (``overlap``), enter one (``tunnel``), by which cause, and how many arrive."""
-    scenario, counts = Scenario.parse(controller, motion="stepped"), Counter[str]()
+    scenario = Scenario.parse(controller, motion="stepped")
+    counts = Counter[str]()
     for number, world in enumerate(worlds):
         outcome = _run(world, scenario, number, steps)
         tunnelled = outcome.ending == Verdict.TUNNEL
@@ -99,7 +110,9 @@ def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[s
 def _run(world: World, scenario: Scenario, number: int, steps: int) -> Outcome:
     options = scenario.options(world, steps)
     seed = RandomStream(scenario.seed).child("run", number).next64()
-    return prepare(world, scenario.controller, replace(options, seed=seed)).run(steps, find_loop=True, record=False)
+    return prepare(world, scenario.controller, replace(options, seed=seed)).run(
+        steps, find_loop=True, record=False
+    )
 
 
 def _hall() -> Walls:
@@ -116,8 +129,12 @@ def _centre(index: int) -> float:
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--worlds", type=int, default=4000, help="worlds of each kind (default 4000)")
-    parser.add_argument("--steps", type=int, default=STEPS, help="budget of a run in steps (default 20000)")
+    parser.add_argument(
+        "--worlds", type=int, default=4000, help="worlds of each kind (default 4000)"
+    )
+    parser.add_argument(
+        "--steps", type=int, default=STEPS, help="budget of a run in steps (default 20000)"
+    )
     parser.add_argument("--seed", type=int, default=1, help="seed of the worlds (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
@@ -128,11 +145,17 @@ def main() -> None:
         table[name] = {}
         for kind, rule in itertools.product(KINDS, (1, 2, 3)):
             robot = "+".join((f"thesis-{rule}", *repairs))
-            counts = table[name][f"{kind}, thesis-{rule}"] = dict(tally(worlds[kind], robot, given.steps))
+            counts = table[name][f"{kind}, thesis-{rule}"] = dict(
+                tally(worlds[kind], robot, given.steps)
+            )
             if not given.json:
                 click.echo(f"{name}; {kind}; thesis-{rule}: {_in_words(counts, given.worlds)}")
     if given.json:
-        click.echo(json.dumps({"worlds": given.worlds, "steps": given.steps, "seed": given.seed, "runs": table}))
+        click.echo(
+            json.dumps(
+                {"worlds": given.worlds, "steps": given.steps, "seed": given.seed, "runs": table}
+            )
+        )
 
 
 def _sets_of(names: tuple[str, ...]) -> Iterator[tuple[str, ...]]:

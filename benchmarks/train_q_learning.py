@@ -1,6 +1,7 @@
-"""Trains the library's Q-learning robot and writes its table; the same table each time, bit for bit.
+"""Trains the library's Q-learning robot and writes its table.
 
-``python -m benchmarks.train_q_learning`` takes a minute or two. With ``--check`` it compares instead of writing.
+The same table each time, bit for bit. ``python -m benchmarks.train_q_learning`` takes a minute or
+two. With ``--check`` it compares instead of writing.
 """
 
 from __future__ import annotations
@@ -32,9 +33,16 @@ _BUDGET = 800  # steps of an episode
 _SEED = 1
 _WORLDS = 150  # of each kind
 _DISCOUNT = 0.98  # of the worth of what comes after a decision
-_LEARN, _LEARN_LEAST = 0.3, 0.02  # share of the surprise that is learnt, at first and at last
-_EXPLORE, _EXPLORE_LEAST = 0.4, 0.05  # share of decisions that are drawn, likewise
-_ARRIVED, _BUMP, _DECISION = 30.0, -1.0, -0.2  # rewards
+# share of the surprise that is learnt, at first and at last
+_LEARN = 0.3
+_LEARN_LEAST = 0.02
+# share of decisions that are drawn, likewise
+_EXPLORE = 0.4
+_EXPLORE_LEAST = 0.05
+# rewards
+_ARRIVED = 30.0
+_BUMP = -1.0
+_DECISION = -0.2
 _TRACE = 0.8  # share of a surprise that the decision before gets, and so on
 _PER_METRE = 5.0  # reward for coming nearer
 
@@ -45,8 +53,10 @@ class Learner:
     Args:
         stream: Of what is drawn.
 
-    Source: Watkins and Dayan (1992), equation 1. Coming nearer is rewarded as a potential, which leaves the best policy
-    what it was: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward transformations"
+    Source: Watkins and Dayan (1992), equation 1. Coming nearer is rewarded as a potential, which
+        leaves the best policy
+    what it was: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
+        transformations"
     (1999).
     """
 
@@ -55,7 +65,8 @@ class Learner:
 
     def __init__(self, stream: RandomStream) -> None:
         self.table = np.zeros((SITUATIONS, len(TURNS)))
-        self.learn, self.explore = _LEARN, _EXPLORE
+        self.learn = _LEARN
+        self.explore = _EXPLORE
         self._stream = stream
         self._before: tuple[int, int, float] | None = None
         self._traces: dict[tuple[int, int], float] = {}
@@ -67,7 +78,10 @@ class Learner:
         return AT_RESET
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Decides if it is time to, as the robot does, and learns from what came of the decision before."""
+        """Decides if it is time to.
+
+        As the robot does, and learns from what came of the decision before.
+        """
         wait, turned = memory
         turn = 0
         if wait <= 0.0 or observation.bump:
@@ -76,7 +90,8 @@ class Learner:
             choice = self._choose(now)
             self._before = (now, choice, observation.target_distance)
             turn = TURNS[choice]
-            wait, turned = float(DRIVEN), (0.0 if turn % 4 == 0 else 1.0 if turn < 4 else 2.0)
+            wait = float(DRIVEN)
+            turned = 0.0 if turn % 4 == 0 else 1.0 if turn < 4 else 2.0
         rate = (turn if turn <= 4 else turn - 8) * (2.0 * np.pi / 8.0) / observation.time_step
         return Command(observation.top_speed, rate), (wait - 1.0, turned)
 
@@ -118,7 +133,8 @@ class Learner:
 def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
     """The table after so many episodes, in thousandths."""
     stream = RandomStream(seed)
-    learner, choose = Learner(stream.child("decisions")), stream.child("worlds")
+    learner = Learner(stream.child("decisions"))
+    choose = stream.child("worlds")
     worlds = [world for kind in KINDS for world in draw_worlds(kind, _WORLDS, seed)]
     for episode in range(episodes):
         left = 1.0 - episode / episodes
@@ -144,7 +160,8 @@ def as_c(table: npt.NDArray[np.int64]) -> str:
     pairs = zip(*[iter(situations)] * _ON_A_LINE, strict=True)
     lines = "\n".join(f"    {' '.join(pair)}" for pair in pairs)
     return (
-        "// The Q-learning robot's table; `python -m benchmarks.train_q_learning` has written it.\n\n"
+        "// The Q-learning robot's table; `python -m benchmarks.train_q_learning` has written "
+        "it.\n\n"
         '#include "q_table.h"\n\n'
         f"const int16_t wg_q_table[WG_Q_SITUATIONS][WG_Q_TURNS] = {{\n{lines}\n}};\n"
     )

@@ -1,19 +1,24 @@
 """How fast whole worlds are made, proved, checked, written and read, beside what else answers the same questions.
 
-``python -m benchmarks.worlds`` prints tables, with ``--json`` one object; ``--document docs/speed.md`` also puts the
-tables into a document, between its marks. Times are of one core's processor, the best of ``--rounds``; compilation is
-not counted. Start-up is what the clock on the wall shows, compilation not counted either.
+``python -m benchmarks.worlds`` prints tables, with ``--json`` one object;
+``--document docs/speed.md`` also puts the tables into a document, between its marks. Times are of
+one core's processor, the best of ``--rounds``; compilation is not counted. Start-up is what the
+clock on the wall shows, compilation not counted either.
 
-- ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and world.
-- ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the certificate.
-- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness; and the same with a
-  wall across, without and with the cut that proves it.
+- ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and
+  world.
+- ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the
+  certificate.
+- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness;
+  and the same with a wall across, without and with the cut that proves it.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
-Peers of the proof look at whole cells: walls are widened by the radius (scipy's exact distance transform, from cell to
-cell), and what is left is labelled (scipy) or searched (tcod). That is quicker, and not the same question: the robot
-stands in the middle of a cell, so a passage of two cells stops a disc of 1.4. ``agrees`` says whether the peer's
+Peers of the proof look at whole cells: walls are widened by the radius (scipy's exact distance
+    transform, from cell to
+cell), and what is left is labelled (scipy) or searched (tcod). That is quicker, and not the same
+question: the robot stands in the middle of a cell, so a passage of two cells stops a disc of 1.4.
+    ``agrees`` says whether the peer's
 answer was the true one. A peer that is not installed is named.
 """
 
@@ -46,7 +51,10 @@ __all__ = ["documented", "measure"]
 
 STILL = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 BATCH = 100
-MARKS = ("<!-- table: python -m benchmarks.worlds --document docs/speed.md -->", "<!-- end of table -->")
+MARKS = (
+    "<!-- table: python -m benchmarks.worlds --document docs/speed.md -->",
+    "<!-- end of table -->",
+)
 
 
 def _layout(name: str, size: int, seed: int = 1, **params: Any) -> World:
@@ -71,20 +79,25 @@ def _rates(sizes: list[int], rounds: int) -> dict[str, Any]:
         for size in sizes:
             layout = _best(functools.partial(_layout, name, size), rounds)
             whole = _best(functools.partial(generate, name, 1, size=size), rounds)
-            rates.setdefault(name, {})[size] = {"layout": size**2 / layout / 1e6, "generate": size**2 / whole / 1e6}
+            rates.setdefault(name, {})[size] = {
+                "layout": size**2 / layout / 1e6,
+                "generate": size**2 / whole / 1e6,
+            }
     return rates
 
 
 def _scattered(side: int, radius: float, *, blocked: bool) -> World:
     """Single cells, few enough for a disc of ``radius`` cells to get through, and perhaps a row that stops it."""
     chance = np.random.default_rng(7)
-    walls, room = np.zeros((side, side), np.bool_), int(radius) + 3
+    walls = np.zeros((side, side), np.bool_)
+    room = int(radius) + 3
     count = int(0.004 * side**2 / radius**1.5)
     walls[chance.integers(0, side, count), chance.integers(0, side, count)] = True
     walls[: 3 * room, : 3 * room] = walls[-3 * room :, -3 * room :] = False
     if blocked:
         walls[side // 2, :: int(2 * radius)] = True
-    near, far = room / 10, (side - room) / 10
+    near = room / 10
+    far = (side - room) / 10
     return World(walls, Pose(near, near), Target(far, far, 0.05), robot_radius=radius / 10)
 
 
@@ -101,19 +114,29 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
     wall[side // 2] = True
     yield "one wall across", World(wall, *ends)
     for radius in (3, 10, 30):
-        yield f"cells here and there, radius {radius} cells", _scattered(side, radius, blocked=False)
-        yield f"a row of posts across, radius {radius} cells", _scattered(side, radius, blocked=True)
+        yield (
+            f"cells here and there, radius {radius} cells",
+            _scattered(side, radius, blocked=False),
+        )
+        yield (
+            f"a row of posts across, radius {radius} cells",
+            _scattered(side, radius, blocked=True),
+        )
 
 
 def _widened(world: World) -> Any:
     """Cells from whose centre every solid cell is at least the radius away, along rows and columns; the usual way."""
     ndimage: Any = importlib.import_module("scipy.ndimage")
-    distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[1:-1, 1:-1]
+    distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[
+        1:-1, 1:-1
+    ]
     return distance - 0.5 >= float(radius_in_cells(world))
 
 
 def _cell(world: World, point: Pose | Target) -> tuple[int, int]:
-    return min(int(point.y / world.cell_size), world.height - 1), min(int(point.x / world.cell_size), world.width - 1)
+    return min(int(point.y / world.cell_size), world.height - 1), min(
+        int(point.x / world.cell_size), world.width - 1
+    )
 
 
 def _scipy_labels(world: World) -> bool:
@@ -126,7 +149,8 @@ def _scipy_labels(world: World) -> bool:
 def _tcod_path(world: World) -> bool:
     path: Any = importlib.import_module("tcod.path")
     free = _widened(world)
-    begin, end = _cell(world, world.start), _cell(world, world.target)
+    begin = _cell(world, world.start)
+    end = _cell(world, world.target)
     finder = path.Pathfinder(path.SimpleGraph(cost=free.astype(np.int8), cardinal=70, diagonal=99))
     finder.add_root(begin)
     return bool(free[begin] and free[end] and len(finder.path_to(end)) > 1)
@@ -139,7 +163,10 @@ def _proofs(side: int, rounds: int, absent: set[str]) -> dict[str, Any]:
     proofs: dict[str, Any] = {}
     for name, world in _asked(side):
         decision = decide(world)
-        one: dict[str, Any] = {"result": decision.result, "seconds": _best(functools.partial(decide, world), rounds)}
+        one: dict[str, Any] = {
+            "result": decision.result,
+            "seconds": _best(functools.partial(decide, world), rounds),
+        }
         with_proof = functools.partial(check_certificate, world, decision.certificate)
         one["check"] = _best(with_proof, 1)
         one["valid"] = with_proof().valid
@@ -151,7 +178,11 @@ def _proofs(side: int, rounds: int, absent: set[str]) -> dict[str, Any]:
                 absent.add(f"{peer}: not installed ({error})")
             else:
                 agrees = answer == (decision.result == REACHABLE)
-                one[peer] = {"seconds": seconds, "ratio": seconds / one["seconds"], "agrees": agrees}
+                one[peer] = {
+                    "seconds": seconds,
+                    "ratio": seconds / one["seconds"],
+                    "agrees": agrees,
+                }
         proofs[name] = one
     return proofs
 
@@ -161,12 +192,18 @@ def _batch(rounds: int) -> dict[str, Any]:
     for name in STILL:
         worlds = [_layout(name, 30, seed) for seed in range(BATCH)]
         one: dict[str, float] = {}
-        one["decided"] = _best(functools.partial(decide_many, worlds, certificate=False), rounds) / BATCH * 1e6
+        one["decided"] = (
+            _best(functools.partial(decide_many, worlds, certificate=False), rounds) / BATCH * 1e6
+        )
         one["with witness"] = _best(functools.partial(decide_many, worlds), rounds) / BATCH * 1e6
         walled = [_walled(world) for world in worlds]
-        one["blocked"] = _best(functools.partial(decide_many, walled, certificate=False), rounds) / BATCH * 1e6
+        one["blocked"] = (
+            _best(functools.partial(decide_many, walled, certificate=False), rounds) / BATCH * 1e6
+        )
         one["with cut"] = _best(functools.partial(decide_many, walled), rounds) / BATCH * 1e6
-        one["scipy labels"] = _best(lambda worlds=worlds: [_scipy_labels(world) for world in worlds], 1) / BATCH * 1e6
+        one["scipy labels"] = (
+            _best(lambda worlds=worlds: [_scipy_labels(world) for world in worlds], 1) / BATCH * 1e6
+        )
         result[name] = one
     return result
 
@@ -174,7 +211,10 @@ def _batch(rounds: int) -> dict[str, Any]:
 def _walled(world: World) -> World:
     """The world with a wall halfway between start and target, across all of it."""
     walls = world.walls.copy()
-    (from_row, from_column), (to_row, to_column) = _cell(world, world.start), _cell(world, world.target)
+    (from_row, from_column), (to_row, to_column) = (
+        _cell(world, world.start),
+        _cell(world, world.target),
+    )
     if abs(to_row - from_row) > abs(to_column - from_column):
         walls[(from_row + to_row) // 2] = True
     else:
@@ -185,17 +225,26 @@ def _walled(world: World) -> World:
 def _files(side: int, rounds: int) -> dict[str, Any]:
     result: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
-        packed, foreign = Path(folder) / "world.grid.gz", Path(folder) / "world.npz"
-        for name, params in (("maze", {}), ("maze, backtracker", {"algorithm": "backtracker"}), ("cave", {})):
+        packed = Path(folder) / "world.grid.gz"
+        foreign = Path(folder) / "world.npz"
+        for name, params in (
+            ("maze", {}),
+            ("maze, backtracker", {"algorithm": "backtracker"}),
+            ("cave", {}),
+        ):
             world = generate(name.split(",")[0], 1, size=side, **params)
             text = dumps(world)
             result[name] = {
                 "bytes": len(text),
                 "write": _best(functools.partial(dumps, world), rounds),
                 "read": _best(functools.partial(loads, text), rounds),
-                "write .gz": _best(functools.partial(write_world, world, packed, force=True), rounds),
+                "write .gz": _best(
+                    functools.partial(write_world, world, packed, force=True), rounds
+                ),
                 "read .gz": _best(functools.partial(read_world, packed), rounds),
-                "numpy.savez_compressed": _best(functools.partial(np.savez_compressed, foreign, world.walls), rounds),
+                "numpy.savez_compressed": _best(
+                    functools.partial(np.savez_compressed, foreign, world.walls), rounds
+                ),
             }
     return result
 
@@ -213,7 +262,9 @@ def _start(rounds: int) -> dict[str, float]:
         times = []
         for _ in range(rounds + 1):
             begin = time.perf_counter()
-            subprocess.run([sys.executable, "-m", "worldgen", *words], check=True, capture_output=True)
+            subprocess.run(
+                [sys.executable, "-m", "worldgen", *words], check=True, capture_output=True
+            )
             times.append(time.perf_counter() - begin)
         result[name] = min(times[1:])
     return result
@@ -241,22 +292,44 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 
 def _markdown(result: dict[str, Any]) -> str:
     """The tables of one run."""
-    side, sizes = result["side"], [int(size) for size in next(iter(result["worlds"].values()))]
+    side = result["side"]
+    sizes = [int(size) for size in next(iter(result["worlds"].values()))]
     by_size = [[rates[size] for size in rates] for rates in result["worlds"].values()]
     worlds = [
         [name, *(f"{one[case]:.1f}" for one in row for case in ("layout", "generate"))]
         for name, row in zip(result["worlds"], by_size, strict=True)
     ]
     proofs = [
-        [name, one["result"], f"{one['seconds']:.3f}", f"{one['check']:.3f}", *(_peer(one.get(peer)) for peer in PEERS)]
+        [
+            name,
+            one["result"],
+            f"{one['seconds']:.3f}",
+            f"{one['check']:.3f}",
+            *(_peer(one.get(peer)) for peer in PEERS),
+        ]
         for name, one in result["proofs"].items()
     ]
-    batch = [[name, *(f"{number:,.0f}" for number in one.values())] for name, one in result["batch"].items()]
-    files = [[name, *(f"{one[key]:.3f}" for key in list(one)[1:])] for name, one in result["files"].items()]
-    start = [[f"`{name}`" if name.startswith("worldgen") else name, f"{s:.2f}"] for name, s in result["start"].items()]
+    batch = [
+        [name, *(f"{number:,.0f}" for number in one.values())]
+        for name, one in result["batch"].items()
+    ]
+    files = [
+        [name, *(f"{one[key]:.3f}" for key in list(one)[1:])]
+        for name, one in result["files"].items()
+    ]
+    start = [
+        [f"`{name}`" if name.startswith("worldgen") else name, f"{s:.2f}"]
+        for name, s in result["start"].items()
+    ]
     parts = [
         "Million cells a second:",
-        _table(["family", *(f"{case}, {size}" for size in sizes for case in ("layout", "whole world"))], worlds),
+        _table(
+            [
+                "family",
+                *(f"{case}, {size}" for size in sizes for case in ("layout", "whole world")),
+            ],
+            worlds,
+        ),
         f"Proofs at {side} x {side} cells, s; in brackets the peer's time over ours:",
         _table(["world", "answer", "proof", "check", *PEERS], proofs),
         "Microseconds for a world of 30 x 30 cells:",
@@ -291,9 +364,13 @@ def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
 
 def main() -> None:
     """Runs all and prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)")
+    parser.add_argument(
+        "--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)"
+    )
     parser.add_argument("--rounds", type=int, default=3, help="rounds; the best counts (default 3)")
     parser.add_argument("--document", type=Path, help="put the tables into this document too")
     arguments = parser.parse_args()

@@ -1,6 +1,7 @@
 """The build backend: setuptools, and a C compiler from a wheel where the machine has none.
 
-pip reads ``get_requires_for_build_wheel`` before it builds, so the 90 MB of ``ziglang`` are fetched only if needed.
+pip reads ``get_requires_for_build_wheel`` before it builds, so the 90 MB of ``ziglang`` are fetched
+only if needed.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Compile the C cores of the packages into extension modules.
 
-Each package owns its C: ``worldgen/core`` is the prover and the generators, ``sim/core`` the simulator, ``fuzz/core``
+Each package owns its C: ``worldgen/core`` is the prover and the generators, ``sim/core`` the
+    simulator, ``fuzz/core``
 the search. ``worldgen/include/wg_types.h`` is all that prover and simulator have in common.
 
-The declarations that Python sees are read from the headers themselves, so that they exist once. cffi writes the
-binding, against Python's stable ABI: one build serves every Python from 3.11 on.
+The declarations that Python sees are read from the headers themselves, so that they exist once.
+cffi writes the binding, against Python's stable ABI: one build serves every Python from 3.11 on.
 
 ``python -m build_tools.cores`` compiles what has changed, in place.
 """
@@ -34,9 +35,11 @@ FLAGS = (
     "-O3",
     "-fPIC",
     "-fvisibility=hidden",
-    # A fused multiply-add rounds once where two operations round twice: results would depend on the machine.
+    # A fused multiply-add rounds once where two operations round twice: results would depend on the
+    # machine.
     "-ffp-contract=off",
-    # Internal functions assert what their callers have made sure of; builds with sanitizers check it.
+    # Internal functions assert what their callers have made sure of; builds with sanitizers check
+    # it.
     "-DNDEBUG",
     # sqrt() needs no errno; results are the same, and it becomes one instruction.
     "-fno-math-errno",
@@ -87,7 +90,10 @@ class Core:
         return sorted(file for folder in self.sources for file in (ROOT / folder).rglob("*.c"))
 
     def declarations(self) -> str:
-        """Return what the headers declare, without directives and inline functions, as cffi reads it."""
+        """Return what the headers declare, without directives and inline functions.
+
+        As cffi reads it.
+        """
         texts = []
         for header in self.headers:
             text = (ROOT / header).read_text(encoding="utf-8")
@@ -132,12 +138,27 @@ CORES = (
         ),
         ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", _STABLE_ABI),
     ),
-    # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.
+    # The search runs the simulator and the prover's flood inside its own loops, so both are
+    # compiled into it.
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
-        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", "fuzz/core", _STABLE_ABI),
+        (
+            _TYPES,
+            _CONTROLLER,
+            *_SIM,
+            "sim/core/wg_parts.h",
+            "fuzz/core/wg_looks.h",
+            "fuzz/core/wg_faults.h",
+        ),
+        (
+            "worldgen/include",
+            "sim/include",
+            "sim/core",
+            "sim/core/controllers",
+            "fuzz/core",
+            _STABLE_ABI,
+        ),
     ),
 )
 
@@ -145,7 +166,8 @@ CORES = (
 def compiler(target: Target | None = None) -> list[str]:
     """Return the command of the C compiler.
 
-    That is ``$CC``, else one on the path, else the one in the wheel ``ziglang``; for another system always the last.
+    That is ``$CC``, else one on the path, else the one in the wheel ``ziglang``; for another system
+    always the last.
 
     Raises:
         RuntimeError: If no compiler is found.
@@ -191,7 +213,9 @@ def compile_core(
     binding = work / "binding.c"
     _write_binding(core, binding)
     includes = [f"-I{ROOT / folder}" for folder in core.includes]
-    headers = sorted(file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h"))
+    headers = sorted(
+        file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h")
+    )
     objects = []
     jobs = []
     for source in [*core.c_files(), binding]:
@@ -209,7 +233,9 @@ def compile_core(
     made.parent.mkdir(parents=True, exist_ok=True)
     fresh = work / f"linked{suffix(target)}"
     libraries = _libraries(target, work)
-    subprocess.run([*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True)
+    subprocess.run(
+        [*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True
+    )
     # A running process may have the old module open; a rename leaves that one as it is.
     replacement = made.with_name(f".{made.name}.{os.getpid()}")
     shutil.copyfile(fresh, replacement)
@@ -217,7 +243,10 @@ def compile_core(
 
 
 def _libraries(target: Target | None, work: Path) -> list[str]:
-    """Return the linker's other inputs. Python's functions come from the program that loads the module."""
+    """Return the linker's other inputs.
+
+    Python's functions come from the program that loads the module.
+    """
     if sys.platform == "win32" if target is None else target.is_windows:
         return [str(import_library(work))]
     if sys.platform == "darwin" if target is None else target.is_macos:
@@ -254,7 +283,11 @@ def _run_side_by_side(jobs: list[list[str]]) -> None:
 def main() -> None:
     """Compile all cores in place; a warning is an error."""
     parser = argparse.ArgumentParser(prog="python -m build_tools.cores", description=__doc__)
-    parser.add_argument("--sanitize", action="store_true", help="end the process at each fault of memory or arithmetic")
+    parser.add_argument(
+        "--sanitize",
+        action="store_true",
+        help="end the process at each fault of memory or arithmetic",
+    )
     flags = (*STRICT, *(SANITIZE if parser.parse_args().sanitize else ()))
     for core in CORES:
         if core.exists:

@@ -23,7 +23,8 @@ ROOT = Path(__file__).parent.parent
 def build_wheel(target: Target, out: Path) -> Path:
     """Build the wheel of one system.
 
-    setuptools builds in the source tree, so that a copy is built: what one system leaves is not packed for another.
+    setuptools builds in the source tree, so that a copy is built: what one system leaves is not
+        packed for another.
 
     Args:
         target: The system.
@@ -37,11 +38,22 @@ def build_wheel(target: Target, out: Path) -> Path:
     """
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "source"
-        leave = shutil.ignore_patterns(".*", "build", "dist", "*.so", "*.pyd", "*.egg-info", "__pycache__", "demo")
+        leave = shutil.ignore_patterns(
+            ".*", "build", "dist", "*.so", "*.pyd", "*.egg-info", "__pycache__", "demo"
+        )
         shutil.copytree(ROOT, copy, ignore=leave)
         made = Path(folder) / "made"
         environment = {**os.environ, VARIABLE: target.name}
-        command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(made), str(copy)]
+        command = [
+            sys.executable,
+            "-m",
+            "build",
+            "--wheel",
+            "--no-isolation",
+            "--outdir",
+            str(made),
+            str(copy),
+        ]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode:
             sys.stderr.write(done.stdout + done.stderr)
@@ -56,7 +68,9 @@ def main() -> None:
     names = [target.name for target in TARGETS]
     parser = argparse.ArgumentParser(prog="python -m build_tools.wheels", description=__doc__)
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the wheels")
-    parser.add_argument("--target", action="append", choices=names, help="only this system; may be repeated")
+    parser.add_argument(
+        "--target", action="append", choices=names, help="only this system; may be repeated"
+    )
     chosen = parser.parse_args()
     for target in TARGETS:
         if target.name in (chosen.target or names):

@@ -11,7 +11,13 @@ from worldgen.world import Witness, World
 
 HERE = Path(__file__).parent
 RECIPES = HERE.parent / "examples" / "recipes"
-SEEDS = {"double-comb": (1,), "gauntlet": (1,), "office-wing": (1, 2), "trap-in-maze": (1, 4), "walled-garden": (1, 2)}
+SEEDS = {
+    "double-comb": (1,),
+    "gauntlet": (1,),
+    "office-wing": (1, 2),
+    "trap-in-maze": (1, 4),
+    "walled-garden": (1, 2),
+}
 
 
 def panel(world: World, title: str) -> Panel:
@@ -31,7 +37,9 @@ def pieces() -> bytes:
         'place(trap.turn(30), at="centre")': maze.place(trap.turn(30), at="centre"),
         'place(fire.mirror("x"), at="way", seed=5)': maze.place(fire.mirror("x"), at="way", seed=5),
     }
-    return draw_sheet([panel(piece.world(), title) for title, piece in shown.items()], ["witness"], columns=4)
+    return draw_sheet(
+        [panel(piece.world(), title) for title, piece in shown.items()], ["witness"], columns=4
+    )
 
 
 def recipes() -> bytes:

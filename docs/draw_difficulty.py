@@ -1,6 +1,7 @@
-"""Draws the pictures of ``docs/difficulty.md``: pockets by their depth, and the decision points of a maze.
+"""Draws the pictures of ``docs/difficulty.md``.
 
-``python docs/draw_difficulty.py`` writes them to ``docs/pictures``.
+Pockets by their depth, and the decision points of a maze. ``python docs/draw_difficulty.py`` writes
+them to ``docs/pictures``.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from PIL import Image, ImageDraw
 
 from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.nodes import Nodes, nodes_of
-from worldgen.difficulty.path import way_of
+from worldgen.difficulty.path import witness_path_of
 from worldgen.difficulty.surroundings import samples_of
 from worldgen.generation import generate
 from worldgen.world import Witness, World
@@ -27,12 +28,18 @@ WALL, WAY, MARK = (60, 64, 72), (30, 110, 190), (214, 96, 20)
 
 
 def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
-    """How much farther from the target a robot at each node has to go, m; nan where the robot cannot be."""
+    """How much farther from the target a robot at each node has to go, m.
+
+    Nan where the robot cannot be.
+    """
     rows, columns = np.indices(nodes.graph.clear.shape)
     x, y = (2 * value / world.cell_size for value in (world.target.x, world.target.y))
     away = np.sqrt((columns - x) ** 2 + (rows - y) ** 2)
     level = np.full(away.shape, np.nan)
-    heap = [(float(away[j, i]), int(j), int(i)) for j, i in np.argwhere(nodes.graph.clear & (away <= 1.0))]
+    heap = [
+        (float(away[j, i]), int(j), int(i))
+        for j, i in np.argwhere(nodes.graph.clear & (away <= 1.0))
+    ]
     while heap:
         high, j, i = heapq.heappop(heap)
         if np.isnan(level[j, i]):
@@ -55,19 +62,31 @@ def picture(world: World, *, pockets: bool) -> Image.Image:
         for j, i in np.argwhere(depth > 0.01):
             share = min(1.0, float(depth[j, i]) / DEEP)
             x, y = i * half, high - j * half
-            draw.rectangle((x - half / 2, y - half / 2, x + half / 2, y + half / 2), fill=_tint(share))
+            draw.rectangle(
+                (x - half / 2, y - half / 2, x + half / 2, y + half / 2), fill=_tint(share)
+            )
     for iy, ix in np.argwhere(world.walls):
-        draw.rectangle((ix * CELL, high - (iy + 1) * CELL, (ix + 1) * CELL - 1, high - iy * CELL - 1), fill=WALL)
+        draw.rectangle(
+            (ix * CELL, high - (iy + 1) * CELL, (ix + 1) * CELL - 1, high - iy * CELL - 1),
+            fill=WALL,
+        )
     witness = world.certificate
     if isinstance(witness, Witness):
         scale = CELL / world.cell_size
-        line = [(x * scale, high - y * scale) for x, y in zip(witness.x.tolist(), witness.y.tolist(), strict=True)]
+        line = [
+            (x * scale, high - y * scale)
+            for x, y in zip(witness.x.tolist(), witness.y.tolist(), strict=True)
+        ]
         draw.line(line, fill=WAY, width=2)
         draw.ellipse(_box(*line[0], 4), fill=WAY)
         draw.ellipse(_box(*line[-1], 4), outline=WAY, width=2)
         if not pockets:
-            for i, j, size in decision_points(nodes, samples_of(way_of(world, witness)).nodes()):
-                draw.ellipse(_box(i * half, high - j * half, size**0.5 * half), outline=MARK, width=2)
+            for i, j, size in decision_points(
+                nodes, samples_of(witness_path_of(world, witness)).nodes()
+            ):
+                draw.ellipse(
+                    _box(i * half, high - j * half, size**0.5 * half), outline=MARK, width=2
+                )
     return image
 
 
@@ -82,7 +101,9 @@ def _box(x: float, y: float, radius: float) -> tuple[float, float, float, float]
 def sheet(images: Sequence[Image.Image], path: Path) -> None:
     """Images side by side."""
     gap = 8
-    whole = Image.new("RGB", (sum(image.width + gap for image in images) - gap, images[0].height), "white")
+    whole = Image.new(
+        "RGB", (sum(image.width + gap for image in images) - gap, images[0].height), "white"
+    )
     at = 0
     for image in images:
         whole.paste(image, (at, 0))
@@ -92,9 +113,17 @@ def sheet(images: Sequence[Image.Image], path: Path) -> None:
 
 def main() -> None:
     """Writes the pictures."""
-    traps = [generate("trap", 4, shape="U", size=24), generate("maze", 2, size=24), generate("cave", 11, size=24)]
+    traps = [
+        generate("trap", 4, shape="U", size=24),
+        generate("maze", 2, size=24),
+        generate("cave", 11, size=24),
+    ]
     sheet([picture(world, pockets=True) for world in traps], FOLDER / "difficulty-pockets.png")
-    mazes = [generate("maze", 5, size=24), generate("maze", 5, size=24, braid=1.0), generate("forest", 5, size=24)]
+    mazes = [
+        generate("maze", 5, size=24),
+        generate("maze", 5, size=24, braid=1.0),
+        generate("forest", 5, size=24),
+    ]
     sheet([picture(world, pockets=False) for world in mazes], FOLDER / "difficulty-decisions.png")
 
 

@@ -1,6 +1,7 @@
 """Draws the failures of the library and lists them: ``python docs/draw_failures.py``.
 
-Writes the table of ``corpora/failures/README.md`` and its picture, the smallest failure of each controller.
+Writes the table of ``corpora/failures/README.md`` and its picture, the smallest failure of each
+controller.
 """
 
 from __future__ import annotations
@@ -9,23 +10,25 @@ import statistics
 from collections import Counter, defaultdict
 from pathlib import Path
 
-from fuzz.corpus import Entry, contact_sheet, read_corpus
+from fuzz.corpus import CorpusEntry, contact_sheet, read_corpus
 
 ROOT = Path(__file__).parents[1]
 FAILURES = ROOT / "corpora" / "failures"
 BEGIN, END = "<!-- table: python docs/draw_failures.py -->\n", "<!-- end of table -->\n"
-HEAD = "| controller | motion | classes | verdicts | solid cells, median and most | cells, median |\n"
+HEAD = (
+    "| controller | motion | classes | verdicts | solid cells, median and most | cells, median |\n"
+)
 
 
-def failures() -> dict[tuple[str, str], list[Entry]]:
+def failures() -> dict[tuple[str, str], list[CorpusEntry]]:
     """All that ships, by controller and motion model."""
-    found: dict[tuple[str, str], list[Entry]] = defaultdict(list)
+    found: dict[tuple[str, str], list[CorpusEntry]] = defaultdict(list)
     for entry in read_corpus([FAILURES]).entries:
         found[entry.facts.controller, entry.facts.motion].append(entry)
     return dict(sorted(found.items()))
 
 
-def row(controller: str, motion: str, entries: list[Entry]) -> str:
+def row(controller: str, motion: str, entries: list[CorpusEntry]) -> str:
     """A line of the table."""
     verdicts = Counter(entry.facts.verdict for entry in entries)
     solid = [entry.facts.solid for entry in entries]
@@ -37,9 +40,12 @@ def row(controller: str, motion: str, entries: list[Entry]) -> str:
     )
 
 
-def smallest(entries: list[Entry]) -> Entry:
+def smallest(entries: list[CorpusEntry]) -> CorpusEntry:
     """The smallest failure: a loop if there is one, for that says more than a fire."""
-    ranked = sorted(entries, key=lambda entry: (entry.facts.verdict != "loop", entry.facts.solid, entry.facts.kind))
+    ranked = sorted(
+        entries,
+        key=lambda entry: (entry.facts.verdict != "loop", entry.facts.solid, entry.facts.kind),
+    )
     return ranked[0]
 
 
@@ -47,7 +53,9 @@ def main() -> None:
     """Writes both."""
     found = failures()
     table = (
-        HEAD + "| --- | --- | ---: | --- | ---: | ---: |\n" + "".join(row(*key, some) for key, some in found.items())
+        HEAD
+        + "| --- | --- | ---: | --- | ---: | ---: |\n"
+        + "".join(row(*key, some) for key, some in found.items())
     )
     readme = FAILURES / "README.md"
     before, _, rest = readme.read_text(encoding="utf-8").partition(BEGIN)

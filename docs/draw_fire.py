@@ -18,7 +18,10 @@ SEED, SIZE = 3, 36
 # What each strip of one world shows: its parameters, and its times in shares of the witness's.
 STRIPS: dict[str, tuple[dict[str, Value], int]] = {
     "fire-strip": ({"over": "rooms", "margin": 1.0, "debris": 0.5, "ignite_at": "way"}, 7),
-    "fire-race": ({"over": "rooms+plan=suite", "monotone": True, "margin": 1.0, "spread_cells": 600}, SEED),
+    "fire-race": (
+        {"over": "rooms+plan=suite", "monotone": True, "margin": 1.0, "spread_cells": 600},
+        SEED,
+    ),
 }
 PANELS: list[dict[str, Value]] = [
     {"over": "maze+algorithm=eller+passage=3"},
@@ -39,8 +42,13 @@ def at_time(world: World, time: float) -> World:
     for event in world.timeline:
         if event.time <= time:
             now[event.iy, event.ix] = event.state
-    burning = [Event(0.0, int(ix), int(iy), CellState.BURNING) for iy, ix in np.argwhere(now == CellState.BURNING)]
-    return replace(world, walls=now == CellState.SOLID, timeline=Timeline.of(burning), certificate=None)
+    burning = [
+        Event(0.0, int(ix), int(iy), CellState.BURNING)
+        for iy, ix in np.argwhere(now == CellState.BURNING)
+    ]
+    return replace(
+        world, walls=now == CellState.SOLID, timeline=Timeline.of(burning), certificate=None
+    )
 
 
 def trail(witness: Witness, time: float) -> Trail:
@@ -68,7 +76,9 @@ def options() -> bytes:
         world = generate("fire", SEED, size=SIZE, **params)
         way = world.certificate
         title = ", ".join(f"{name}={value}" for name, value in list(params.items())[:2])
-        panels.append(Panel(world, title, (Trail(way.x, way.y) if isinstance(way, Witness) else None,)))
+        panels.append(
+            Panel(world, title, (Trail(way.x, way.y) if isinstance(way, Witness) else None,))
+        )
     return draw_sheet(panels, ["witness"], columns=4)
 
 

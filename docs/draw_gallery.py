@@ -1,7 +1,7 @@
 """Writes ``docs/gallery.md`` and its pictures: ``python docs/draw_gallery.py [FAMILY ...]``.
 
-A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds by the page's
-commands and compares.
+A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds
+by the page's commands and compares.
 """
 
 from __future__ import annotations
@@ -72,10 +72,21 @@ GALLERY: dict[str, list[Kind]] = {
         Kind("comb at 45 degrees", {"shape": "comb", "angle": 45, "size": 40}),
     ],
     "maze": [
-        *_words("algorithm", "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", size=50),
+        *_words(
+            "algorithm",
+            "wilson",
+            "aldous-broder",
+            "backtracker",
+            "hunt-and-kill",
+            "kruskal",
+            size=50,
+        ),
         *_words("algorithm", "prim", "growing-tree", "eller", "sidewinder", "binary-tree", size=50),
         *_words("algorithm", "recursive-division", size=50),
-        Kind("growing-tree, oldest 1", {"algorithm": "growing-tree", "newest": 0.0, "oldest": 1.0, "size": 50}),
+        Kind(
+            "growing-tree, oldest 1",
+            {"algorithm": "growing-tree", "newest": 0.0, "oldest": 1.0, "size": 50},
+        ),
         *_words("mask", "disc", "ring", "cross", "diamond", size=50),
         Kind("braid 1", {"braid": 1.0, "size": 50}),
         Kind("rooms 3", {"rooms": 3, "size": 50}),
@@ -86,11 +97,22 @@ GALLERY: dict[str, list[Kind]] = {
         *_words("plan", "wings", "spine", "suite", size=50),
         Kind("suite, 40 % shut", {"plan": "suite", "closed": 0.4}),
     ],
-    "cave": [*_words("shape", "caverns", "columns", "galleries", size=50), Kind("the default size", {})],
-    "forest": [*_words("growth", "even", "thickets", "rows", size=50), Kind("thick", {"thinnest": 3, "thickest": 7})],
-    "rubble": [*_words("collapse", "quake", "blast", "wing", size=50), Kind("more debris", {"debris": 0.5})],
+    "cave": [
+        *_words("shape", "caverns", "columns", "galleries", size=50),
+        Kind("the default size", {}),
+    ],
+    "forest": [
+        *_words("growth", "even", "thickets", "rows", size=50),
+        Kind("thick", {"thinnest": 3, "thickest": 7}),
+    ],
+    "rubble": [
+        *_words("collapse", "quake", "blast", "wing", size=50),
+        Kind("more debris", {"debris": 0.5}),
+    ],
     "fire": [
-        *_words("over", "maze", "corridor", "trap", "rooms", "cave", "forest", "rubble", before="over "),
+        *_words(
+            "over", "maze", "corridor", "trap", "rooms", "cave", "forest", "rubble", before="over "
+        ),
         *_words("ignite_at", "way", "anywhere", "rim", before="ignites at: ", over="rooms"),
         Kind("monotone, margin 2 s", {"over": "rooms", "monotone": True, "margin": 2.0}),
         Kind("wind", {"over": "forest", "wind": 0.8, "spread_cells": 600}),
@@ -110,7 +132,19 @@ def command(family: str, kind: Kind) -> str:
     made_by = family_of(family, kind)
     options = made_by.options(made_by.complete(kind.params))
     words = ["compose", kind.recipe] if kind.recipe else [family]
-    return shlex.join(["worldgen", *words, *options, "--seed", str(FIRST), "--count", str(EACH), "--out", "worlds/"])
+    return shlex.join(
+        [
+            "worldgen",
+            *words,
+            *options,
+            "--seed",
+            str(FIRST),
+            "--count",
+            str(EACH),
+            "--out",
+            "worlds/",
+        ]
+    )
 
 
 def family_of(family: str, kind: Kind) -> Family:
@@ -133,11 +167,15 @@ def draw(family: str) -> bytes:
             way = world.certificate
             trail = Trail(way.x, way.y) if isinstance(way, Witness) else None
             panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", (trail,)))
-    picture = Image.open(io.BytesIO(draw_sheet(panels, (), **(LARGE if family == RECIPES else LOOK))))
+    picture = Image.open(
+        io.BytesIO(draw_sheet(panels, (), **(LARGE if family == RECIPES else LOOK)))
+    )
     about = PngInfo()
     about.add_text("worlds", " ".join(world_digest(panel.world)[:ID] for panel in panels))
     stream = io.BytesIO()
-    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(stream, "PNG", optimize=True, pnginfo=about)
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(
+        stream, "PNG", optimize=True, pnginfo=about
+    )
     return stream.getvalue()
 
 
@@ -147,11 +185,15 @@ def page() -> str:
     for family, kinds in GALLERY.items():
         names = iter(shown(family))
         rows = [
-            f"| {kind.label} | `{command(family, kind)}` | {' '.join(next(names) for _ in range(EACH))} |"
+            f"| {kind.label} | `{command(family, kind)}` | "
+            f"{' '.join(next(names) for _ in range(EACH))} |"
             for kind in kinds
         ]
         parts.append(f"## {heading(family)}\n")
-        parts.append(f"![{family}: {', '.join(kind.label for kind in kinds)}](pictures/gallery-{family}.png)\n")
+        parts.append(
+            f"![{family}: "
+            f"{', '.join(kind.label for kind in kinds)}](pictures/gallery-{family}.png)\n"
+        )
         parts.append("\n".join(["| worlds | command | ids |", "| --- | --- | --- |", *rows]) + "\n")
     return "\n".join(parts)
 
@@ -160,7 +202,8 @@ def heading(family: str) -> str:
     """The heading of a family, and what it says of itself."""
     if family == RECIPES:
         about = (
-            "Worlds put together from parts, each by a file ([compose.md](compose.md)). One that draws nothing is the"
+            "Worlds put together from parts, each by a file ([compose.md](compose.md)). One "
+            "that draws nothing is the"
         )
         return f"Recipes\n\n{about}\nsame world for every seed."
     about = FAMILIES.get(family)

@@ -1,7 +1,7 @@
 """Draws the pictures of docs/studio.md and docs/studio-walk.md: ``python -m docs.draw_studio``.
 
-Each shows the studio in Debian's Chromium at 1280 x 720, and comes about as a person's would: by mouse and keyboard.
-Those of the walk are taken on the walk itself.
+Each shows the studio in Debian's Chromium at 1280 x 720, and comes about as a person's would: by
+mouse and keyboard. Those of the walk are taken on the walk itself.
 """
 
 from __future__ import annotations
@@ -36,9 +36,17 @@ The page says *Done*. Click the first picture of a failure
 def main() -> None:
     """Writes all of them."""
     with chromium_browser() as browser:
-        with tempfile.TemporaryDirectory() as folder, studio_of(Path(folder)) as gate, opened(browser, gate) as page:
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            studio_of(Path(folder)) as gate,
+            opened(browser, gate) as page,
+        ):
             walk(page)
-        with tempfile.TemporaryDirectory() as folder, studio_of(Path(folder)) as gate, opened(browser, gate) as page:
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            studio_of(Path(folder)) as gate,
+            opened(browser, gate) as page,
+        ):
             go(page, CAMPAIGN)
             keep(page, "studio-campaign")
             page.emulate_media(color_scheme="dark")

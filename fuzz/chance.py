@@ -1,4 +1,7 @@
-"""What chance has to do with a failure: the exact answer where there is one, else how many seeds fail."""
+"""What chance has to do with a failure.
+
+The exact answer where there is one, else how many seeds fail.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +20,23 @@ from sim.verdict import Verdict
 from worldgen.support.intervals import interval_95
 from worldgen.world import Cut, Value, World
 
-__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of", "in_words", "seeds_that_fail", "share_that_fails"]
+__all__ = [
+    "MOST_STATES",
+    "Chance",
+    "chance_details",
+    "chance_of",
+    "in_words",
+    "seeds_that_fail",
+    "share_that_fails",
+]
 
 MOST_STATES = 100_000
 """States that are looked at before only seeds are counted; a few seconds."""
 
 _MOST_IN_CAMPAIGNS = 20_000
-_RUNS, _STEPS = 4, 2_000  # ordinary runs that are held against the states
+# ordinary runs that are held against the states
+_RUNS = 4
+_STEPS = 2_000
 
 
 @dataclass(frozen=True)
@@ -31,11 +44,12 @@ class Chance:
     """What is known about a run with chance.
 
     Args:
-        chance: ``sure``: with probability one the robot arrives. ``trap``: it never does, whatever is drawn.
-            ``part``: some draws are its end. ``undecided``.
+        chance: ``sure``: with probability one the robot arrives. ``trap``: it never does, whatever
+            is drawn. ``part``: some draws are its end. ``undecided``.
         reason: Why it is undecided; else empty.
         states: That were looked at, 0 if undecided.
-        draws: For ``part``, values from 0 that, drawn one after the other, lose all in the fewest steps.
+        draws: For ``part``, values from 0 that, drawn one after the other, lose all in the fewest
+            steps.
         lost_after: For ``part``, those steps.
     """
 
@@ -50,11 +64,17 @@ class Chance:
         own: dict[str, Any] = {"chance": self.chance}
         if self.chance == "undecided":
             return own | {"reason": self.reason}
-        lost = {"draws": list(self.draws), "lost_after": self.lost_after} if self.chance == "part" else {}
+        lost = (
+            {"draws": list(self.draws), "lost_after": self.lost_after}
+            if self.chance == "part"
+            else {}
+        )
         return own | {"states": self.states} | lost
 
 
-def chance_of(world: World, controller: str, options: RunOptions, *, most: int = MOST_STATES) -> Chance:
+def chance_of(
+    world: World, controller: str, options: RunOptions, *, most: int = MOST_STATES
+) -> Chance:
     """The exact answer for a run with chance, or why there is none.
 
     The states are explored by :mod:`sim.chance`; the answer is checked apart from that.
@@ -73,24 +93,40 @@ def chance_of(world: World, controller: str, options: RunOptions, *, most: int =
         return Chance("undecided", reason)
     outcomes = explore(world, controller, options, most=most)
     if outcomes is None:
-        return Chance("undecided", f"there are more than {most} states; take a coarser +lattice=N or a smaller +coin=N")
+        return Chance(
+            "undecided",
+            f"there are more than {most} states; take a coarser +lattice=N or a smaller +coin=N",
+        )
     chance = outcomes.chance
     runs = [
-        simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True) for seed in range(_RUNS)
+        simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True)
+        for seed in range(_RUNS)
     ]
     recorded = [(run.trace, run.verdict) for run in runs if run.trace is not None]
     wrong = check_chance(outcomes, chance, recorded)
     if wrong:
-        return Chance("undecided", f"a fault of ours, please report it: the check of {chance!r} says that {wrong}")
+        return Chance(
+            "undecided",
+            f"a fault of ours, please report it: the check of {chance!r} says that {wrong}",
+        )
     draws, steps = outcomes.way_to_loss() if chance == "part" else ((), 0)
     return Chance(chance, states=len(outcomes.states), draws=draws, lost_after=steps)
 
 
 def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
-    """What a failure's record says about chance: ``chance`` and ``states``, or :func:`seeds_that_fail`."""
+    """What a failure's record says about chance.
+
+    ``chance`` and ``states``, or :func:`seeds_that_fail`.
+    """
     controller = CONTROLLERS.get(scenario.controller)
-    if isinstance(controller, CompiledController) and controller.randomised and not isinstance(world.certificate, Cut):
-        found = chance_of(world, scenario.controller, scenario.options(world), most=_MOST_IN_CAMPAIGNS)
+    if (
+        isinstance(controller, CompiledController)
+        and controller.randomised
+        and not isinstance(world.certificate, Cut)
+    ):
+        found = chance_of(
+            world, scenario.controller, scenario.options(world), most=_MOST_IN_CAMPAIGNS
+        )
         if found.states:
             return {"chance": found.chance, "states": found.states}
     return seeds_that_fail(world, scenario)
@@ -114,8 +150,14 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
         failing = seeds.get("failing_seeds")
         if not isinstance(failing, list):
             return f"undecided: {found.reason}"
-        share = f", so that the share of all is {seeds['failing_share_at_least']} at least, with 95 % confidence"
-        return f"undecided: {found.reason}; {failing[0]} of {failing[1]} seeds fail{share if failing[0] else ''}"
+        share = (
+            f", so that the share of all is {seeds['failing_share_at_least']} at least, with "
+            f"95 % confidence"
+        )
+        return (
+            f"undecided: {found.reason}; {failing[0]} of {failing[1]} seeds "
+            f"fail{share if failing[0] else ''}"
+        )
     lost = ""
     if found.chance == "part":
         drawn = f" with the draws {' '.join(map(str, found.draws))}" if found.draws else ""
@@ -129,10 +171,13 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     The controller may draw random numbers, or the simulator, for slip or a noisy sensor.
 
     Returns:
-        Of :func:`share_that_fails`; empty for a run without randomness, and for what is not compiled.
+        Of :func:`share_that_fails`; empty for a run without randomness, and for what is not
+        compiled.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.random)):
+    if not (
+        isinstance(controller, CompiledController) and (controller.randomised or scenario.random)
+    ):
         return {}
     return share_that_fails(world, scenario, count)
 
@@ -140,21 +185,28 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
 def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, Value]:
     """How many of ``count`` seeds do not arrive, and what that shows.
 
-    Where the target is walled off, it is the seeds with which the robot does arrive, regardless of walls.
+    Where the target is walled off, it is the seeds with which the robot does arrive, regardless of
+    walls.
 
     Returns:
-        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 % interval.
+        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided
+        95 % interval.
 
-    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
+    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated
+        in the
     case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
+    options = scenario.options(world)
+    sealed = isinstance(world.certificate, Cut)
     options = regardless_of_walls(options) if sealed else options
     failing = 0
     for seed in range(count):
         run = prepare(world, controller, replace(options, seed=seed))
-        arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == Verdict.REACHED
+        arrives = (
+            run.run(options.steps, find_loop=False, record=False, digest=False).ending
+            == Verdict.REACHED
+        )
         failing += arrives == sealed
     least, _ = interval_95(failing, count)
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -6,9 +6,9 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-from fuzz.boundary import boundaries_in_words
+from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
-from sim.describe import evidence_in_words, frames_in_words
+from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trail_of
 from sim.episode import Episode
 from sim.evidence import Evidence
@@ -23,11 +23,14 @@ _CHANCES = {
     "part": ", some draws are lost for ever",
 }
 
-__all__ = ["describe", "run_to_draw", "seeds_in_words"]
+__all__ = ["describe", "describe_seeds", "run_to_draw"]
 
 
-def seeds_in_words(failure: Failure) -> str:
-    """For how many seeds a failure occurs: ``39 of 40 seeds fail``; empty where its record does not say it."""
+def describe_seeds(failure: Failure) -> str:
+    """For how many seeds a failure occurs: ``39 of 40 seeds fail``.
+
+    Empty where its record does not say it.
+    """
     seeds = failure.record.details.get("failing_seeds")
     if not isinstance(seeds, list) or len(seeds) != 2:
         return ""
@@ -36,23 +39,28 @@ def seeds_in_words(failure: Failure) -> str:
 
 def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -> str:
     """A failure for the terminal: what happened, the picture, the line that replays it."""
-    world, record, kind = failure.world, failure.record, failure.bucket
+    world = failure.world
+    record = failure.record
+    kind = failure.bucket
     evidence: Evidence | None
     try:
         episode, words = run_to_draw(failure)
-        trail, evidence = trail_of(episode, world), episode.evidence
+        trail = trail_of(episode, world)
+        evidence = episode.evidence
     except OutOfTime:  # the controller is slow, and its run no longer needed
-        words, trail, evidence = "", None, failure.evidence
+        words = ""
+        trail = None
+        evidence = failure.evidence
     often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
-    seeds = seeds_in_words(failure)
+    seeds = describe_seeds(failure)
     chance = f", {seeds}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
-    begins = boundaries_in_words(failure)
+    begins = describe_boundaries(failure)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
-        f"{shown_lines(frames_in_words(evidence))}"
+        f"{shown_lines(describe_frames(evidence))}"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
@@ -62,13 +70,15 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
 
 
 def run_to_draw(failure: Failure) -> tuple[Episode, str]:
-    """A failure's run, and what happened in words that start with a blank; a breach is drawn up to the target.
+    """A failure's run, and what happened in words that start with a blank.
+
+    A breach is drawn up to the target.
 
     Raises:
         InvalidParameter: If its controller cannot be found here.
     """
     episode = failure.run()
-    words = evidence_in_words(episode)
+    words = describe_evidence(episode)
     if not failure.is_breach:
         return episode, words + failure.violation.in_words
     whole = failure.run(through_walls=True)

@@ -29,8 +29,9 @@ ID_DIGITS = 16
 class Failure:
     """A world, and what went wrong in it.
 
-    Its robot does not arrive, though the target can be reached; or an oracle objects to its run. A *breach* is the
-    other way around: the target is walled off, as a cut proves, the robot goes through a wall (verdict ``tunnel``) and,
+    Its robot does not arrive, though the target can be reached; or an oracle objects to its run. A
+    *breach* is the other way around: the target is walled off, as a cut proves, the robot goes
+        through a wall (verdict ``tunnel``) and,
     where walls end nothing, it arrives.
 
     Args:
@@ -51,7 +52,10 @@ class Failure:
         found = cls.found_in(world)
         if found is None:
             raise InvalidParameter(
-                "no-failure", "this world holds no failure", "worldgen run simulates it", at_terminal=True
+                "no-failure",
+                "this world holds no failure",
+                "worldgen run simulates it",
+                at_terminal=True,
             )
         return found
 
@@ -91,7 +95,8 @@ class Failure:
     def id(self) -> str:
         """The first hex digits of the SHA-256 of its file.
 
-        The world's id would not do: one world may hold several failures, of other seeds for example.
+        The world's id would not do: one world may hold several failures, of other seeds for
+        example.
         """
         return hashlib.sha256(self.dumps()).hexdigest()[:ID_DIGITS]
 
@@ -102,7 +107,9 @@ class Failure:
 
     @cached_property
     def size(self) -> tuple[int, ...]:
-        """How large it is, by :data:`fuzz.simplicity.ORDER`: campaigns, corpora and shrinking keep the smallest.
+        """How large it is, by :data:`fuzz.simplicity.ORDER`.
+
+        Campaigns, corpora and shrinking keep the smallest.
 
         Raises:
             InvalidParameter: If the record names options that are unknown here.
@@ -116,14 +123,20 @@ class Failure:
 
     @property
     def evidence(self) -> Evidence | None:
-        """What the verdict rests on; ``None`` if the record does not hold what such a verdict needs."""
+        """What the verdict rests on.
+
+        ``None`` if the record does not hold what such a verdict needs.
+        """
         if self.verdict not in set(Verdict):
             return None
         return read_evidence(Verdict(self.verdict), self.record.evidence)
 
     @property
     def oracle(self) -> str | None:
-        """The oracle that objects to the run, as ``--oracle`` takes it; ``None`` of a failure by its verdict."""
+        """The oracle that objects to the run, as ``--oracle`` takes it.
+
+        ``None`` of a failure by its verdict.
+        """
         named = self.record.evidence.get("oracle")
         return None if named is None else str(named)
 
@@ -131,7 +144,9 @@ class Failure:
     def violation(self) -> Violation:
         """What is wrong with the run, as the record has it."""
         facts = self.record.evidence.get("objection")
-        return Violation(self.bucket, self.evidence, self.oracle, facts if isinstance(facts, dict) else {})
+        return Violation(
+            self.bucket, self.evidence, self.oracle, facts if isinstance(facts, dict) else {}
+        )
 
     @property
     def is_breach(self) -> bool:
@@ -165,7 +180,10 @@ class Failure:
 
     @property
     def label(self) -> str:
-        """The controller with its options, as commands take it; without motion model, time step and seed."""
+        """The controller with its options, as commands take it.
+
+        Without motion model, time step and seed.
+        """
         return self.scenario.label(self.record.motion, self.options.time_step)
 
     @property
@@ -187,7 +205,8 @@ class Failure:
         """Run the failure's controller in its world, recorded.
 
         Args:
-            through_walls: Whether walls that the robot enters neither end the run nor decide its verdict.
+            through_walls: Whether walls that the robot enters neither end the run nor decide its
+                verdict.
 
         Raises:
             WorldgenError: If the controller or an option is unknown here.
@@ -197,11 +216,17 @@ class Failure:
 
     def driven_by(self, controller: str | None) -> Failure:
         """Return the failure with another name for its controller; itself for ``None``."""
-        return self if controller is None else replace(self, record=replace(self.record, controller=controller))
+        return (
+            self
+            if controller is None
+            else replace(self, record=replace(self.record, controller=controller))
+        )
 
     def noting(self, **details: Value) -> Failure:
         """Return the failure with more details in its record."""
-        return replace(self, record=replace(self.record, details={**self.record.details, **details}))
+        return replace(
+            self, record=replace(self.record, details={**self.record.details, **details})
+        )
 
 
 def regardless_of_walls(options: RunOptions) -> RunOptions:

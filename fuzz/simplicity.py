@@ -1,4 +1,7 @@
-"""What "simpler" means: the order in which one failure is simpler than another, and what its numbers cost."""
+"""What "simpler" means.
+
+The order in which one failure is simpler than another, and what its numbers cost.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,10 @@ class Measure(NamedTuple):
 
 
 def number_cost(value: float, usual: float = 0.0) -> int:
-    """How far a number is from simple: 0 for the usual one; 1, 2, 5 before other digits; each more digit costs 10."""
+    """How far a number is from simple: 0 for the usual one; 1, 2, 5 before other digits.
+
+    Each more digit costs 10.
+    """
     if value == usual:
         return 0
     digits = Decimal(repr(float(value))).normalize().as_tuple().digits
@@ -104,18 +110,38 @@ ORDER: tuple[Measure, ...] = (
     Measure("cells", "cells of the grid", lambda case: case.world.walls.size),
     Measure("solid", "solid cells", lambda case: case.world.solid_cells),
     Measure("events", "events of the timeline", lambda case: len(case.world.timeline)),
-    Measure("heading", "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3",
-            lambda case: turned(case.world.start.heading)),
-    Measure("off-centre", "coordinates of start and target that are not in the middle of a cell", _off_centre),
+    Measure(
+        "heading",
+        "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3",
+        lambda case: turned(case.world.start.heading),
+    ),
+    Measure(
+        "off-centre",
+        "coordinates of start and target that are not in the middle of a cell",
+        _off_centre,
+    ),
     Measure("distance", "cells from start to target, along both axes", _distance),
-    Measure("numbers", "what radius, speed, target, time step and options cost: 0 for the usual number, 1 to 4 for "
-            "one digit (1 before 2, 2 before 5, 5 before others), 10 for each digit more", _numbers),
-    Measure("times", "what the events' times cost, likewise; 0 is the usual one",
-            lambda case: sum(map(number_cost, case.world.timeline.times.tolist()))),
-)  # fmt: skip
-"""By what two failures are compared, the weightiest first; an edit is taken only if it makes this tuple less."""
+    Measure(
+        "numbers",
+        "what radius, speed, target, time step and options cost: 0 for the usual number, 1 to 4 "
+        "for one digit (1 before 2, 2 before 5, 5 before others), 10 for each digit more",
+        _numbers,
+    ),
+    Measure(
+        "times",
+        "what the events' times cost, likewise; 0 is the usual one",
+        lambda case: sum(map(number_cost, case.world.timeline.times.tolist())),
+    ),
+)
+"""By what two failures are compared, the weightiest first.
+
+An edit is taken only if it makes this tuple less.
+"""
 
 
 def simplicity(case: Case) -> tuple[int, ...]:
-    """The measures in order; the less, the simpler. Whole numbers from 0 on, so shrinking comes to an end."""
+    """The measures in order; the less, the simpler.
+
+    Whole numbers from 0 on, so shrinking comes to an end.
+    """
     return tuple(measure.of(case) for measure in ORDER)

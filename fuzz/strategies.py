@@ -1,6 +1,7 @@
-"""Hypothesis strategies for worlds, per family and combined, and for scenarios: a world and what runs in it.
+"""Hypothesis strategies for worlds, per family and combined, and for scenarios.
 
-They draw structure, never raw cells: a family's parameters and seed, or the bytes of a feature layout
+A world and what runs in it. They draw structure, never raw cells: a family's parameters and seed,
+    or the bytes of a feature layout
 (:mod:`fuzz.search.features`). Everything shrinks towards small, empty, straight.
 """
 
@@ -27,13 +28,19 @@ __all__ = ["family_worlds", "feature_worlds", "layouts", "scenarios", "scenarios
 
 
 def layouts() -> st.SearchStrategy[bytes]:
-    """Byte strings that :func:`fuzz.search.features.decode_world` turns into worlds; one choice, so it is fast."""
+    """Byte strings that :func:`fuzz.search.features.decode_world` turns into worlds.
+
+    One choice, so it is fast.
+    """
     return st.binary(min_size=LAYOUT_BYTES, max_size=LAYOUT_BYTES)
 
 
 @st.composite
 def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
-    """Arenas with a few walls, cups, corners, gates, diagonals and combs; reachable, with witness."""
+    """Arenas with a few walls, cups, corners, gates, diagonals and combs.
+
+    Reachable, with witness.
+    """
     world = decode_world(draw(layouts()), robot_radius=robot_radius)
     decision = decide(world)
     if decision.result != REACHABLE:
@@ -68,7 +75,9 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
 
 
 def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World]:
-    """Reachable worlds with a witness: of one family, or of feature layouts and all registered families.
+    """Reachable worlds with a witness.
+
+    Of one family, or of feature layouts and all registered families.
 
     Args:
         family: Name of a family; ``None`` for all.
@@ -78,7 +87,9 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
         return family_worlds(family, **fixed)
     if fixed:
         raise InvalidParameter(
-            "no-family-named", "{names!l}: name the family that has these parameters", names=list(fixed)
+            "no-family-named",
+            "{names!l}: name the family that has these parameters",
+            names=list(fixed),
         )
     return st.one_of(feature_worlds(), *(family_worlds(name) for name in FAMILIES.names()))
 
@@ -96,8 +107,8 @@ def scenarios(
         controller: Name, with variations if wanted: ``bug1``, ``thesis-1+noise``.
         motion: Motion model.
         family: Of the worlds; feature layouts and all registered families where left out.
-        vary: Values of ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s) and of the motion model's
-            options, the simplest first: ``{"sensor_noise": [0.0, 0.1]}``.
+        vary: Values of ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s) and of the
+            motion model's options, the simplest first: ``{"sensor_noise": [0.0, 0.1]}``.
 
     Raises:
         InvalidParameter: If a name is unknown or a value out of range.
@@ -107,13 +118,21 @@ def scenarios(
     """
     base = Scenario.parse(controller, motion=motion)
     varied = tuple(
-        Variation.parse(f"{name}={','.join(map(_written, values))}", base) for name, values in (vary or {}).items()
+        Variation.parse(f"{name}={','.join(map(_written, values))}", base)
+        for name, values in (vary or {}).items()
     )
-    return scenarios_in(worlds(family), base, (base.time_step,), varied).map(_provably_reachable).filter(_is_reachable)
+    return (
+        scenarios_in(worlds(family), base, (base.time_step,), varied)
+        .map(_provably_reachable)
+        .filter(_is_reachable)
+    )
 
 
 def scenarios_in(
-    where: st.SearchStrategy[World], base: Scenario, time_steps: Sequence[float], vary: Sequence[Variation]
+    where: st.SearchStrategy[World],
+    base: Scenario,
+    time_steps: Sequence[float],
+    vary: Sequence[Variation],
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
     """Scenarios in given worlds, whose certificate is gone where the robot's size or speed is drawn.
 
@@ -124,7 +143,9 @@ def scenarios_in(
         vary: What else is drawn.
     """
 
-    def scenario(world: World, seed: int, time_step: float, *values: Value) -> tuple[World, Scenario]:
+    def scenario(
+        world: World, seed: int, time_step: float, *values: Value
+    ) -> tuple[World, Scenario]:
         drawn = {one.name: value for one, value in zip(vary, values, strict=True)}
         try:
             return applied(drawn, world, replace(base, seed=seed, time_step=time_step))
@@ -132,12 +153,16 @@ def scenarios_in(
             reject()
 
     values = (st.sampled_from(one.values) for one in vary)
-    return st.builds(scenario, where, st.integers(0, 2**32 - 1), st.sampled_from(tuple(time_steps)), *values)
+    return st.builds(
+        scenario, where, st.integers(0, 2**32 - 1), st.sampled_from(tuple(time_steps)), *values
+    )
 
 
 def _provably_reachable(drawn: tuple[World, Scenario]) -> tuple[World, Scenario]:
     world, scenario = drawn
-    return (world if world.certificate else replace(world, certificate=decide(world).certificate)), scenario
+    return (
+        world if world.certificate else replace(world, certificate=decide(world).certificate)
+    ), scenario
 
 
 def _is_reachable(drawn: tuple[World, Scenario]) -> bool:
@@ -158,7 +183,15 @@ def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None
     return None if varied is None else st.sampled_from(varied)
 
 
-_STILL = ("maze", "corridor", "trap", "rooms", "cave", "forest", "rubble")  # grounds of worlds that change
+_STILL = (
+    "maze",
+    "corridor",
+    "trap",
+    "rooms",
+    "cave",
+    "forest",
+    "rubble",
+)  # grounds of worlds that change
 
 # What is drawn beside size, seed and words, the simplest first.
 _VARIED: dict[str, dict[str, tuple[Value, ...]]] = {
@@ -169,5 +202,10 @@ _VARIED: dict[str, dict[str, tuple[Value, ...]]] = {
     "rooms": {"closed": (0.0, 0.5)},
     "rubble": {"debris": (0.1, 0.35, 0.6)},
     "shift": {"over": _STILL},
-    "trap": {"turn": (0, 1, 2, 3), "thickness": (1, 2), "angle": (0, 15, 30, 45, 70), "inside": (False, True)},
+    "trap": {
+        "turn": (0, 1, 2, 3),
+        "thickness": (1, 2),
+        "angle": (0, 15, 30, 45, 70),
+        "inside": (False, True),
+    },
 }

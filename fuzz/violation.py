@@ -17,8 +17,10 @@ class Violation:
 
     Args:
         bucket: The name of violations of its form, fit for a file name.
-        evidence: What the run's verdict rests on; ``None`` if a file does not hold what such a verdict needs.
-        oracle: The oracle, as ``--oracle`` takes it; ``None`` if the verdict itself is the violation.
+        evidence: What the run's verdict rests on; ``None`` if a file does not hold what such a
+            verdict needs.
+        oracle: The oracle, as ``--oracle`` takes it; ``None`` if the verdict itself is the
+            violation.
         facts: What the oracle found; empty if the verdict itself is the violation.
     """
 
@@ -42,9 +44,14 @@ class Violation:
 
     @property
     def in_words(self) -> str:
-        """What the oracle found, to follow a run's verdict; empty if the verdict itself is the violation."""
+        """What the oracle found, to follow a run's verdict.
+
+        Empty if the verdict itself is the violation.
+        """
         if self.oracle is None:
             return ""
         hidden = ("kind", "repeatable")
-        words = ", ".join(f"{name} {value}" for name, value in self.facts.items() if name not in hidden)
+        words = ", ".join(
+            f"{name} {value}" for name, value in self.facts.items() if name not in hidden
+        )
         return f", but oracle {self.oracle} objects: {words or 'it does'}"

@@ -3,9 +3,11 @@
 Contents, each imported when it is first used:
     simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
     simulate_many, Runs: many runs at once, results in arrays.
-    Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and sensors under
+    Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and
+        sensors under
     the motion models on the lattice; switches of the thesis's simulator.
-    CompiledController, PythonController, VectorController, ProcessController: bring your own controller.
+    CompiledController, PythonController, VectorController, ProcessController: bring your own
+        controller.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     MemoryField, MemoryMap: how its memory is shown to people.
     CONTROLLERS, MOTIONS: what is registered.

@@ -1,4 +1,7 @@
-"""Many runs in one call: worlds x controllers x starts x seeds, over all cores, results in arrays."""
+"""Many runs in one call.
+
+Worlds x controllers x starts x seeds, over all cores, results in arrays.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +37,13 @@ VERDICTS = tuple(Verdict)
 """The verdict of each number in :attr:`Runs.verdict`."""
 
 _MOST_AT_ONCE = 256  # runs in one call of the core, so that all cores have something to do
-_MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
+_MOST_IN_A_FLEET = (
+    1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
+)
 _FLEET_BYTES = 1 << 26  # that the robots of a fleet take
-_LOG_BYTES = 1 << 30  # that the logs of all runs under way may take, in which loops are found: 8 a step
+_LOG_BYTES = (
+    1 << 30
+)  # that the logs of all runs under way may take, in which loops are found: 8 a step
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
@@ -89,7 +96,10 @@ class Runs:
         return found
 
     def to_numpy(self) -> npt.NDArray[Any]:
-        """One structured array, a field for each array here; pandas and others read it as a table."""
+        """One structured array, a field for each array here.
+
+        Pandas and others read it as a table.
+        """
         columns = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "names"}
         table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
         for name, column in columns.items():
@@ -109,7 +119,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class _Job:
+class _RunBlock:
     """Runs of one controller in one world: rows of the results."""
 
     world: World
@@ -132,8 +142,9 @@ def simulate_many(
 ) -> Runs:
     """Runs every controller in every world from every start with every seed.
 
-    The results are those of :func:`sim.simulate`, bit for bit, in any order and with any number of workers: by
-    world, then controller, start, and seed. Compiled controllers run on all cores; others one after the other.
+    The results are those of :func:`sim.simulate`, bit for bit, in any order and with any number of
+    workers: by world, then controller, start, and seed. Compiled controllers run on all cores;
+        others one after the other.
 
     Args:
         worlds: One or many.
@@ -143,21 +154,31 @@ def simulate_many(
         starts: Poses to start from, in every world; without them each world's own.
         digest: Whether to work out the traces' digests.
         workers: Threads, 1 to 1024; without a number as many as there are cores.
-        **settings: Single options, as an alternative to ``options``: ``motion="endpoint", steps=5000, beams=36``.
+        **settings: Single options, as an alternative to ``options``:
+            ``motion="endpoint", steps=5000, beams=36``.
 
     Raises:
-        InvalidParameter: If there is nothing to run, or a name or an option is unknown or of the wrong type.
+        InvalidParameter: If there is nothing to run, or a name or an option is unknown or of the
+            wrong type.
         InvalidWorld: If the robot cannot stand at a start.
     """
     found = worlds_of(worlds)
-    named = [controllers] if isinstance(controllers, str) or not isinstance(controllers, Sequence) else controllers
+    named = (
+        [controllers]
+        if isinstance(controllers, str) or not isinstance(controllers, Sequence)
+        else controllers
+    )
     drivers = [controller_of(one) for one in named]
     numbers = seeds_of(seeds)
     poses = None if starts is None else poses_of(starts)
-    threads = os.cpu_count() or 1 if workers is None else whole("workers", workers, 1, _MOST_WORKERS)
+    threads = (
+        os.cpu_count() or 1 if workers is None else whole("workers", workers, 1, _MOST_WORKERS)
+    )
     if not found or not drivers or not len(numbers) or poses == ():
         raise InvalidParameter(
-            "nothing-given", "nothing to run", "give at least one world, one controller, one start and one seed"
+            "nothing-given",
+            "nothing to run",
+            "give at least one world, one controller, one start and one seed",
         )
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
         raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
@@ -165,7 +186,9 @@ def simulate_many(
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
     threaded = [job for job in jobs if _is_threaded(job)]
-    _run_side_by_side(threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest)
+    _run_side_by_side(
+        threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest
+    )
     _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
     for job in jobs:
         if not _is_threaded(job) and not _is_vector(job):
@@ -173,7 +196,7 @@ def simulate_many(
     return runs
 
 
-def _run_side_by_side(jobs: Sequence[_Job], threads: int, runs: Runs, digest: bool) -> None:
+def _run_side_by_side(jobs: Sequence[_RunBlock], threads: int, runs: Runs, digest: bool) -> None:
     """Run jobs in threads; what ends this one, such as Ctrl-C, soon ends them too."""
     stop = np.zeros(1, np.int64)
     with ThreadPoolExecutor(threads) as pool:
@@ -203,35 +226,45 @@ def _jobs(
     seeds: int,
     given: RunOptions | None,
     settings: Mapping[str, Value],
-) -> Iterator[_Job]:
+) -> Iterator[_RunBlock]:
     first = 0
     for world, pose in itertools.product(worlds, poses or ()):
         replace(world, start=pose)  # refused if it lies outside
     for world, controller in itertools.product(worlds, controllers):
-        starts, options = poses or (world.start,), options_from(world, given, settings)
+        starts = poses or (world.start,)
+        options = options_from(world, given, settings)
         rows = range(first, first + len(starts) * seeds)
         first = rows.stop
         for begin in range(rows.start, rows.stop, _MOST_AT_ONCE):
             part = range(begin, min(begin + _MOST_AT_ONCE, rows.stop))
-            yield _Job(world, controller, part, starts, options)
+            yield _RunBlock(world, controller, part, starts, options)
 
 
 def _at_once(most: int, steps: Iterable[int]) -> int:
-    """How many runs of so many steps may be under way, at most ``most``, so that their logs fit into memory."""
+    """How many runs of so many steps may be under way, at most ``most``.
+
+    So that their logs fit into memory.
+    """
     return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
 
 
-def _is_threaded(job: _Job) -> bool:
-    return isinstance(job.controller, CompiledController) and MOTIONS.get(job.options.motion).kernel == LATTICE
+def _is_threaded(job: _RunBlock) -> bool:
+    return (
+        isinstance(job.controller, CompiledController)
+        and MOTIONS.get(job.options.motion).kernel == LATTICE
+    )
 
 
-def _is_vector(job: _Job) -> bool:
-    return isinstance(job.controller, VectorController) and MOTIONS.get(job.options.motion).kernel == LATTICE
+def _is_vector(job: _RunBlock) -> bool:
+    return (
+        isinstance(job.controller, VectorController)
+        and MOTIONS.get(job.options.motion).kernel == LATTICE
+    )
 
 
-def _run_in_lockstep(jobs: Sequence[_Job], runs: Runs, digest: bool) -> None:
+def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> None:
     """Runs what can run together together: jobs of one controller, in worlds of one shape."""
-    kinds: dict[tuple[int, Any, Any], list[tuple[_Job, LatticeRun]]] = {}
+    kinds: dict[tuple[int, Any, Any], list[tuple[_RunBlock, LatticeRun]]] = {}
     for job in jobs:
         run = LatticeRun(replace(job.world, start=job.starts[0]), job.controller, job.options)
         kinds.setdefault((id(job.controller), *run.shapes), []).append((job, run))
@@ -239,38 +272,48 @@ def _run_in_lockstep(jobs: Sequence[_Job], runs: Runs, digest: bool) -> None:
         _run_alike(alike, runs, digest)
 
 
-def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: bool) -> None:
-    """Runs alike jobs in lockstep, not too many robots at once; one by one if the controller cannot."""
+def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest: bool) -> None:
+    """Runs alike jobs in lockstep, not too many robots at once.
+
+    One by one if the controller cannot.
+    """
     controller = alike[0][0].controller
     if not isinstance(controller, VectorController):
         raise TypeError("only controllers that act for many robots run in lockstep")
-    starts, packed = [], [run for _, run in alike]
+    starts = []
+    packed = [run for _, run in alike]
     for job, run in alike:
         places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
         starts.append(places[runs.start[job.rows.start : job.rows.stop]])
     rows = np.concatenate([np.arange(job.rows.start, job.rows.stop) for job, _ in alike])
-    world, poses = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike]), np.concatenate(starts)
+    world = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike])
+    poses = np.concatenate(starts)
     metres = np.array([float(run.settings.metres) for run in packed])
     most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
     most = _at_once(most, (run.options.steps for run in packed))
     for first in range(0, len(rows), most):
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)
-        fleet = FleetRun(controller, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]])
+        fleet = FleetRun(
+            controller, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]]
+        )
         found = fleet.run(digest=digest)
         if found is None:
             warnings.warn(
-                f"{called(controller)} raised for some of many robots, or changed what is outside its memory; "
+                f"{called(controller)} raised for some of many robots, or changed what is outside "
+                f"its memory; "
                 "it is run for one robot at a time, which takes far longer",
                 stacklevel=2,
             )
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):
                 _run_each(alike[which][0], range(row, row + 1), runs, digest)
         else:
-            _fill(runs, rows[part], found, alike[0][0].options.time_step, metres[world[part]], digest)
+            _fill(
+                runs, rows[part], found, alike[0][0].options.time_step, metres[world[part]], digest
+            )
 
 
-def _run_compiled(job: _Job, runs: Runs, digest: bool, stop: Ints) -> None:
+def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
     """Runs a job in one call of the core; one by one if the controller raises, to find which do."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
@@ -278,7 +321,9 @@ def _run_compiled(job: _Job, runs: Runs, digest: bool, stop: Ints) -> None:
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
-    reports = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop)
+    reports = run.run_many(
+        controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop
+    )
     if len(reports) and reports["ending"][-1] == lib.WG_CRASH:
         _run_each(job, job.rows, runs, digest)
         return
@@ -304,7 +349,8 @@ def _fill(
     verdict = np.where(reports["overlap_step"] >= 0, _CODE[Verdict.OVERLAP], verdict)
     for code in decided:
         verdict = np.where(ending == code, _CODE[Verdict(ENDINGS[code])], verdict)
-    runs.verdict[rows], runs.steps[rows] = verdict, steps
+    runs.verdict[rows] = verdict
+    runs.steps[rows] = steps
     runs.time[rows] = np.round(steps * time_step, 9)
     runs.path_length[rows] = reports["path_length"] * metres
     runs.collisions[rows] = reports["collisions"]
@@ -312,7 +358,7 @@ def _fill(
         runs.digest[rows] = reports["digest"]
 
 
-def _run_each(job: _Job, rows: range, runs: Runs, digest: bool) -> None:
+def _run_each(job: _RunBlock, rows: range, runs: Runs, digest: bool) -> None:
     for row in rows:
         world = replace(job.world, start=job.starts[runs.start[row]])
         episode = simulate(world, job.controller, replace(job.options, seed=int(runs.seed[row])))
@@ -320,8 +366,10 @@ def _run_each(job: _Job, rows: range, runs: Runs, digest: bool) -> None:
 
 
 def _fill_one(runs: Runs, row: int, episode: Episode, digest: bool) -> None:
-    runs.verdict[row], runs.steps[row] = _CODE[episode.verdict], episode.steps
-    runs.time[row], runs.path_length[row] = episode.time, episode.path_length
+    runs.verdict[row] = _CODE[episode.verdict]
+    runs.steps[row] = episode.steps
+    runs.time[row] = episode.time
+    runs.path_length[row] = episode.path_length
     runs.collisions[row] = episode.collisions
     if digest:
         runs.digest[row] = int(episode.trace_digest, 16)

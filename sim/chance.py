@@ -1,9 +1,10 @@
-"""Everything that can happen to a robot with chance: all states that some draws lead to, and what follows each.
+"""Everything that can happen to a robot with chance.
 
-A random controller draws one of a few values (``coin``), and its poses are on a lattice (``lattice``), so the states
-that it can be in are finite in number, often few enough to look at each. If the target can be reached from every one of
-them, the robot arrives with probability one; if from none, it never arrives, whatever it draws; else some draws are its
-end.
+All states that some draws lead to, and what follows each. A random controller draws one of a few
+values (``coin``), and its poses are on a lattice (``lattice``), so the states that it can be in are
+finite in number, often few enough to look at each. If the target can be reached from every one of
+them, the robot arrives with probability one; if from none, it never arrives, whatever it draws;
+else some draws are its end.
 
 Source: John Kemeny and Laurie Snell, "Finite Markov chains", 1960, chapter 3: absorbing chains.
 """
@@ -24,7 +25,7 @@ from sim.controllers.base import robot_for
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
-from sim.runners.core_calls import Driver, Episode
+from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter
@@ -33,12 +34,18 @@ from worldgen.world import World
 
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
 
-ARRIVED, ENDED = -1, -2
-"""What may follow a state instead of another one: the target, or an end elsewhere, such as a command that is none, or a
+ARRIVED = -1
+ENDED = -2
+"""What may follow a state instead of another one.
+
+The target, or an end elsewhere, such as a command that is none, or a
 crash."""
 
 UNSEEN = -1
-"""Of the next random number: that the controller has not looked at it yet, so that any value is equally likely."""
+"""Of the next random number.
+
+That the controller has not looked at it yet, so that any value is equally likely.
+"""
 
 _DRAWS = 4  # the word of a state that counts the draws
 _NOT_DONE = -1  # an ending of a step that has not been made
@@ -55,8 +62,9 @@ class Outcomes:
         coin: How many values a random number has.
         states: (n, k) complete states; the first is the start. The number of draws in them is 0.
         faces: (n,) which value the next random number has, from 0, or :data:`UNSEEN`.
-        following: What may follow each state: the value that leads there, and the number of the state, :data:`ARRIVED`
-            or :data:`ENDED`. Where the value makes no difference there is one entry, with :data:`UNSEEN`.
+        following: What may follow each state: the value that leads there, and the number of the
+            state, :data:`ARRIVED` or :data:`ENDED`. Where the value makes no difference there is
+            one entry, with :data:`UNSEEN`.
         ranks: (n,) fewest steps to the target, from 1; 0 where none lead there.
     """
 
@@ -74,7 +82,9 @@ class Outcomes:
         return "part" if any(map(self._is_lost, range(len(self.ranks)))) else "sure"
 
     def way_to_loss(self) -> tuple[tuple[int, ...], int]:
-        """The fewest steps after which all is lost: the values drawn on the way there, and the number of steps.
+        """The fewest steps after which all is lost.
+
+        The values drawn on the way there, and the number of steps.
 
         Raises:
             ValueError: If the robot arrives whatever it draws.
@@ -98,7 +108,9 @@ class Outcomes:
 
 
 def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
-    """Why not everything that can happen to a robot can be looked at; empty if only its amount may stand against it.
+    """Why not everything that can happen to a robot can be looked at.
+
+    Empty if only its amount may stand against it.
 
     Args:
         controller: The controller.
@@ -121,7 +133,9 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     return ""
 
 
-def explore(world: World, controller: str | Controller, options: RunOptions, *, most: int) -> Outcomes | None:
+def explore(
+    world: World, controller: str | Controller, options: RunOptions, *, most: int
+) -> Outcomes | None:
     """Looks at every state that some draws lead to.
 
     Args:
@@ -140,14 +154,19 @@ def explore(world: World, controller: str | Controller, options: RunOptions, *, 
     against = why_not_explored(found, world, options)
     if against or not isinstance(found, CompiledController):
         raise InvalidParameter(
-            "not-explorable", "not everything that can happen can be looked at: {reason}", reason=against
+            "not-explorable",
+            "not everything that can happen can be looked at: {reason}",
+            reason=against,
         )
     search = _Search(LatticeRun(world, found, options), found, most)
     return search.outcomes() if search.run() else None
 
 
 def states_of(trace: Trace) -> Ints:
-    """The states of a recording as :class:`Outcomes` has them: (n + 1, k), without the number of draws."""
+    """The states of a recording as :class:`Outcomes` has them.
+
+    (n + 1, k), without the number of draws.
+    """
     states = trace.states.view(np.int64).copy()
     states[:, _DRAWS] = 0
     return states
@@ -157,18 +176,22 @@ class _Search:
     """Breadth first, all states of one distance in one call of the core."""
 
     def __init__(self, run: LatticeRun, controller: CompiledController, most: int) -> None:
-        self._run, self._controller, self._most = run, controller, most
+        self._run = run
+        self._controller = controller
+        self._most = most
         self.coin = max(run.options.robot.coin, 1)
         start = self._start()
         self._numbers: dict[tuple[bytes, int], int] = {(start.tobytes(), UNSEEN): 0}
-        self._states, self._faces = [start], [UNSEEN]
+        self._states = [start]
+        self._faces = [UNSEEN]
         self._following: list[Following] = []
 
     def run(self) -> bool:
         """Looks at all states; False if there are too many."""
         while len(self._following) < len(self._states):
             first = len(self._following)
-            states, faces = np.array(self._states[first:]), np.array(self._faces[first:], np.int64)
+            states = np.array(self._states[first:])
+            faces = np.array(self._faces[first:], np.int64)
             self._following.extend(self._entries(states, faces))
             if len(self._states) > self._most:
                 return False
@@ -182,9 +205,11 @@ class _Search:
     def _start(self) -> Ints:
         return self._episode().state_words()
 
-    def _episode(self) -> Episode:
+    def _episode(self) -> CoreEpisode:
         run = self._run
-        return Episode(run.arena(), run.settings, Driver(self._controller, self._controller.memory))
+        return CoreEpisode(
+            run.arena(), run.settings, Driver(self._controller, self._controller.memory)
+        )
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
         """What follows each state, in order."""
@@ -195,9 +220,13 @@ class _Search:
         after, endings, drew = self._step(np.repeat(states, times, axis=0), values)
         for row, count in zip(first.tolist(), times.tolist(), strict=True):
             group = slice(row, row + count)
-            yield self._entry(after[group], endings[group].tolist(), drew[group].tolist(), values[group].tolist())
+            yield self._entry(
+                after[group], endings[group].tolist(), drew[group].tolist(), values[group].tolist()
+            )
 
-    def _entry(self, after: Ints, endings: list[int], drew: list[int], values: list[int]) -> Following:
+    def _entry(
+        self, after: Ints, endings: list[int], drew: list[int], values: list[int]
+    ) -> Following:
         """What follows one state, from what each value of the random number makes of it."""
         alike = len(set(endings)) == 1 and len(set(drew)) == 1 and bool((after == after[0]).all())
         if len(values) > 1 and alike:  # it was not looked at, or makes no difference
@@ -239,8 +268,13 @@ class _Search:
         )
         return after, endings, drew
 
-    def _step_guarded(self, episode: Episode, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
-        """The same in another process. Where it ends, the state that it was at is one in which the controller fails."""
+    def _step_guarded(
+        self, episode: CoreEpisode, states: Ints, values: Ints
+    ) -> tuple[Ints, Ints, Ints]:
+        """The same in another process.
+
+        Where it ends, the state that it was at is one in which the controller fails.
+        """
         memory = self._run.memory
         after = memory.own(states)
         drew = memory.zeros(len(states), np.int64)
@@ -255,7 +289,11 @@ class _Search:
             try:
                 work = ffi.addressof(lib, "wg_call_outcomes")
                 left = len(states) - done
-                check(call(work, episode.guarded, objects, left, report=report, progress=(made,)).result)
+                check(
+                    call(
+                        work, episode.guarded, objects, left, report=report, progress=(made,)
+                    ).result
+                )
                 done = len(states)
             except ControllerDied:
                 done += int((endings[done:] == _NOT_DONE).argmax())
@@ -269,7 +307,8 @@ class _Search:
 def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
     """Fewest steps from each state to the target; 0 where none lead there."""
     before: list[list[int]] = [[] for _ in following]
-    ranks, queue = [0] * len(following), deque[int]()
+    ranks = [0] * len(following)
+    queue = deque[int]()
     for number, entry in enumerate(following):
         if any(after == ARRIVED for _, after in entry):
             ranks[number] = 1
@@ -288,7 +327,8 @@ def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
 
 def _drawn(before: dict[int, tuple[int, int]], number: int) -> tuple[tuple[int, ...], int]:
     """The values drawn on the way to a state, and its steps."""
-    values, steps = [], 0
+    values = []
+    steps = 0
     while number in before:
         number, face = before[number]
         steps += 1

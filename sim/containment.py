@@ -1,4 +1,7 @@
-"""Whether controllers of shared libraries run in another process: in campaigns, where a crash is a verdict."""
+"""Whether controllers of shared libraries run in another process.
+
+In campaigns, where a crash is a verdict.
+"""
 
 from __future__ import annotations
 

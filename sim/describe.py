@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim.episode import Episode
-from sim.evidence import BudgetEvidence, BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    Evidence,
+    FaultEvidence,
+    LoopEvidence,
+    WallEvidence,
+)
 from sim.verdict import Verdict
 from worldgen.timeline import CellState
 from worldgen.world import Value
 
-__all__ = ["evidence_in_words", "frames_in_words"]
+__all__ = ["describe_evidence", "describe_frames"]
 
 
-def evidence_in_words(episode: Episode) -> str:
+def describe_evidence(episode: Episode) -> str:
     """What the evidence says, to stand behind the verdict; starts with a blank, or is empty."""
     match episode.evidence:
         case LoopEvidence(entry=entry, period=period):
@@ -29,13 +36,16 @@ def evidence_in_words(episode: Episode) -> str:
             seen = f"no new cell after step {budget.last_new_cell} of {episode.steps}"
             return f" ({_manner(budget)}{seen}{_multiple(budget)})"
         case BudgetEvidence() as budget:
-            return f" (still reaching new cells when its {episode.steps} steps were over{_multiple(budget)})"
+            return (
+                f" (still reaching new cells when its {episode.steps} steps were "
+                f"over{_multiple(budget)})"
+            )
         case FaultEvidence() as fault:
             return f" ({_fault(episode.verdict, fault)})"
     return ""
 
 
-def frames_in_words(evidence: Evidence | None) -> str:
+def describe_frames(evidence: Evidence | None) -> str:
     """Return where a controller crashed, a line such as ``  mine.py:12 in act: gap = 1 / free`` for each frame.
 
     The innermost frame comes last, as in Python's tracebacks; each line ends with a newline.
@@ -54,12 +64,18 @@ def _frame(frame: Mapping[str, Value]) -> str:
 
 def _multiple(budget: BudgetEvidence) -> str:
     """The budget in times of the witness, with a comma before it; empty where there is none."""
-    return "" if budget.witness_multiple is None else f", {budget.witness_multiple} times the witness's time"
+    return (
+        ""
+        if budget.witness_multiple is None
+        else f", {budget.witness_multiple} times the witness's time"
+    )
 
 
 def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
     """What the controller did wrong, with a program's last line on stderr."""
-    error = fault.error or "speed or turn rate is no finite number"  # that is all that the core judges
+    error = (
+        fault.error or "speed or turn rate is no finite number"
+    )  # that is all that the core judges
     at = f", {fault.at}" if fault.at else ""
     within = "" if fault.deadline is None else f" within {fault.deadline} s"
     where = f" in step {fault.step}" if verdict != Verdict.CRASH or fault.stderr is not None else ""

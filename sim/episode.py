@@ -28,7 +28,8 @@ from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "prepare", "simulate", "wall_evidence"]
 
-_RECORDED_AT_ONCE = 100_000  # steps, 30 MB: what slow controllers have recorded before it is known whether it is needed
+# steps, 30 MB: what slow controllers have recorded before it is known whether it is needed.
+_RECORDED_AT_ONCE = 100_000
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,12 @@ class Episode:
         return entered or isinstance(evidence, WallEvidence)
 
     def __repr__(self) -> str:
-        evidence = "".join(f"\n  {name}: {value!r}" for name, value in evidence_table(self.evidence).items())
+        evidence = "".join(
+            f"\n  {name}: {value!r}" for name, value in evidence_table(self.evidence).items()
+        )
         return (
-            f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m driven, "
+            f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m "
+            f"driven, "
             f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
         )
 
@@ -86,22 +90,25 @@ def simulate(
         controller: Its name, the controller itself, or its class.
         options: How; without them, ``swept`` and a budget of 50 times the witness's time.
         record: Whether to keep every state (``trace``).
-        lean: Whether a recording may leave out what would take more than 64 MB of a compiled controller's memory,
-            to be seen with ``Trace.show_memory``.
+        lean: Whether a recording may leave out what would take more than 64 MB of a compiled
+            controller's memory, to be seen with ``Trace.show_memory``.
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
         The verdict and its evidence.
 
     Raises:
-        InvalidParameter: If a name or an option is unknown or of the wrong type, or the two do not fit each other.
+        InvalidParameter: If a name or an option is unknown or of the wrong type, or the two do not
+            fit each other.
         InvalidWorld: If the robot cannot stand at the start.
     """
     check_world(world)
     options = options_from(world, options, settings)
     found = controller_of(controller)
     run = prepare(world, found, options, lean=lean)
-    at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
+    at_once = (
+        record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
+    )
     outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == Verdict.LOOP:
         return _loop(run, world, outcome, options, record)
@@ -111,11 +118,16 @@ def simulate(
     return _decided(run, world, outcome, options)
 
 
-def prepare(world: World, controller: str | Controller | type, options: RunOptions, *, lean: bool = False) -> Runnable:
+def prepare(
+    world: World, controller: str | Controller | type, options: RunOptions, *, lean: bool = False
+) -> Runnable:
     """Packs a scenario for its motion model; see :func:`simulate`."""
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
-    switch_sets(motion.name, options.robot.changed() if motion.kernel == THESIS else options.thesis.changed())
+    switch_sets(
+        motion.name,
+        options.robot.changed() if motion.kernel == THESIS else options.thesis.changed(),
+    )
     if motion.kernel != THESIS:
         return LatticeRun(world, found, options, lean=lean)
     if not isinstance(found, CompiledController) or not found.thesis_rule:
@@ -129,9 +141,12 @@ def prepare(world: World, controller: str | Controller | type, options: RunOptio
     return ThesisRun(world, found.thesis_rule, options)
 
 
-def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool) -> Episode:
+def _loop(
+    run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool
+) -> Episode:
     """Finds where the recurrence begins; the run ends with its first period."""
-    entry, period = found.entry, found.period
+    entry = found.entry
+    period = found.period
     if record:
         check_recordable(entry + period)
     proof = run.prove(entry, period, record=record)
@@ -146,7 +161,11 @@ def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, reco
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    if outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence) and isinstance(run, ThesisRun):
+    if (
+        outcome.verdict == Verdict.STALLED
+        and isinstance(evidence, BudgetEvidence)
+        and isinstance(run, ThesisRun)
+    ):
         check_recordable(outcome.steps)
         evidence = run.with_confinement(evidence, outcome.steps)
     return _episode(outcome.verdict, outcome, options, evidence)
@@ -181,7 +200,9 @@ def wall_evidence(outcome: Outcome) -> WallEvidence:
     )
 
 
-def _episode(verdict: Verdict, outcome: Outcome, options: RunOptions, evidence: Evidence) -> Episode:
+def _episode(
+    verdict: Verdict, outcome: Outcome, options: RunOptions, evidence: Evidence
+) -> Episode:
     return Episode(
         verdict=verdict,
         steps=outcome.steps,

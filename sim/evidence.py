@@ -1,6 +1,7 @@
 """Evidence: what a verdict claims about its run, as one record for each kind of claim.
 
-A checker confirms it from the recorded trace. This is the one place that knows its form in files and in JSON: a table
+A checker confirms it from the recorded trace. This is the one place that knows its form in files
+    and in JSON: a table
 of the fields that are known.
 """
 
@@ -68,7 +69,8 @@ class BudgetEvidence:
     Args:
         last_new_cell: Last step in which the centre entered a cell for the first time.
         witness_multiple: The run's time in times of the witness's; ``None`` without a witness.
-        kind: How a run under ``stepped`` stalls. ``drifting``: its poses come back but for rounding.
+        kind: How a run under ``stepped`` stalls. ``drifting``: its poses come back but for
+            rounding.
         entry: Of a drifting run, the step from which on they do.
         period: Of a drifting run, after how many steps.
         box: Columns and rows of cells that the centre was in, in the second half of the run.
@@ -89,7 +91,8 @@ class WallEvidence:
     Args:
         step: In which it did.
         cell: The wall's cell (ix, iy).
-        cause: The move that let it in, where the motion model knows: ``slide``, ``back-off`` or ``corner``.
+        cause: The move that let it in, where the motion model knows: ``slide``, ``back-off`` or
+            ``corner``.
         since: The step of that move.
         reached: Of a breach, the step in which the robot arrives if walls end nothing.
     """
@@ -149,7 +152,9 @@ class FaultEvidence:
     bump: bool | None = None
 
 
-Evidence: TypeAlias = ReachedEvidence | LoopEvidence | BudgetEvidence | WallEvidence | BurnedEvidence | FaultEvidence
+Evidence: TypeAlias = (
+    ReachedEvidence | LoopEvidence | BudgetEvidence | WallEvidence | BurnedEvidence | FaultEvidence
+)
 
 _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.REACHED: ReachedEvidence,
@@ -163,7 +168,9 @@ _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.HANG: FaultEvidence,
     Verdict.INVALID_COMMAND: FaultEvidence,
 }
-_TYPES: Mapping[type[object], Mapping[str, Any]] = {kind: typing.get_type_hints(kind) for kind in _KINDS.values()}
+_TYPES: Mapping[type[object], Mapping[str, Any]] = {
+    kind: typing.get_type_hints(kind) for kind in _KINDS.values()
+}
 
 
 def evidence_table(evidence: Evidence) -> dict[str, Value]:
@@ -180,8 +187,9 @@ def fault_evidence(facts: Mapping[str, Value]) -> FaultEvidence:
 def read_evidence(verdict: Verdict, table: Mapping[str, Value]) -> Evidence | None:
     """Return the evidence for a verdict from its table.
 
-    A file may come from anywhere, and a replay compares its table word by word anyway. So names that the record does
-    not have are passed over, and what is optional and of another type counts as unknown.
+    A file may come from anywhere, and a replay compares its table word by word anyway. So names
+    that the record does not have are passed over, and what is optional and of another type counts
+    as unknown.
 
     Args:
         verdict: What the evidence is for.
@@ -217,7 +225,9 @@ def _of_type(value: Value | None, wanted: Any) -> Any:
     if origin is not None:  # a table of any values
         return value if isinstance(value, Mapping) else None
     if wanted is float:
-        return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+        return (
+            float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+        )
     return value if type(value) is wanted else None
 
 

@@ -1,7 +1,8 @@
 """Serves a Python controller as a program: ``python -m sim.host ./mine.py:Robot``.
 
-Behind ``cmd:`` it gives a Python class what a program has: a deadline for each step, a memory limit, a process of its
-own. A class that hangs is then a ``hang``, where in our own process it would hang us; its loops are no longer proved.
+Behind ``cmd:`` it gives a Python class what a program has: a deadline for each step, a memory
+limit, a process of its own. A class that hangs is then a ``hang``, where in our own process it
+would hang us; its loops are no longer proved.
 """
 
 from __future__ import annotations
@@ -54,7 +55,9 @@ def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> N
 
 
 def _observation(message: dict[str, Any]) -> Observation:
-    seen: dict[str, Any] = {name: tuple(item) if isinstance(item, list) else item for name, item in message.items()}
+    seen: dict[str, Any] = {
+        name: tuple(item) if isinstance(item, list) else item for name, item in message.items()
+    }
     return Observation(**seen)
 
 
@@ -105,7 +108,9 @@ def main() -> None:
     try:
         serve(controller, sys.stdin.buffer, answers)
     except ContractBroken as broken:
-        sys.exit(f"sim.host: {broken.error}, it was {broken.evidence.answer}; {broken.evidence.remedy}")
+        sys.exit(
+            f"sim.host: {broken.error}, it was {broken.evidence.answer}; {broken.evidence.remedy}"
+        )
 
 
 if __name__ == "__main__":

@@ -49,13 +49,14 @@ class Outcome:
         hit_state: ``solid`` or ``burning``, for ``burned``.
         overlap_step: First step whose path cut a wall by more than the tolerance; -1.
         overlap_cell: Its cell.
-        cause: Of a tunnel or overlap under ``stepped``: the move that let the robot into the wall, ``slide``,
-            ``back-off`` or ``corner``; else empty.
+        cause: Of a tunnel or overlap under ``stepped``: the move that let the robot into the wall,
+            ``slide``, ``back-off`` or ``corner``; else empty.
         cause_step: The step of that move, from which on the robot overlapped a wall; -1.
         wall_step: First step that ended with the centre in a wall, where that ends no run; -1.
         random_draws: Random numbers used.
         complete: Whether the recorded state is all that decides the future.
-        fault: What the controller did wrong, without the step; ``None`` if it did nothing or only the core knows.
+        fault: What the controller did wrong, without the step; ``None`` if it did nothing or only
+            the core knows.
         trace: The recording, if one was asked for.
     """
 
@@ -106,7 +107,8 @@ class Runnable(Protocol):
 
         Args:
             steps: Budget.
-            find_loop: Whether a recurrence ends the run, when it is found: at the end of the budget, or before.
+            find_loop: Whether a recurrence ends the run, when it is found: at the end of the
+                budget, or before.
             record: Whether to keep every state.
             digest: Whether to work out the trace's digest, which takes a fifth of the time.
         """
@@ -121,6 +123,7 @@ class Runnable(Protocol):
             record: Whether to keep every state.
 
         Returns:
-            The outcome up to there and the state at the entry; ``None`` if the state there does not come back.
+            The outcome up to there and the state at the entry; ``None`` if the state there does not
+            come back.
         """
         ...

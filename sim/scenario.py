@@ -7,7 +7,14 @@ from dataclasses import dataclass, field, replace
 
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
-from sim.options.run import TIME_STEP, RunOptions, option_without_effect, step_budget, switch_class, switch_sets
+from sim.options.run import (
+    TIME_STEP,
+    RunOptions,
+    option_without_effect,
+    step_budget,
+    switch_class,
+    switch_sets,
+)
 from sim.thesis.options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options
@@ -41,34 +48,56 @@ class Scenario:
     @classmethod
     def of(cls, controller: str, options: RunOptions) -> Scenario:
         """A controller and everything in a run's options but the budget."""
-        return cls(controller, options.motion, options.time_step, options.seed, options.thesis, options.robot)
+        return cls(
+            controller,
+            options.motion,
+            options.time_step,
+            options.seed,
+            options.thesis,
+            options.robot,
+        )
 
     @classmethod
     def parse(
-        cls, text: str, *, motion: str = "swept", time_step: float = RunOptions.time_step, seed: int = 0
+        cls,
+        text: str,
+        *,
+        motion: str = "swept",
+        time_step: float = RunOptions.time_step,
+        seed: int = 0,
     ) -> Scenario:
-        """Reads a controller with variations: ``thesis-1``, ``thesis-1+noise+sensor_range=50``, ``mine+motion=swept``.
+        """Reads a controller with variations.
+
+        ``thesis-1``, ``thesis-1+noise+sensor_range=50``, ``mine+motion=swept``.
 
         Args:
-            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``, ``time_step``, and
-                the motion model's options, :class:`ThesisOptions` or :class:`RobotOptions`. Of a program they stand
-                before the colon: ``cmd+motion=endpoint:./mine``.
+            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``,
+                ``time_step``, and the motion model's options, :class:`ThesisOptions` or
+                :class:`RobotOptions`. Of a program they stand before the colon:
+                ``cmd+motion=endpoint:./mine``.
             motion: Motion model, unless the text names one.
             time_step: s, likewise.
             seed: Of the run's random numbers.
 
         Raises:
-            InvalidParameter: If the text names no controller, or a variation is unknown or out of range.
+            InvalidParameter: If the text names no controller, or a variation is unknown or out of
+                range.
         """
         controller, options = _split(text.strip())
         if not is_process_name(controller):
             _refuse_program_options(controller, options)
         motion = _MOTION.parse(options.pop("motion"), "run") if "motion" in options else motion
-        time_step = TIME_STEP.parse(options.pop("time_step"), "run") if "time_step" in options else time_step
+        time_step = (
+            TIME_STEP.parse(options.pop("time_step"), "run")
+            if "time_step" in options
+            else time_step
+        )
         values: dict[str, Value] = {}
         for name, value in options.items():
             values |= _parsed(motion, name, value)
-        return cls(controller, motion, time_step, seed, **(switch_sets(motion, values) if values else {}))
+        return cls(
+            controller, motion, time_step, seed, **(switch_sets(motion, values) if values else {})
+        )
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
         """The scenario as :meth:`parse` reads it, without the seed.
@@ -78,7 +107,9 @@ class Scenario:
             time_step: s, likewise.
         """
         changed = self.thesis.changed() | self.robot.changed()
-        name, colon, command = self.controller, "", ""
+        name = self.controller
+        colon = ""
+        command = ""
         if is_process_name(name):
             name, colon, command = name.partition(":")
         words = [name]
@@ -110,7 +141,10 @@ class Scenario:
 
 
 def _split(text: str) -> tuple[str, dict[str, str | None]]:
-    """Return name and options; in a program's command line, which begins at the first colon, nothing is an option."""
+    """Return name and options.
+
+    In a program's command line, which begins at the first colon, nothing is an option.
+    """
     if not is_process_name(text):
         return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
     head, colon, command = text.partition(":")
@@ -130,7 +164,8 @@ def _refuse_program_options(controller: str, options: Mapping[str, str | None]) 
             value = "" if options[name] is None else f"={options[name]}"
             raise InvalidParameter(
                 "option-misplaced",
-                "+{name} is an option of programs and stands before the colon: write 'cmd+{name}{value}:{controller}'",
+                "+{name} is an option of programs and stands before the colon: write "
+                "'cmd+{name}{value}:{controller}'",
                 name=name,
                 value=value,
                 controller=controller,

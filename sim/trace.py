@@ -42,13 +42,15 @@ class Trace:
         path_share: (m,) when in that step, 0 to 1: its share that was over.
         words: uint64, in any shape: what the digest runs over.
         states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
-        complete: Whether ``states`` is really all that decides the future (a controller may hide memory).
-        memory_at: Where in a state the controller's memory begins, whose words are the bits of float64s; below 0: none
-            can be seen.
-        recall: Of a recording that was too large to hold the memory: how it is seen after all. Such a one has no
-            ``words``, and the memory is not in its ``states``.
+        complete: Whether ``states`` is really all that decides the future (a controller may hide
+            memory).
+        memory_at: Where in a state the controller's memory begins, whose words are the bits of
+            float64s; below 0: none can be seen.
+        recall: Of a recording that was too large to hold the memory: how it is seen after all. Such
+            a one has no ``words``, and the memory is not in its ``states``.
         recalled: How many numbers of memory ``recall`` shows.
-        active: (n + 1,) int8: which of :data:`BEHAVIOURS` acted in the step, -1 for none; None for other robots.
+        active: (n + 1,) int8: which of :data:`BEHAVIOURS` acted in the step, -1 for none; None for
+            other robots.
     """
 
     time_step: float
@@ -86,8 +88,12 @@ class Trace:
         self.show_memory(np.array([step]), lambda _, memory: found.append(memory.copy()))
         return found[0]
 
-    def show_memory(self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]) -> None:
-        """Hands the controller's memory after each of some steps to ``take``, which must copy what it keeps.
+    def show_memory(
+        self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]
+    ) -> None:
+        """Hands the controller's memory after each of some steps to ``take``.
+
+        It must copy what it keeps.
 
         Args:
             steps: (n,) rising, of this run.
@@ -121,7 +127,9 @@ class Trace:
         """Lines ``t,x,y,heading``, one a state, with a header."""
         lines = ["t,x,y,heading"]
         for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):
-            lines.append(f"{round(k * self.time_step, 9)!r},{float(x)!r},{float(y)!r},{float(heading)!r}")
+            lines.append(
+                f"{round(k * self.time_step, 9)!r},{float(x)!r},{float(y)!r},{float(heading)!r}"
+            )
         return "\n".join(lines) + "\n"
 
 

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-__all__ = ["AT_ONCE", "BY_THE_CONTROLLER", "FAILURES", "MEANINGS", "NEVER", "OUT_OF_BUDGET", "UNENDED", "Verdict"]
+__all__ = [
+    "AT_ONCE",
+    "BY_THE_CONTROLLER",
+    "FAILURES",
+    "MEANINGS",
+    "NEVER",
+    "OUT_OF_BUDGET",
+    "UNENDED",
+    "Verdict",
+]
 
 
 class Verdict(StrEnum):
     """How a run ended; equal to its word, as files and JSON have it.
 
-    The order is that of tables: whether the robot arrived, then the milder failures before the graver ones.
+    The order is that of tables: whether the robot arrived, then the milder failures before the
+        graver ones.
     """
 
     REACHED = "reached"
@@ -45,11 +55,14 @@ AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
 
 MEANINGS = {
     Verdict.REACHED: "The robot arrives.",
-    Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats itself endlessly and "
+    Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats "
+    "itself endlessly and "
     "never arrives, although its target can be reached.",
-    Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many times what the path to "
+    Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "
+    "times what the path to "
     "its target takes.",
-    Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path to its target takes.",
+    Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path "
+    "to its target takes.",
     Verdict.TUNNEL: "The robot's centre passes through a wall.",
     Verdict.OVERLAP: "The robot's disc cuts into a wall by more than the motion model's tolerance.",
     Verdict.BURNED: "Fire or falling debris catches the robot.",

@@ -1,4 +1,7 @@
-"""Settings that every test shares: tiers, Hypothesis's profiles, how the work is shared among workers."""
+"""Settings that every test shares.
+
+Tiers, Hypothesis's profiles, how the work is shared among workers.
+"""
 
 import os
 import signal
@@ -8,8 +11,9 @@ import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
-# With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples each time: nobody
-# should fail to land by luck. New examples are tried at night, and those that failed are kept: --hypothesis-profile.
+# With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples
+# each time: nobody should fail to land by luck. New examples are tried at night, and those that
+# failed are kept: --hypothesis-profile.
 settings.register_profile(
     "worldgen",
     max_examples=12,
@@ -20,10 +24,14 @@ settings.register_profile(
     suppress_health_check=[
         HealthCheck.too_slow,
         HealthCheck.function_scoped_fixture,
-        HealthCheck.filter_too_much,  # judged on the first few draws, which change with any constant in the sources
+        # Judged on the first few draws, which change with any constant in the sources.
+        HealthCheck.filter_too_much,
     ],
 )
-EXAMPLES = os.environ.get("WORLDGEN_EXAMPLES") or Path(__file__).parents[1] / "build" / "hypothesis-examples"
+EXAMPLES = (
+    os.environ.get("WORLDGEN_EXAMPLES")
+    or Path(__file__).parents[1] / "build" / "hypothesis-examples"
+)
 settings.register_profile(
     "nightly",
     settings.get_profile("worldgen"),
@@ -32,7 +40,9 @@ settings.register_profile(
     database=DirectoryBasedExampleDatabase(EXAMPLES),
 )
 # For planted faults: it matters only whether a test fails, not how small its example is.
-settings.register_profile("unshrunk", settings.get_profile("worldgen"), phases=(Phase.explicit, Phase.generate))
+settings.register_profile(
+    "unshrunk", settings.get_profile("worldgen"), phases=(Phase.explicit, Phase.generate)
+)
 settings.load_profile("worldgen")
 
 # What a command prints must not depend on how fast the machine is.
@@ -40,16 +50,18 @@ os.environ["WORLDGEN_PROGRESS"] = "off"
 
 MOST_WORKERS = 8
 
-# In the background of a shell Ctrl-C is ignored, and so it would be by every process that a test starts.
+# In the background of a shell Ctrl-C is ignored, and so it would be by every process that a test
+# starts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
-    """Keep the tests of a file together and in order with ``-n``: they may share what was costly to make.
+    """Keep the tests of a file together and in order with ``-n``.
 
-    Files go out in the order of their names: the short ones are the last, and no worker waits long for another.
+    They may share what was costly to make. Files go out in the order of their names: the short ones
+        are the last, and no worker waits long for another.
     """
     if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
         config.option.dist, config.option.loadscopereorder = "loadfile", False

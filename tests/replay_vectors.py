@@ -1,7 +1,7 @@
 """Replays recorded runs of the thesis's program: ``python -m tests.replay_vectors FILE.jsonl``.
 
-Prints a line for everything that differs and ends with ``matched N of M``; exit code 0 if all match, 1 if one
-does not, 2 if a file or a line can't be read, or there is none.
+Prints a line for everything that differs and ends with ``matched N of M``; exit code 0 if all
+match, 1 if one does not, 2 if a file or a line can't be read, or there is none.
 """
 
 from __future__ import annotations
@@ -15,7 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from sim.thesis.core_calls import CELL, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.core_calls import (
+    CELL,
+    WALL,
+    ThesisEpisode,
+    ThesisSetup,
+    add_noise,
+    new_rows,
+    signal_map,
+)
 from tests.helpers.java_random import java_doubles
 from tests.helpers.recordings import NotARecordingError, parse, read_lines
 
@@ -46,14 +54,19 @@ def mismatches(vector: Vector) -> list[str]:
         if value != vector.get(key, value):
             found.append(f"{key} {value}, recorded {vector[key]}")
     deepest = run.deepest
-    if abs(deepest - vector.get("maxPen", deepest)) > 1e-9:  # px; measured at tick ends, not part of the listing
+    if (
+        abs(deepest - vector.get("maxPen", deepest)) > 1e-9
+    ):  # px; measured at tick ends, not part of the listing
         found.append(f"maxPen {deepest}, recorded {vector['maxPen']}")
     used = draws[: run.state.draws_used].tolist()
     return found + draw_mismatches(vector, used) + checkpoint_mismatches(vector, rows)
 
 
 def random_numbers(vector: Vector) -> Any:
-    """The draws that a run may use, one a tick at most: the recorded ones first, then its seed's."""
+    """The draws that a run may use, one a tick at most.
+
+    The recorded ones first, then its seed's.
+    """
     if vector["rule"] != 3:
         return np.zeros(0)
     recorded = vector.get("draws", [])
@@ -84,9 +97,9 @@ def signal_cells(vector: Vector) -> tuple[Any, Any]:
     return cells, light
 
 
-def setup_of(vector: Vector) -> Setup:
+def setup_of(vector: Vector) -> ThesisSetup:
     """Return a recording's robot."""
-    return Setup(
+    return ThesisSetup(
         rule=vector["rule"],
         time_step=float(vector["timeSize"]),
         sense=int((vector["sensorRange"] - 36) / 10) + 1,
@@ -106,7 +119,10 @@ def simulate(vector: Vector, cells: Any, light: Any, draws: Any, ticks: int) -> 
 
 
 def judge(vector: Vector, rows: Any) -> Vector:
-    """Verdict, ticks and loop from the states: the target entered, the first repetition, or neither."""
+    """Verdict, ticks and loop from the states.
+
+    The target entered, the first repetition, or neither.
+    """
     loop = None if vector["rule"] == 3 else first_repetition(rows)
     ticks = len(rows) - 1
     cell = (int(rows[-1]["x"] // CELL), int(rows[-1]["y"] // CELL))
@@ -133,13 +149,18 @@ def state_words(rows: Any) -> Any:
     for k, name in enumerate(FLOATS):
         words[:, k] = rows[name].copy().view(np.uint64)
     behaviour = rows["behaviour"].astype(np.int64)
-    words[:, 5] = rows["collision"].astype(np.int64) + np.where(behaviour >= 0, 2 + 4 * (behaviour + 1), 0)
+    words[:, 5] = rows["collision"].astype(np.int64) + np.where(
+        behaviour >= 0, 2 + 4 * (behaviour + 1), 0
+    )
     words[:, 6] = rows["ticks_left"].copy().view(np.uint64)
     return words
 
 
 def first_crossing(vector: Vector, rows: Any) -> int:
-    """First tick that ends in a free cell of another 4-connected component than the start's; -1 if none."""
+    """First tick that ends in a free cell of another 4-connected component than the start's.
+
+    -1 if none.
+    """
     component = flood(vector["rows"], *(int(value // CELL) for value in vector["start"][:2]))
     for tick in range(1, len(rows)):
         x = int(rows[tick]["x"] // CELL)
@@ -172,7 +193,14 @@ def checkpoint_mismatches(vector: Vector, rows: Any) -> list[str]:
         floats = [float(row[name]) for name in FLOATS]
         busy = int(row["behaviour"] >= 0)
         bits = " ".join(f"{np.float64(value).view(np.uint64):016x}" for value in floats[:4])
-        ours = [*floats, int(row["collision"]), busy, int(row["active"]), int(row["ticks_left"]), bits]
+        ours = [
+            *floats,
+            int(row["collision"]),
+            busy,
+            int(row["active"]),
+            int(row["ticks_left"]),
+            bits,
+        ]
         if ours != recorded:
             found.append(f"checkpoint {tick}: {ours}, recorded {recorded}")
     return found

@@ -7,7 +7,8 @@ Contents, each imported when it is first used:
     stream: such worlds one after another, made when they are asked for.
     read_world, write_world, world_digest: the ``.grid`` file.
     decide, check_certificate: reachability, proved and checked apart from each other.
-    WorldgenError, and its kinds FormatError, GenerationFailed, InvalidParameter, InvalidWorld, OutputError: what went
+    WorldgenError, and its kinds FormatError, GenerationFailed, InvalidParameter, InvalidWorld,
+        OutputError: what went
     wrong, as data and as a sentence.
 The families themselves are in worldgen.families: ``from worldgen.families import maze``.
 

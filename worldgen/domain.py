@@ -1,7 +1,8 @@
 """The numbers that a world may have.
 
-The limits are far beyond what a robot has, and near enough that a length in 1/1024 cell, its square and a time in
-microseconds fit into 64 bits. So nothing behind them needs a case for numbers that are too large or too small.
+The limits are far beyond what a robot has, and near enough that a length in 1/1024 cell, its square
+and a time in microseconds fit into 64 bits. So nothing behind them needs a case for numbers that
+are too large or too small.
 """
 
 from __future__ import annotations
@@ -11,7 +12,16 @@ from typing import Final
 
 from worldgen.errors import Message
 
-__all__ = ["CELL_SIZES", "LATEST", "MAX_SIDE", "RADII", "SPEEDS", "number_fault", "radius_fault", "speed_fault"]
+__all__ = [
+    "CELL_SIZES",
+    "LATEST",
+    "MAX_SIDE",
+    "RADII",
+    "SPEEDS",
+    "number_fault",
+    "radius_fault",
+    "speed_fault",
+]
 
 MAX_SIDE: Final = 20_000
 """Most cells of a row or a column."""
@@ -30,7 +40,10 @@ LATEST: Final = 1e9
 
 
 def radius_fault(name: str, radius: float, cell_size: float) -> Message | None:
-    """Return what is wrong with a radius in m; None if it is one that a robot or a target can have."""
+    """Return what is wrong with a radius in m.
+
+    None if it is one that a robot or a target can have.
+    """
     return number_fault(name, radius, (RADII[0] * cell_size, RADII[1] * cell_size), "m")
 
 
@@ -40,9 +53,17 @@ def speed_fault(name: str, speed: float, cell_size: float) -> Message | None:
 
 
 def number_fault(name: str, value: float, limits: tuple[float, float], unit: str) -> Message | None:
-    """Return what is wrong with a number that is above 0 and within two limits; None if nothing is."""
+    """Return what is wrong with a number that is above 0 and within two limits.
+
+    None if nothing is.
+    """
     if not (math.isfinite(value) and value > 0.0):
-        return Message("not-positive", "{name}={value}: must be a finite number above 0", name=name, value=value)
+        return Message(
+            "not-positive",
+            "{name}={value}: must be a finite number above 0",
+            name=name,
+            value=value,
+        )
     low, high = limits
     if low <= value <= high:
         return None

@@ -1,4 +1,7 @@
-"""Errors that a user can cause, as data: a code, the facts, and templates that put them into words."""
+"""Errors that a user can cause, as data.
+
+A code, the facts, and templates that put them into words.
+"""
 
 from __future__ import annotations
 
@@ -35,9 +38,9 @@ class _Listed(str):
 class _Words(string.Formatter):
     """``str.format`` with conversions for messages.
 
-    ``{name!q}`` quotes text that came from outside; ``{names!l:none}`` puts commas between the items of a list, and
-    reads ``none`` if there are no items; ``{size!n}`` is a number with six digits, or all of a whole one's;
-    ``{unit!u}`` puts a space before a unit, if there is one.
+    ``{name!q}`` quotes text that came from outside; ``{names!l:none}`` puts commas between the
+    items of a list, and reads ``none`` if there are no items; ``{size!n}`` is a number with six
+    digits, or all of a whole one's; ``{unit!u}`` puts a space before a unit, if there is one.
     """
 
     def convert_field(self, value: Any, conversion: Any) -> Any:
@@ -53,7 +56,10 @@ class _Words(string.Formatter):
 
 
 def _plain(value: Any) -> Any:
-    """Return a fact as JSON has it: a path as text, bytes as the text they begin with, a NumPy number as a number."""
+    """Return a fact as JSON has it.
+
+    A path as text, bytes as the text they begin with, a NumPy number as a number.
+    """
     if isinstance(value, PurePath):
         return str(value)
     if isinstance(value, bytes | bytearray):
@@ -67,13 +73,15 @@ def _plain(value: Any) -> Any:
 class Message:
     """What a program has to tell its user: a code and facts, and how they read.
 
-    Programs and tests compare ``code`` and ``facts``; neither changes when the wording does. A front end that has other
-    means than the command line, such as the studio's page, words the remedy itself, by the code.
+    Programs and tests compare ``code`` and ``facts``; neither changes when the wording does. A
+    front end that has other means than the command line, such as the studio's page, words the
+    remedy itself, by the code.
 
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.
-        problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than {least:g} m"``.
-            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists,
+        problem: Template of what came and the rule:
+            ``"door_width={door_width:g} m is less than {least:g} m"``. A field is a fact, as in
+            ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists,
             ``{size!n}{unit!u}`` is a number and its unit.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
         at_terminal: Whether the way out needs a terminal, because it names an option or a command.
@@ -81,7 +89,14 @@ class Message:
     """
 
     def __init__(
-        self, code: str, problem: str, remedy: str = "", /, *, at_terminal: bool = False, **facts: Any
+        self,
+        code: str,
+        problem: str,
+        remedy: str = "",
+        /,
+        *,
+        at_terminal: bool = False,
+        **facts: Any,
     ) -> None:
         self.code = code
         self.at_terminal = at_terminal
@@ -104,7 +119,8 @@ class Message:
 
         Args:
             prefix: Template, with what separates it: ``"{file}: "``.
-            facts: The values in it; if one has the name of a fact of the message, the message's stays.
+            facts: The values in it; if one has the name of a fact of the message, the message's
+                stays.
         """
         words, more = self._beside(prefix, facts)
         return self._copy(words + self._problem, self._remedy, more)
@@ -142,7 +158,9 @@ class Message:
 
     def _copy(self, problem: str, remedy: str, facts: Mapping[str, Any]) -> Message:
         """Return the message with other templates, and with these facts over its own."""
-        return Message(self.code, problem, remedy, at_terminal=self.at_terminal, **{**self.facts, **facts})
+        return Message(
+            self.code, problem, remedy, at_terminal=self.at_terminal, **{**self.facts, **facts}
+        )
 
     def word(self, template: str) -> str:
         """Fill a template with the facts, such as a front end's own remedy for this code."""
@@ -153,7 +171,9 @@ class Message:
 
 
 class Note(str):
-    """A sentence worth knowing that is no error; ``message`` has the code and facts that it was made of.
+    """A sentence worth knowing that is no error.
+
+    ``message`` has the code and facts that it was made of.
 
     Args:
         code: As in `Message`, and so are the others.
@@ -202,7 +222,10 @@ class WorldgenError(Exception):
 
     @property
     def code(self) -> str:
-        """The rule that was broken, in lower case with dashes; it stays when the wording changes."""
+        """The rule that was broken, in lower case with dashes.
+
+        It stays when the wording changes.
+        """
         return self.message.code
 
     @property
@@ -218,7 +241,9 @@ class WorldgenError(Exception):
         return _restore, (type(self), self.args, self.__dict__)
 
 
-def _restore(kind: type[WorldgenError], args: tuple[Any, ...], state: dict[str, Any]) -> WorldgenError:
+def _restore(
+    kind: type[WorldgenError], args: tuple[Any, ...], state: dict[str, Any]
+) -> WorldgenError:
     error = kind.__new__(kind, *args)
     error.__dict__.update(state)
     return error

@@ -70,17 +70,20 @@ _TAKEN = (
 
 @dataclass(frozen=True)
 class Family:
-    """A generator of worlds. Call it with a seed and its own parameters: ``maze(seed=7, size=60)`` is a proved world.
+    """A generator of worlds.
 
-    ``inspect.signature`` shows its parameters with their bounds and units, and ``help`` explains them.
+    Call it with a seed and its own parameters: ``maze(seed=7, size=60)`` is a proved world.
+        ``inspect.signature`` shows its parameters with their bounds and units, and ``help``
+        explains them.
 
     Args:
         name: The world's noun, as on the command line.
         version: Goes up whenever some seed yields another world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: Whether its worlds change with time, so that no other family can change them.
-        constants: What beside the parameters makes its worlds what they are, such as the text of a recipe; it goes
-            with them into provenance and, from there, back to ``generate``, which refuses any other.
+        constants: What beside the parameters makes its worlds what they are, such as the text of a
+            recipe; it goes with them into provenance and, from there, back to ``generate``, which
+            refuses any other.
     """
 
     name: str
@@ -96,8 +99,8 @@ class Family:
         """Return a world with a witness that its target can be reached.
 
         Args:
-            seed: A whole number, of which the low 64 bits count, or a NumPy generator. Equal seed and parameters,
-                equal world.
+            seed: A whole number, of which the low 64 bits count, or a NumPy generator. Equal seed
+                and parameters, equal world.
             **params: The family's parameters. ``None`` has the family choose, where it can.
 
         Raises:
@@ -113,7 +116,9 @@ class Family:
             if decision.result == REACHABLE:
                 provenance = Provenance(self.name, self.version, number, complete)
                 return replace(world, certificate=decision.certificate, provenance=provenance)
-        settings = ", ".join(f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters)
+        settings = ", ".join(
+            f"{parameter.name}={complete[parameter.name]}" for parameter in self.parameters
+        )
         raise GenerationFailed(
             "no-layout-found",
             "{family}: none of {layouts} layouts lets the robot through (seed {seed}; {settings})",
@@ -128,16 +133,24 @@ class Family:
         return f"<family {self.name}, version {self.version}>"
 
     def __getattr__(self, name: str) -> Any:
-        # On the class, inspect.signature(Family) would find it too; only a family has the parameters of one.
+        # On the class, inspect.signature(Family) would find it too; only a family has the
+        # parameters of one.
         if name == "__signature__":
             return self._signature()
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+        raise AttributeError(
+            f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self
+        )
 
     def _signature(self) -> inspect.Signature:
-        seed = inspect.Parameter("seed", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=0, annotation=int)
+        seed = inspect.Parameter(
+            "seed", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=0, annotation=int
+        )
         own = [
             inspect.Parameter(
-                known.name, inspect.Parameter.KEYWORD_ONLY, default=known.python_default, annotation=known.annotation
+                known.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=known.python_default,
+                annotation=known.annotation,
             )
             for known in self.parameters
         ]
@@ -150,10 +163,14 @@ class Family:
             parameters = self.parameters
         except InvalidParameter:  # it says so where the family is used
             return text
-        notes = ["seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."]
+        notes = [
+            "seed: Equal seed and parameters, equal world. A whole number or a NumPy generator."
+        ]
         notes += [f"{known.name}: {known.note}".rstrip() for known in parameters]
         indented = [
-            textwrap.fill(note, 100, initial_indent=" " * 4, subsequent_indent=" " * 8, break_on_hyphens=False)
+            textwrap.fill(
+                note, 100, initial_indent=" " * 4, subsequent_indent=" " * 8, break_on_hyphens=False
+            )
             for note in notes
         ]
         arguments = "\n".join(["Args:", *indented, ""])
@@ -176,17 +193,23 @@ class Family:
     def description(self) -> str:
         """The docstring up to its first section."""
         text = inspect.cleandoc(self.build.__doc__ or "")
-        return re.split(r"^(?:Args|Returns|Raises|Source):", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
+        return re.split(r"^(?:Args|Returns|Raises|Source):", text, maxsplit=1, flags=re.MULTILINE)[
+            0
+        ].strip()
 
     def defaults(self) -> dict[str, Value]:
         """Every parameter with its default, in order of declaration."""
         return {parameter.name: parameter.default for parameter in self.parameters}
 
     def options(self, params: Mapping[str, Value]) -> list[str]:
-        """What to type after the family's name for these parameters; those that are defaults are left out."""
+        """What to type after the family's name for these parameters.
+
+        Those that are defaults are left out.
+        """
         words: list[str] = []
         for parameter in self.parameters:
-            value, flag = params.get(parameter.name, parameter.default), parameter.name.replace("_", "-")
+            value = params.get(parameter.name, parameter.default)
+            flag = parameter.name.replace("_", "-")
             if value == parameter.default:
                 continue
             if isinstance(value, bool):
@@ -199,7 +222,8 @@ class Family:
         """The parameters as files hold them, with defaults filled in.
 
         Raises:
-            InvalidParameter: If a name is unknown, or a value has another type than the default or is out of bounds.
+            InvalidParameter: If a name is unknown, or a value has another type than the default or
+                is out of bounds.
         """
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in params:
@@ -208,7 +232,8 @@ class Family:
             else:
                 find_parameter(name, self.parameters, self.name)
         complete = {
-            name: parameter.accept(params.get(name, parameter.default), self.name) for name, parameter in known.items()
+            name: parameter.accept(params.get(name, parameter.default), self.name)
+            for name, parameter in known.items()
         }
         return {**complete, **self.constants}
 
@@ -239,9 +264,10 @@ def _check_signature(name: str, build: Build) -> None:
 
 
 def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build], Family]:
-    """Makes a family of a function ``(rng, *, size=..., ...) -> World``; register it as an entry point.
+    """Makes a family of a function ``(rng, *, size=..., ...) -> World``.
 
-    A parameter called ``margin`` has a meaning of its own: so many seconds later than at once may the robot set out
+    Register it as an entry point. A parameter called ``margin`` has a meaning of its own: so many
+        seconds later than at once may the robot set out
     on the witness that the world gets, and still arrive.
 
     Args:
@@ -250,8 +276,8 @@ def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build
         changes: Whether its worlds change with time.
 
     Raises:
-        InvalidParameter: If a parameter is positional, has no plain default, or is called name or seed, or
-            ``margin`` is no float.
+        InvalidParameter: If a parameter is positional, has no plain default, or is called name or
+            seed, or ``margin`` is no float.
     """
 
     def decorate(build: Build) -> Family:
@@ -274,7 +300,10 @@ def _accept(name: str, thing: Any) -> Family:
 
 
 class FamilyRegistry(Registry[Family]):
-    """Families by entry point, as ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``."""
+    """Families by entry point.
+
+    As ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``.
+    """
 
     _last: tuple[tuple[object, ...], Family | None] = ((), None)
 
@@ -296,7 +325,8 @@ class FamilyRegistry(Registry[Family]):
             InvalidParameter: If there is no such family, or the recipe is another's.
             FormatError: If the recipe has a fault.
         """
-        text, files = params.get("recipe"), params.get("files", {})
+        text = params.get("recipe")
+        files = params.get("files", {})
         if not ((name.startswith(RECIPE) or name.endswith(".toml")) and isinstance(text, str)):
             return self.get(name)
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):

@@ -17,11 +17,13 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
     """A world of a family, with a witness that its target can be reached.
 
     Args:
-        name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family itself.
-        seed: A whole number, of which the low 64 bits count, or a NumPy generator, which gives its next 64 bits.
-            Equal seed and parameters, equal world.
-        **params: The family's parameters; see its documentation. ``None`` has the family choose, where it can.
-            One called ``margin`` is the number of seconds by which the robot may begin the witness later.
+        name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family
+            itself.
+        seed: A whole number, of which the low 64 bits count, or a NumPy generator, which gives its
+            next 64 bits. Equal seed and parameters, equal world.
+        **params: The family's parameters; see its documentation. ``None`` has the family choose,
+            where it can. One called ``margin`` is the number of seconds by which the robot may
+            begin the witness later.
 
     Returns:
         The world, with certificate and provenance.
@@ -33,7 +35,9 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
     return _family(name, params)(seed, **params)
 
 
-def stream(name: str | Family, seed: Seed = 0, count: int | None = None, **params: Value | None) -> Iterator[World]:
+def stream(
+    name: str | Family, seed: Seed = 0, count: int | None = None, **params: Value | None
+) -> Iterator[World]:
     """The worlds of a family with rising seeds, each made when it is asked for.
 
     Args:
@@ -46,8 +50,8 @@ def stream(name: str | Family, seed: Seed = 0, count: int | None = None, **param
         The worlds, each with certificate and provenance.
 
     Raises:
-        InvalidParameter: If the family or a parameter is unknown, at once; if a value is out of range, with the
-            first world.
+        InvalidParameter: If the family or a parameter is unknown, at once; if a value is out of
+            range, with the first world.
         GenerationFailed: With a world that cannot be made.
     """
     made_by = _family(name, params)
@@ -55,7 +59,10 @@ def stream(name: str | Family, seed: Seed = 0, count: int | None = None, **param
     first = seed_of(seed)
     if count is not None and count < 0:
         raise InvalidParameter(
-            "below-minimum", "count={count} is below 0", "give how many worlds, or leave it out for no end", count=count
+            "below-minimum",
+            "count={count} is below 0",
+            "give how many worlds, or leave it out for no end",
+            count=count,
         )
     numbers = rising() if count is None else range(count)
     return (made_by((first + k) & MASK64, **complete) for k in numbers)

@@ -1,7 +1,8 @@
 """``import worldgen.gym`` registers the environment ``worldgen/Navigate-v0`` with Gymnasium.
 
-It names the environments as texts, which Gymnasium imports when one is made. Since its version 1 Gymnasium looks for no
-entry points; but ``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")`` imports this by itself.
+It names the environments as texts, which Gymnasium imports when one is made. Since its version 1
+Gymnasium looks for no entry points; but ``gymnasium.make("worldgen.gym:worldgen/Navigate-v0")``
+imports this by itself.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ except ModuleNotFoundError as error:
     from worldgen.plugins.installation import pip_install
 
     raise ModuleNotFoundError(
-        f"worldgen.gym needs Gymnasium, which is not installed; {pip_install('gym')}", name="gymnasium"
+        f"worldgen.gym needs Gymnasium, which is not installed; {pip_install('gym')}",
+        name="gymnasium",
     ) from None
 
 __all__ = ["ENVIRONMENT", "TIME_LIMIT"]

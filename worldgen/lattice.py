@@ -30,7 +30,9 @@ UNIT = 1024  # lattice units per cell
 TURN = 65536  # heading units per turn
 
 
-@functools.lru_cache(maxsize=4096)  # a search asks for the same few numbers 24 times a run: 0.14 of its 0.21 ms
+@functools.lru_cache(
+    maxsize=4096
+)  # a search asks for the same few numbers 24 times a run: 0.14 of its 0.21 ms
 def exact(value: float) -> Fraction:
     """The number as its shortest decimal says it."""
     return Fraction(repr(float(value)))
@@ -49,7 +51,10 @@ def radius_in_cells(world: World) -> Fraction:
 
 @functools.lru_cache(maxsize=4096)
 def lattice_units(metres: float, cell_size: float) -> int | Fraction:
-    """A length in lattice units, exactly: a whole number where it is one, for fractions are slow."""
+    """A length in lattice units, exactly.
+
+    A whole number where it is one, for fractions are slow.
+    """
     units = in_cells(metres, cell_size) * UNIT
     return units.numerator if units.denominator == 1 else units
 
@@ -69,8 +74,8 @@ def lattice_to_metres(units: int, cell_size: float) -> float:
 def clear_distance_sq(radius: Fraction) -> int:
     """Smallest squared distance, in lattice units, at which a disc of ``radius`` cells is clear.
 
-    A pose is clear when its squared distance to every solid cell, an integer, is at least this. For a
-    lattice pose the test is exact; a point robot still may not enter a wall, hence at least 1.
+    A pose is clear when its squared distance to every solid cell, an integer, is at least this. For
+    a lattice pose the test is exact; a point robot still may not enter a wall, hence at least 1.
     """
     return max(1, math.ceil((radius * UNIT) ** 2))
 

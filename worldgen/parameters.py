@@ -1,7 +1,8 @@
-"""Declared options: keyword-only parameters of a function, or fields of a dataclass; a default gives the type.
+"""Declared options: keyword-only parameters of a function, or fields of a dataclass.
 
-Families and formats declare theirs as functions; the robot, the thesis's simulator and campaigns as dataclasses.
-Command line, JSON and the studio's forms come from the same :class:`Parameter` objects.
+A default gives the type. Families and formats declare theirs as functions; the robot, the thesis's
+simulator and campaigns as dataclasses. Command line, JSON and the studio's forms come from the same
+:class:`Parameter` objects.
 """
 
 from __future__ import annotations
@@ -50,20 +51,34 @@ _LIST_EXAMPLE = "0.25:0.5"
 _OPTION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
 _WRITTEN = re.compile(rf"(?P<name>.+?)(?P<options>(?:{_OPTION})*)", re.DOTALL)
 # After a registered name, which has no slash, a value may hold one: ``tiled+layer=walls/low``.
-_REGISTERED = re.compile(r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL)
-_SWITCH = {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
+_REGISTERED = re.compile(
+    r"(?P<name>[\w-]+)(?P<options>(?:\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+]*)?)*)", re.DOTALL
+)
+_SWITCH = {
+    "on": True,
+    "true": True,
+    "yes": True,
+    "1": True,
+    "off": False,
+    "false": False,
+    "no": False,
+    "0": False,
+}
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a number may be, said where its parameter is declared: ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
+    """What a number may be, said where its parameter is declared.
+
+    ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
 
     Args:
         low: The least; None: any.
         high: The most; None: any.
         unit: Of both, for people.
         above: Whether ``low`` itself is too low.
-        chosen: The number that stands for ``None`` in files: the family chooses. Python callers give ``None``.
+        chosen: The number that stands for ``None`` in files: the family chooses. Python callers
+            give ``None``.
     """
 
     low: float | None = None
@@ -85,7 +100,9 @@ class Bounds:
         if self.low is None:
             said = "" if self.high is None else f"at most {_shown(self.high)}{unit}"
         elif self.above:
-            said = f"above {_shown(self.low)}{unit}" + ("" if self.high is None else f", up to {_shown(self.high)}")
+            said = f"above {_shown(self.low)}{unit}" + (
+                "" if self.high is None else f", up to {_shown(self.high)}"
+            )
         elif self.high is None:
             said = f"at least {_shown(self.low)}{unit}"
         else:
@@ -100,10 +117,18 @@ class Bounds:
         """
         if self.chosen is not None and value == self.chosen:
             return
-        too_low = self.low is not None and not (value > self.low if self.above else value >= self.low)
+        too_low = self.low is not None and not (
+            value > self.low if self.above else value >= self.low
+        )
         if not too_low and (self.high is None or value <= self.high):
             return
-        facts: dict[str, Any] = {"name": name, "value": value, "low": self.low, "high": self.high, "unit": self.unit}
+        facts: dict[str, Any] = {
+            "name": name,
+            "value": value,
+            "low": self.low,
+            "high": self.high,
+            "unit": self.unit,
+        }
         or_chosen = "" if self.chosen is None else ", or leave it out"
         if self.low is not None and self.high is not None and not self.above:
             raise InvalidParameter(
@@ -130,7 +155,10 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Group:
-    """Heading under which a form shows an option: ``slip: Annotated[float, Bounds(0, 1), Group("Forces")]``."""
+    """Heading under which a form shows an option.
+
+    ``slip: Annotated[float, Bounds(0, 1), Group("Forces")]``.
+    """
 
     heading: str
 
@@ -156,8 +184,8 @@ class Parameter:
 
     Args:
         name: Name in Python; on the command line with dashes.
-        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple of floats or
-            words, or None.
+        default: Its type is the parameter's type: bool, int, float or str; of a field also a tuple
+            of floats or words, or None.
         choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
         help: Its entry in the docstring's ``Args``, on one line.
         bounds: What a number may be, from ``Annotated``; None if only the function itself can say.
@@ -224,12 +252,14 @@ class Parameter:
         return f"{self.help}  [{rule}]" if rule else self.help
 
     def accept(self, value: Any, owner: str) -> Any:
-        """Return the value as files hold it: as a float if the default is one, and as a number for ``None``.
+        """Return the value as files hold it.
 
-        NumPy's numbers count as Python's.
+        As a float if the default is one, and as a number for ``None``. NumPy's numbers count as
+        Python's.
 
         Raises:
-            InvalidParameter: If it has another type than the default, is out of bounds, or none of the choices.
+            InvalidParameter: If it has another type than the default, is out of bounds, or none of
+                the choices.
         """
         kind = self.kind
         value = _plain(value)
@@ -261,7 +291,9 @@ class Parameter:
         return value
 
     def parse(self, text: str | None, owner: str) -> Any:
-        """Return the value that a word says: ``+mode=scale``, ``+negate``, ``+negate=on`` or ``+draws=0.25:0.5``.
+        """Return the value that a word says.
+
+        ``+mode=scale``, ``+negate``, ``+negate=on`` or ``+draws=0.25:0.5``.
 
         Args:
             text: The word; None if only the name was given.
@@ -349,10 +381,13 @@ class Parameter:
         )
 
 
-def split_options(text: str, example: str = "NAME+option=value") -> tuple[str, dict[str, str | None]]:
-    """Return the name and the options of ``NAME+option=value+switch``; dashes in an option's name become underscores.
+def split_options(
+    text: str, example: str = "NAME+option=value"
+) -> tuple[str, dict[str, str | None]]:
+    """Return the name and the options of ``NAME+option=value+switch``.
 
-    This is the one grammar for controllers, formats and families. A ``+`` inside a path begins no option.
+    Dashes in an option's name become underscores. This is the one grammar for controllers, formats
+    and families. A ``+`` inside a path begins no option.
 
     Args:
         text: As a user wrote it.
@@ -366,22 +401,32 @@ def split_options(text: str, example: str = "NAME+option=value") -> tuple[str, d
     """
     parts = _REGISTERED.fullmatch(text.strip()) or _WRITTEN.fullmatch(text.strip())
     if parts is None:
-        raise InvalidParameter("empty-name", "an empty text is not a name", "write one like {example}", example=example)
+        raise InvalidParameter(
+            "empty-name", "an empty text is not a name", "write one like {example}", example=example
+        )
     if parts["name"].startswith("+") or re.search(r"\+(?:$|\+|=)", parts["name"]):
         raise InvalidParameter(
-            "wrong-form", "{text!q} lacks a name next to a +", "write one like {example}", text=text, example=example
+            "wrong-form",
+            "{text!q} lacks a name next to a +",
+            "write one like {example}",
+            text=text,
+            example=example,
         )
     options: dict[str, str | None] = {}
     for word in parts["options"].split("+")[1:]:
         option, equals, value = word.partition("=")
         option = option.replace("-", "_")
         if option in options:
-            raise InvalidParameter("twice", "{text!q} has {option} twice", "keep one", text=text, option=option)
+            raise InvalidParameter(
+                "twice", "{text!q} has {option} twice", "keep one", text=text, option=option
+            )
         options[option] = value.strip() if equals else None
     return parts["name"], options
 
 
-def find_parameter(name: str, known: Iterable[Parameter], owner: str, also: Collection[str] = ()) -> Parameter:
+def find_parameter(
+    name: str, known: Iterable[Parameter], owner: str, also: Collection[str] = ()
+) -> Parameter:
     """Return the option of that name.
 
     Args:
@@ -401,7 +446,8 @@ def find_parameter(name: str, known: Iterable[Parameter], owner: str, also: Coll
     raise InvalidParameter(
         "unknown-name",
         "{owner} has no option {name!r}",
-        ("did you mean {close!r}? " if close else "") + ("it has {known!l}" if names else "it has none; leave it out"),
+        ("did you mean {close!r}? " if close else "")
+        + ("it has {known!l}" if names else "it has none; leave it out"),
         owner=owner,
         name=name,
         close="".join(close),
@@ -409,7 +455,9 @@ def find_parameter(name: str, known: Iterable[Parameter], owner: str, also: Coll
     )
 
 
-def parse_options(words: Mapping[str, str | None], known: Iterable[Parameter], owner: str) -> dict[str, Any]:
+def parse_options(
+    words: Mapping[str, str | None], known: Iterable[Parameter], owner: str
+) -> dict[str, Any]:
     """Return the values of options as :func:`split_options` reads them.
 
     Raises:
@@ -433,8 +481,9 @@ def _plain(value: Any) -> Any:
 def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
     """Return the fields of a dataclass of options as declared, in order of declaration.
 
-    A field whose default is neither None nor a bool, number, word or tuple of numbers or words is no option and is
-    left out. Help comes from the docstrings of the class and of those that it inherits from.
+    A field whose default is neither None nor a bool, number, word or tuple of numbers or words is
+    no option and is left out. Help comes from the docstrings of the class and of those that it
+    inherits from.
     """
     hints = typing.get_type_hints(options, include_extras=True)
     notes: dict[str, str] = {}
@@ -537,7 +586,9 @@ def argument_notes(docstring: str) -> dict[str, str]:
     if section is None:
         return {}
     entries = re.split(r"^ {4}(\w+): ", section.group(1), flags=re.MULTILINE)[1:]
-    return {name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)}
+    return {
+        name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)
+    }
 
 
 def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:

@@ -1,7 +1,8 @@
 """The one source of chance: a counter-based SplitMix64 stream, the same on every machine.
 
 NumPy promises stable raw bit streams but not stable ``Generator`` methods, so worlds draw from this
-small generator instead. Every method below fixes how bits become numbers; changing one changes worlds.
+small generator instead. Every method below fixes how bits become numbers; changing one changes
+worlds.
 
 Source: Guy L. Steele Jr., Doug Lea, Christine H. Flood, "Fast Splittable Pseudorandom Number
 Generators", OOPSLA 2014, with the constants of Vigna's public SplitMix64.
@@ -39,8 +40,9 @@ def seed_of(seed: Seed) -> int:
     """Return a seed as a number of 64 bits.
 
     Args:
-        seed: A whole number, Python's or NumPy's, of which the low 64 bits count; or a NumPy generator, which moves
-            on: its bit generator's next two draws of 32 bits are the low and the high half. NumPy promises those
+        seed: A whole number, Python's or NumPy's, of which the low 64 bits count; or a NumPy
+            generator, which moves on: its bit generator's next two draws of 32 bits are the low and
+                the high half. NumPy promises those
             bits, so a generator's state gives the same seed on every machine.
 
     Raises:

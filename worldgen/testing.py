@@ -1,9 +1,11 @@
 """What every family promises, as checks that you can run over your own.
 
-In a test: ``check_family(my_family)``, or one check at a time, ``pytest.mark.parametrize("check", CHECKS, ids=str)``.
+In a test: ``check_family(my_family)``, or one check at a time,
+    ``pytest.mark.parametrize("check", CHECKS, ids=str)``.
 On the command line: ``worldgen check-family NAME``.
 
-A check is called with the family and a case, that is, with some of its parameters; it raises ``BrokenContract``.
+A check is called with the family and a case, that is, with some of its parameters; it raises
+``BrokenContract``.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ __all__ = [
     "FAMILY_CHECKS",
     "BrokenContract",
     "Check",
-    "Outcome",
+    "CheckOutcome",
     "check_family",
     "family_cases",
     "layout_digest",
@@ -78,7 +80,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CheckOutcome:
     """What one check said of one case.
 
     Args:
@@ -93,7 +95,10 @@ class Outcome:
 
 
 def family_cases(family: Family) -> list[dict[str, Value]]:
-    """The cases worth checking: each word of the first parameter that has words; else the defaults alone."""
+    """The cases worth checking: each word of the first parameter that has words.
+
+    Else the defaults alone.
+    """
     for parameter in family.parameters:
         if parameter.choices:
             return [{parameter.name: word} for word in parameter.choices]
@@ -101,13 +106,16 @@ def family_cases(family: Family) -> list[dict[str, Value]]:
 
 
 def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed: int = 7) -> str:
-    """Sixteen hex digits of a seed's world without its witness: pin it, and raise the version when it changes."""
+    """Sixteen hex digits of a seed's world without its witness.
+
+    Pin it, and raise the version when it changes.
+    """
     return world_digest(replace(generate(family, seed, **(case or {})), certificate=None))[:16]
 
 
 def run_checks(
     family: Family, cases: list[dict[str, Value]] | None = None, *, without: Collection[str] = ()
-) -> Iterator[Outcome]:
+) -> Iterator[CheckOutcome]:
     """Every check over every case, those of the family as a whole once.
 
     Args:
@@ -123,20 +131,23 @@ def run_checks(
                     yield _outcome(check, family, case)
 
 
-def _outcome(check: Check, family: Family, case: Mapping[str, Value]) -> Outcome:
+def _outcome(check: Check, family: Family, case: Mapping[str, Value]) -> CheckOutcome:
     try:
         check(family, case)
     except BrokenContract as fault:
-        return Outcome(check.name, case, str(fault))
+        return CheckOutcome(check.name, case, str(fault))
     except WorldgenError as error:
-        return Outcome(check.name, case, f"no world: {error}")
+        return CheckOutcome(check.name, case, f"no world: {error}")
     except Exception as error:  # noqa: BLE001 - a family is foreign code
-        return Outcome(check.name, case, f"raises {type(error).__name__}: {error}")
-    return Outcome(check.name, case)
+        return CheckOutcome(check.name, case, f"raises {type(error).__name__}: {error}")
+    return CheckOutcome(check.name, case)
 
 
 def check_family(
-    family: Family, cases: list[dict[str, Value]] | None = None, *, golden: Mapping[str, str] | None = None
+    family: Family,
+    cases: list[dict[str, Value]] | None = None,
+    *,
+    golden: Mapping[str, str] | None = None,
 ) -> None:
     """Runs every check, and compares pinned digests.
 
@@ -151,14 +162,18 @@ def check_family(
     faults = [shown(found) for found in run_checks(family, cases) if found.fault]
     for case in (family_cases(family) if cases is None else cases) if golden is not None else []:
         key = str(next(iter(case.values()), ""))
-        digest, pinned = layout_digest(family, case), (golden or {}).get(key)
+        digest = layout_digest(family, case)
+        pinned = (golden or {}).get(key)
         if digest != pinned:
-            faults.append(f"seed 7{_told(case)} gives {digest}, pinned is {pinned}; raise the version, or pin it anew")
+            faults.append(
+                f"seed 7{_told(case)} gives {digest}, pinned is {pinned}; raise the version, or "
+                f"pin it anew"
+            )
     if faults:
         raise BrokenContract("\n".join((f"{family.name} breaks its contract:", *faults)))
 
 
-def shown(found: Outcome) -> str:
+def shown(found: CheckOutcome) -> str:
     """One line that says what breaks a promise."""
     return f"{found.check}{_told(found.case)}: {found.fault}"
 
@@ -184,7 +199,10 @@ def _equal_seed(family: Family, case: Mapping[str, Value]) -> None:
 
 def _different_seeds(family: Family, case: Mapping[str, Value]) -> None:
     worlds = {world_digest(generate(family, seed, **case)) for seed in range(_WIDE)}
-    _demand(len(worlds) == _WIDE, f"seeds 0 to {_WIDE - 1} give {len(worlds)} worlds; let rng decide more")
+    _demand(
+        len(worlds) == _WIDE,
+        f"seeds 0 to {_WIDE - 1} give {len(worlds)} worlds; let rng decide more",
+    )
 
 
 def _certificate(family: Family, case: Mapping[str, Value]) -> None:
@@ -201,7 +219,8 @@ def _provenance(family: Family, case: Mapping[str, Value]) -> None:
     _demand(made is not None, "its worlds have no provenance")
     if made is not None:
         _demand(
-            (made.family, made.version, made.seed) == (family.name, family.version, 8), "the provenance is another's"
+            (made.family, made.version, made.seed) == (family.name, family.version, 8),
+            "the provenance is another's",
         )
         again = generate(family, made.seed, **made.params)
         _demand(dumps(again) == dumps(world), "a world is not made again from its provenance")
@@ -223,11 +242,17 @@ def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
             generate("trap", 99 - seed)
             before = _other_chance()
             mixed.append(dumps(generate(family, seed, **case)))
-            _demand(_other_chance() == before, "it draws from Python's or NumPy's random; draw from rng alone")
+            _demand(
+                _other_chance() == before,
+                "it draws from Python's or NumPy's random; draw from rng alone",
+            )
     finally:
         random.setstate(kept[0])
         np.random.set_state(kept[1])
-    _demand(alone == mixed, "a world depends on what was made before it; keep nothing outside the function")
+    _demand(
+        alone == mixed,
+        "a world depends on what was made before it; keep nothing outside the function",
+    )
 
 
 def _other_chance() -> tuple[object, ...]:
@@ -239,13 +264,22 @@ def _other_chance() -> tuple[object, ...]:
 def _timeline(family: Family, case: Mapping[str, Value]) -> None:
     for seed in range(_SEEDS):
         world = generate(family, seed, **case)
-        _demand(family.changes or not world.is_dynamic, "its worlds change with time; say @family(..., changes=True)")
+        _demand(
+            family.changes or not world.is_dynamic,
+            "its worlds change with time; say @family(..., changes=True)",
+        )
         now = world.walls.astype(int)
         for event in world.timeline:
             said = int(event.state) != now[event.iy, event.ix]
-            _demand(bool(said), f"seed {seed}: at {event.time} s cell ({event.ix}, {event.iy}) becomes what it is")
+            _demand(
+                bool(said),
+                f"seed {seed}: at {event.time} s cell ({event.ix}, {event.iy}) becomes what it is",
+            )
             now[event.iy, event.ix] = int(event.state)
-        _demand(not (now == CellState.BURNING).any(), f"seed {seed}: a cell burns for ever; say when it is burnt out")
+        _demand(
+            not (now == CellState.BURNING).any(),
+            f"seed {seed}: a cell burns for ever; say when it is burnt out",
+        )
 
 
 def _margin(family: Family, case: Mapping[str, Value]) -> None:
@@ -253,7 +287,10 @@ def _margin(family: Family, case: Mapping[str, Value]) -> None:
         return
     world = generate(family, 1, **{**case, MARGIN: 0.5})
     if isinstance(world.certificate, Witness):
-        _demand(witness_margin(world, world.certificate) >= 0.5, "a witness has less than the margin asked for")
+        _demand(
+            witness_margin(world, world.certificate) >= 0.5,
+            "a witness has less than the margin asked for",
+        )
 
 
 CHECKS = (
@@ -279,7 +316,10 @@ def _low_bits(family: Family, case: Mapping[str, Value]) -> None:
 def _explained(family: Family, case: Mapping[str, Value]) -> None:
     silent = [parameter.name for parameter in family.parameters if not parameter.help]
     _demand(bool(family.description), "it has no docstring; say in a sentence what its worlds are")
-    _demand(not silent, f"{', '.join(silent)}: not explained; say what they are under Args in the docstring")
+    _demand(
+        not silent,
+        f"{', '.join(silent)}: not explained; say what they are under Args in the docstring",
+    )
 
 
 def _unknown(family: Family, case: Mapping[str, Value]) -> None:
@@ -290,7 +330,9 @@ def _unknown(family: Family, case: Mapping[str, Value]) -> None:
 def _other_type(family: Family, case: Mapping[str, Value]) -> None:
     for parameter in family.parameters:
         for value in _WRONG:
-            fits = {type(parameter.default)} | ({int} if type(parameter.default) is float else set())
+            fits = {type(parameter.default)} | (
+                {int} if type(parameter.default) is float else set()
+            )
             if type(value) not in fits:
                 with _refused(f"{parameter.name}={value!r}"):
                     generate(family, 0, **{**case, parameter.name: value})
@@ -318,14 +360,19 @@ def _absurd(family: Family, case: Mapping[str, Value]) -> None:
             try:
                 with _patience(what):
                     world: World = generate(family, 0, **{**case, parameter.name: value})
-                _demand(check_certificate(world).valid, f"{what} gives a world whose witness does not hold")
+                _demand(
+                    check_certificate(world).valid,
+                    f"{what} gives a world whose witness does not hold",
+                )
             except WorldgenError as error:
                 _demand("\n" not in str(error), f"{what} is refused in more than one line")
             except BrokenContract:
                 raise
             except Exception as error:
                 told = f"{type(error).__name__}: {str(error)[:80]}"
-                raise BrokenContract(f"{what} raises {told}; refuse it with check_between() or the like") from error
+                raise BrokenContract(
+                    f"{what} raises {told}; refuse it with check_between() or the like"
+                ) from error
 
 
 def _absurd_values(parameter: Parameter) -> tuple[Value, ...]:
@@ -353,7 +400,9 @@ def _patience(what: str) -> Iterator[None]:
     try:
         yield
     except _TooLong:
-        raise BrokenContract(f"{what} takes more than {PATIENCE} s; refuse what is too large") from None
+        raise BrokenContract(
+            f"{what} takes more than {PATIENCE} s; refuse what is too large"
+        ) from None
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)

@@ -56,14 +56,25 @@ class Timeline(HoldsFrozen):
     states: npt.NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def __post_init__(self) -> None:
-        for name, dtype in (("times", np.float64), ("ix", np.int64), ("iy", np.int64), ("states", np.uint8)):
+        for name, dtype in (
+            ("times", np.float64),
+            ("ix", np.int64),
+            ("iy", np.int64),
+            ("states", np.uint8),
+        ):
             object.__setattr__(self, name, frozen(getattr(self, name), dtype))
-        if not (self.times.ndim == 1 and self.times.shape == self.ix.shape == self.iy.shape == self.states.shape):
+        if not (
+            self.times.ndim == 1
+            and self.times.shape == self.ix.shape == self.iy.shape == self.states.shape
+        ):
             raise InvalidWorld(
-                "wrong-shape", "timeline: times, ix, iy and states must be one-dimensional and of one length"
+                "wrong-shape",
+                "timeline: times, ix, iy and states must be one-dimensional and of one length",
             )
         if not np.isfinite(self.times).all() or (self.times < 0).any():
-            raise InvalidWorld("not-finite", "timeline: every time must be a finite number of seconds, 0 or later")
+            raise InvalidWorld(
+                "not-finite", "timeline: every time must be a finite number of seconds, 0 or later"
+            )
         if (self.times > LATEST).any():
             raise InvalidWorld(
                 "out-of-range",
@@ -90,7 +101,11 @@ class Timeline(HoldsFrozen):
     def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:
         """Builds a timeline from events in any order; events of one time keep their order."""
         ordered = sorted(events, key=lambda event: event[0])
-        return cls(*(np.array([event[k] for event in ordered]) for k in range(4))) if ordered else cls()
+        return (
+            cls(*(np.array([event[k] for event in ordered]) for k in range(4)))
+            if ordered
+            else cls()
+        )
 
     @property
     def last_time(self) -> float:
@@ -111,8 +126,13 @@ class Timeline(HoldsFrozen):
         rows = (self.iy >= 0) & (self.iy < height)
         return bool((columns & rows).all())
 
-    def cells_that_become(self, *states: CellState, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
-        """Mark the cells of a grid that some event puts into one of ``states``; without states, all that change."""
+    def cells_that_become(
+        self, *states: CellState, shape: tuple[int, ...]
+    ) -> npt.NDArray[np.bool_]:
+        """Mark the cells of a grid that some event puts into one of ``states``.
+
+        Without states, all that change.
+        """
         chosen = np.isin(self.states, states) if states else np.ones(len(self), np.bool_)
         marked = np.zeros(shape, np.bool_)
         marked[self.iy[chosen], self.ix[chosen]] = True
@@ -129,7 +149,8 @@ class Timeline(HoldsFrozen):
         if not isinstance(other, Timeline):
             return NotImplemented
         return all(
-            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("times", "ix", "iy", "states")
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in ("times", "ix", "iy", "states")
         )
 
     __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is an array

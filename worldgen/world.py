@@ -71,8 +71,9 @@ class Provenance:
         version: Version of the family.
         seed: Seed of all chance.
         params: The family's parameters.
-        metrics: How hard the world is, as :func:`worldgen.difficulty.measure` says; empty if it was not measured.
-            What changes a world's cells, start, target or witness drops its provenance, and these with it.
+        metrics: How hard the world is, as :func:`worldgen.difficulty.measure` says; empty if it was
+            not measured. What changes a world's cells, start, target or witness drops its
+            provenance, and these with it.
     """
 
     family: str
@@ -109,16 +110,24 @@ class FailureRecord:
     @property
     def outcome(self) -> str:
         """The verdict; with the oracle that objects to the run, where it is not the verdict that is the failure."""
-        return self.verdict + (f", oracle {self.evidence['oracle']} objects" if "oracle" in self.evidence else "")
+        return self.verdict + (
+            f", oracle {self.evidence['oracle']} objects" if "oracle" in self.evidence else ""
+        )
 
 
 def _frozen_array(
     values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]
 ) -> npt.NDArray[np.generic]:
     array = frozen(values, dtype)
-    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
+    if array.ndim != len(shape) or any(
+        n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
+    ):
         raise InvalidWorld(
-            "wrong-shape", "{what}: shape {shape} does not fit {expected}", what=what, shape=array.shape, expected=shape
+            "wrong-shape",
+            "{what}: shape {shape} does not fit {expected}",
+            what=what,
+            shape=array.shape,
+            expected=shape,
         )
     return array
 
@@ -140,12 +149,16 @@ class Witness(HoldsFrozen):
     clearance: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "times", _frozen_array(self.times, np.float64, "witness times", (None,)))
+        object.__setattr__(
+            self, "times", _frozen_array(self.times, np.float64, "witness times", (None,))
+        )
         for name in ("x", "y"):
             object.__setattr__(
                 self,
                 name,
-                _frozen_array(getattr(self, name), np.float64, f"witness {name}", (len(self.times),)),
+                _frozen_array(
+                    getattr(self, name), np.float64, f"witness {name}", (len(self.times),)
+                ),
             )
 
     @property
@@ -162,7 +175,8 @@ class Witness(HoldsFrozen):
         if not isinstance(other, Witness):
             return NotImplemented
         return self.clearance == other.clearance and all(
-            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("times", "x", "y")
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in ("times", "x", "y")
         )
 
     __hash__ = None  # type: ignore[assignment]
@@ -173,16 +187,20 @@ class Cut(HoldsFrozen):
     """A closed chain of solid cells, each gap narrower than the robot, that parts start from target.
 
     Args:
-        cells: (n, 2) int64, rows (ix, iy) in chain order; the last is linked to the first. Cells just
-            outside the grid (index -1 or the grid's side) count as solid, like everything outside.
-        clearance: Half the widest gap of the chain, m: the cut stops every disc with a larger radius.
+        cells: (n, 2) int64, rows (ix, iy) in chain order; the last is linked to the first. Cells
+            just outside the grid (index -1 or the grid's side) count as solid, like everything
+            outside.
+        clearance: Half the widest gap of the chain, m: the cut stops every disc with a larger
+            radius.
     """
 
     cells: npt.NDArray[np.int64]
     clearance: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cells", _frozen_array(self.cells, np.int64, "cut cells", (None, 2)))
+        object.__setattr__(
+            self, "cells", _frozen_array(self.cells, np.int64, "cut cells", (None, 2))
+        )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
@@ -212,7 +230,8 @@ class World(HoldsFrozen):
         failure: What went wrong in it, if the world is a failure's.
 
     Raises:
-        InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside the grid.
+        InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
+            the grid.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -227,7 +246,9 @@ class World(HoldsFrozen):
     failure: FailureRecord | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None)))
+        object.__setattr__(
+            self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None))
+        )
         if 0 in self.walls.shape or max(self.walls.shape) > MAX_SIDE:
             raise InvalidWorld(
                 "wrong-size",
@@ -246,7 +267,9 @@ class World(HoldsFrozen):
                 raise InvalidWorld.of(fault)
         if not math.isfinite(self.start.heading):
             raise InvalidWorld(
-                "not-finite", "start heading {heading}: must be a finite number of radians", heading=self.start.heading
+                "not-finite",
+                "start heading {heading}: must be a finite number of radians",
+                heading=self.start.heading,
             )
         for name, point in (("start", self.start), ("target", self.target)):
             self._check_inside(name, point.x, point.y)
@@ -259,7 +282,8 @@ class World(HoldsFrozen):
             )
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
-        width, height = self.width * self.cell_size, self.height * self.cell_size
+        width = self.width * self.cell_size
+        height = self.height * self.cell_size
         if not (0.0 <= x <= width and 0.0 <= y <= height):  # also true for nan
             raise InvalidWorld(
                 "outside-grid",
@@ -295,18 +319,25 @@ class World(HoldsFrozen):
     @property
     def still_walls(self) -> npt.NDArray[np.bool_]:
         """Cells that are solid and never change, (height, width) bool."""
-        still: npt.NDArray[np.bool_] = self.walls & ~self.timeline.cells_that_become(shape=self.walls.shape)
+        still: npt.NDArray[np.bool_] = self.walls & ~self.timeline.cells_that_become(
+            shape=self.walls.shape
+        )
         return still
 
     def cells_at(self, time: float) -> npt.NDArray[np.uint8]:
-        """Return the state of every cell at a time, s: (height, width) uint8, values of :class:`CellState`."""
+        """Return the state of every cell at a time, s.
+
+        (height, width) uint8, values of :class:`CellState`.
+        """
         return self.cells_after(self.timeline.count_until(time))
 
     def cells_after(self, count: int) -> npt.NDArray[np.uint8]:
         """Return the state of every cell after the first ``count`` events of the timeline."""
         line = self.timeline
         cells = np.where(self.walls, np.uint8(CellState.SOLID), np.uint8(CellState.FREE))
-        cells[line.iy[:count], line.ix[:count]] = line.states[:count]  # of one cell's events the last stays
+        cells[line.iy[:count], line.ix[:count]] = line.states[
+            :count
+        ]  # of one cell's events the last stays
         return cells
 
     @property
@@ -330,7 +361,8 @@ class World(HoldsFrozen):
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
             f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} m{changes}, "
-            f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, {self.target.y:g}), "
+            f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, "
+            f"{self.target.y:g}), "
             f"{proved}{failed}>"
         )
 

@@ -1,6 +1,7 @@
-"""The Hypothesis plug-in: ``st.from_type(World)``, and ``@given`` from annotations, draw reachable worlds.
+"""The Hypothesis plug-in.
 
-Hypothesis calls :func:`register` whenever it is imported. A type must exist to be registered, and ``worldgen.world``
+``st.from_type(World)``, and ``@given`` from annotations, draw reachable worlds. Hypothesis calls
+:func:`register` whenever it is imported. A type must exist to be registered, and ``worldgen.world``
 imports NumPy, so the registration waits until a program imports that module itself.
 """
 
@@ -41,7 +42,10 @@ def _worlds(_: object) -> Any:
 
 
 class _Awaited(MetaPathFinder):
-    """Lets others find the module, and registers when it has been executed; who only looks for it changes nothing."""
+    """Lets others find the module, and registers when it has been executed.
+
+    Who only looks for it changes nothing.
+    """
 
     def __init__(self) -> None:
         self._asks_others = False
@@ -66,7 +70,8 @@ class _Reporting(Loader):
     """Another loader, which it puts back into the module before that is executed."""
 
     def __init__(self, loader: Loader, finder: _Awaited) -> None:
-        self._loader, self._finder = loader, finder
+        self._loader = loader
+        self._finder = finder
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """As the other loader does."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from fuzz.replay.regression import Seen
+    from fuzz.replay.regression import RegressionRun
     from sim.episode import Episode
     from worldgen.world import World
 
@@ -24,8 +24,10 @@ __all__ = ["FailureFile", "FailureTest", "worldgen_episode", "worldgen_world"]
 EXPECTATIONS = ("fixed", "confirmed")
 _ENDINGS = (".grid", ".grid.gz")
 _MARK = (
-    "worldgen(*, family, controller=None, count=10, seed=0, **parameters): one test for each world of a family (or of "
-    "several), with rising seeds; the test takes the fixture worldgen_world, or worldgen_episode, the controller's run"
+    "worldgen(*, family, controller=None, count=10, seed=0, **parameters): one test for each world "
+    "of a family (or of "
+    "several), with rising seeds; the test takes the fixture worldgen_world, or worldgen_episode, "
+    "the controller's run"
 )
 
 
@@ -49,7 +51,7 @@ class _Case:
 
 
 _SETTINGS = pytest.StashKey[_Settings]()
-_SEEN: pytest.StashKey[Seen] = pytest.StashKey()
+_SEEN: pytest.StashKey[RegressionRun] = pytest.StashKey()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -64,23 +66,31 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--worldgen-expect",
         choices=EXPECTATIONS,
-        help="What a stored failure must be: fixed (the robot now arrives; the default), or confirmed (it replays, "
+        help="What a stored failure must be: fixed (the robot now arrives; the default), or "
+        "confirmed (it replays, "
         "with the same verdict, evidence and digest).",
     )
     group.addoption(
         "--worldgen-controller",
         metavar="NAME",
-        help="Run this controller in stored failures instead of theirs, and in marked tests that name none.",
+        help="Run this controller in stored failures instead of theirs, and in marked tests that "
+        "name none.",
     )
     group.addoption(
         "--worldgen-artifacts",
         metavar="DIR",
         help="Folder for the worlds of failing tests [default: d/worldgen in pytest's cache].",
     )
-    parser.addini("worldgen_corpus", "Folders as of --worldgen-corpus, for runs that name no path.", type="paths")
+    parser.addini(
+        "worldgen_corpus",
+        "Folders as of --worldgen-corpus, for runs that name no path.",
+        type="paths",
+    )
     parser.addini("worldgen_expect", "As --worldgen-expect: fixed or confirmed.", default="")
     parser.addini("worldgen_controller", "As --worldgen-controller.", default="")
-    parser.addini("worldgen_artifacts", "As --worldgen-artifacts, seen from the root directory.", default="")
+    parser.addini(
+        "worldgen_artifacts", "As --worldgen-artifacts, seen from the root directory.", default=""
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -90,12 +100,16 @@ def pytest_configure(config: pytest.Config) -> None:
     given = [config.invocation_params.dir / folder for folder in options.worldgen_corpus or ()]
     expect = options.worldgen_expect or config.getini("worldgen_expect") or EXPECTATIONS[0]
     if expect not in EXPECTATIONS:
-        raise pytest.UsageError(f"worldgen_expect = {expect!r} is neither fixed nor confirmed; write one of them")
+        raise pytest.UsageError(
+            f"worldgen_expect = {expect!r} is neither fixed nor confirmed; write one of them"
+        )
     usual: Iterable[Path] = config.getini("worldgen_corpus")
     corpora = tuple(Path(folder).resolve() for folder in (given or usual))
     for folder in corpora:
         if not folder.is_dir():
-            raise pytest.UsageError(f"the corpus {folder} is no folder; make it, or name another --worldgen-corpus")
+            raise pytest.UsageError(
+                f"the corpus {folder} is no folder; make it, or name another --worldgen-corpus"
+            )
     controller = options.worldgen_controller or config.getini("worldgen_controller") or None
     config.stash[_SETTINGS] = _Settings(corpora, expect, controller)
     if given or config.args_source is not pytest.Config.ArgsSource.ARGS:
@@ -119,7 +133,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> FailureFil
     if not file_path.name.endswith(_ENDINGS):
         return None
     corpora = parent.config.stash[_SETTINGS].corpora
-    if parent.session.isinitpath(file_path) or any(file_path.is_relative_to(folder) for folder in corpora):
+    if parent.session.isinitpath(file_path) or any(
+        file_path.is_relative_to(folder) for folder in corpora
+    ):
         return FailureFile.from_parent(parent, path=file_path)
     return None
 
@@ -133,7 +149,10 @@ class FailureFile(pytest.File):
 
 
 class NotAsExpected(Exception):
-    """A stored failure is not what it is expected to be; the message says why, in words that steer no terminal."""
+    """A stored failure is not what it is expected to be.
+
+    The message says why, in words that steer no terminal.
+    """
 
     def __init__(self, reason: object) -> None:
         from worldgen.support.plain_text import shown
@@ -195,7 +214,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if mark is None or not wants:
         if mark in metafunc.definition.own_markers:
             raise pytest.Collector.CollectError(
-                f"{test} is marked worldgen but takes no world; add the argument worldgen_world or worldgen_episode"
+                f"{test} is marked worldgen but takes no world; add the argument worldgen_world or "
+                f"worldgen_episode"
             )
         return
     try:
@@ -203,25 +223,40 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     except (TypeError, ValueError) as error:
         raise pytest.Collector.CollectError(f"{test}: {error}") from error
     metafunc.parametrize(
-        "worldgen_world", cases, indirect=True, ids=[f"{Path(case.family).name}-{case.seed}" for case in cases]
+        "worldgen_world",
+        cases,
+        indirect=True,
+        ids=[f"{Path(case.family).name}-{case.seed}" for case in cases],
     )
 
 
 def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
     if mark.args:
-        raise TypeError(f"the mark worldgen takes names only, not {mark.args[0]!r}; write family={mark.args[0]!r}")
+        raise TypeError(
+            f"the mark worldgen takes names only, not {mark.args[0]!r}; write "
+            f"family={mark.args[0]!r}"
+        )
     given = dict(mark.kwargs)
-    family, count, seed = given.pop("family", None), given.pop("count", 10), given.pop("seed", 0)
+    family = given.pop("family", None)
+    count = given.pop("count", 10)
+    seed = given.pop("seed", 0)
     controller = given.pop("controller", None) or usual
     if not (controller is None or isinstance(controller, str)):
-        raise TypeError(f"controller={controller!r} is no name; write one, package.module:name or ./file.py:name")
+        raise TypeError(
+            f"controller={controller!r} is no name; write one, package.module:name or "
+            f"./file.py:name"
+        )
     families: Sequence[object] = [family] if isinstance(family, str) else family or ()
     if not families or not all(isinstance(name, str) for name in families):
-        raise TypeError(f'family={family!r} names no family; write family="trap", or a list of names')
+        raise TypeError(
+            f'family={family!r} names no family; write family="trap", or a list of names'
+        )
     for name, value, least in (("count", count, 1), ("seed", seed, 0)):
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
             raise ValueError(f"{name}={value!r} is no whole number from {least}; give one")
-    return [_Case(str(name), seed + k, controller, given) for name in families for k in range(count)]
+    return [
+        _Case(str(name), seed + k, controller, given) for name in families for k in range(count)
+    ]
 
 
 @pytest.fixture
@@ -237,9 +272,9 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
         world = generate(case.family, case.seed, **case.parameters)
     except WorldgenError as error:
         pytest.fail(str(error), pytrace=False)
-    from fuzz.replay.regression import Seen
+    from fuzz.replay.regression import RegressionRun
 
-    request.node.stash[_SEEN] = Seen(world)
+    request.node.stash[_SEEN] = RegressionRun(world)
     return world
 
 
@@ -252,7 +287,8 @@ def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> E
     case: _Case = request.node.callspec.params["worldgen_world"]
     if case.controller is None:
         pytest.fail(
-            'the test takes worldgen_episode, but no controller is named; add controller="./mine.py:Robot" to the '
+            "the test takes worldgen_episode, but no controller is named; add "
+            'controller="./mine.py:Robot" to the '
             "mark, or --worldgen-controller",
             pytrace=False,
         )
@@ -271,7 +307,10 @@ def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> E
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Behind a failing test's report: the picture, where its world is kept, the line that shows it again."""
+    """Behind a failing test's report.
+
+    The picture, where its world is kept, the line that shows it again.
+    """
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":
@@ -282,7 +321,9 @@ def pytest_runtest_makereport(
         report.sections.append(("worldgen", told.text))
         properties = [(f"worldgen.{name}", value) for name, value in told.properties.items()]
         report.user_properties += properties
-        item.user_properties += properties  # JUnit reads those of the teardown's report, which copies these
+        item.user_properties += (
+            properties  # JUnit reads those of the teardown's report, which copies these
+        )
     return report
 
 

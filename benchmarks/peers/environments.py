@@ -1,7 +1,8 @@
-"""Steps a second of a peer's environments: ``PYTHON benchmarks/peers/environments.py LIBRARY`` prints a JSON object.
+"""Steps a second of a peer's environments.
 
-It runs in an environment of the peer's own, so it uses the standard library, NumPy and the peer only. Rates are per
-second of the process's CPU time, of all its threads, with actions that were drawn beforehand.
+``PYTHON benchmarks/peers/environments.py LIBRARY`` prints a JSON object. It runs in an environment
+of the peer's own, so it uses the standard library, NumPy and the peer only. Rates are per second of
+the process's CPU time, of all its threads, with actions that were drawn beforehand.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ def _rate(step: Step, robots: int) -> float:
     """Steps a second of CPU time, after some calls that compile and fill caches."""
     for k in range(20):
         step(k)
-    begin, count = time.process_time(), 0
+    begin = time.process_time()
+    count = 0
     while time.process_time() < begin + SECONDS:
         for _ in range(20):
             step(count)
@@ -36,7 +38,10 @@ def _actions(space: Any, robots: int) -> list[Any]:
     rng = np.random.default_rng(0)
     if hasattr(space, "n"):
         return [rng.integers(0, space.n, robots).astype(np.int32) for _ in range(8)]
-    return [rng.uniform(space.low, space.high, (robots, *space.shape)).astype(space.dtype) for _ in range(8)]
+    return [
+        rng.uniform(space.low, space.high, (robots, *space.shape)).astype(space.dtype)
+        for _ in range(8)
+    ]
 
 
 def _envpool() -> Iterator[tuple[str, float]]:
@@ -48,7 +53,9 @@ def _envpool() -> Iterator[tuple[str, float]]:
             envs = library.make(name, env_type="gymnasium", num_envs=robots, num_threads=1)
             actions = _actions(envs.action_space, robots)
             envs.reset()
-            best = max(best, _rate(lambda k, envs=envs, actions=actions: envs.step(actions[k % 8]), robots))
+            best = max(
+                best, _rate(lambda k, envs=envs, actions=actions: envs.step(actions[k % 8]), robots)
+            )
         yield name, best
 
 
@@ -68,8 +75,10 @@ def _minigrid() -> Iterator[tuple[str, float]]:
 
 
 def _navix() -> Iterator[tuple[str, float]]:
-    jax, navix = importlib.import_module("jax"), importlib.import_module("navix")
-    robots, rounds = 1024, 16
+    jax = importlib.import_module("jax")
+    navix = importlib.import_module("navix")
+    robots = 1024
+    rounds = 16
     for name in ("Navix-FourRooms-v0", "Navix-Empty-16x16-v0"):
         env = navix.make(name)
         keys = jax.random.split(jax.random.PRNGKey(0), robots)
@@ -78,7 +87,8 @@ def _navix() -> Iterator[tuple[str, float]]:
         def many(state: Any, actions: Any, steps: Any = steps) -> Any:
             return jax.lax.scan(lambda now, action: (steps(now, action), None), state, actions)[0]
 
-        run, state = jax.jit(many), jax.jit(jax.vmap(env.reset))(keys)
+        run = jax.jit(many)
+        state = jax.jit(jax.vmap(env.reset))(keys)
         actions = jax.random.randint(jax.random.PRNGKey(1), (rounds, robots), 0, 3)
 
         def step(_: int, run: Any = run, state: Any = state, actions: Any = actions) -> None:
@@ -94,7 +104,9 @@ def main() -> None:
     """Measures the library that the command line names."""
     (name,) = sys.argv[1:]
     rates = dict(LIBRARIES[name]())
-    sys.stdout.write(json.dumps({"version": importlib.metadata.version(name), "rates": rates}) + "\n")
+    sys.stdout.write(
+        json.dumps({"version": importlib.metadata.version(name), "rates": rates}) + "\n"
+    )
 
 
 if __name__ == "__main__":

@@ -2,8 +2,9 @@
 
 python irsim_drive.py wall.yaml --speed 12 --out recorded.csv
 
-Needs ir-sim alone. The robot turns to the next place of its way, then drives there; the way ends at the world's target.
-Prints one JSON object: versions, samples, and how often IR-SIM said that the robot collides.
+Needs ir-sim alone. The robot turns to the next place of its way, then drives there; the way ends at
+the world's target. Prints one JSON object: versions, samples, and how often IR-SIM said that the
+robot collides.
 """
 
 import argparse
@@ -22,11 +23,16 @@ import numpy as np
 
 
 def drive(file, via, speed, steps):
-    """The trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision; whether it arrived."""
+    """The trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision.
+
+    Whether it arrived.
+    """
     env = irsim.make(str(file), display=False, save_ani=False, log_level="ERROR")
-    step, robot = env.step_time, env.robot
+    step = env.step_time
+    robot = env.robot
     way = [*via, (float(robot.goal[0, 0]), float(robot.goal[1, 0]))]
-    rows, collisions = [], 0
+    rows = []
+    collisions = 0
     for k in range(steps + 1):
         x, y, heading = (float(value) for value in robot.state[:3, 0])
         rows.append((k * step, x, y, heading))
@@ -39,14 +45,20 @@ def drive(file, via, speed, steps):
         env.step(np.array([[ahead], [max(-1.0, min(1.0, turn / step))]]))
         collisions += bool(robot.collision)
     env.end()
-    return rows, collisions, len(way) == 1 and math.dist(rows[-1][1:3], way[0]) < max(0.05, 0.5 * speed * step)
+    return (
+        rows,
+        collisions,
+        len(way) == 1 and math.dist(rows[-1][1:3], way[0]) < max(0.05, 0.5 * speed * step),
+    )
 
 
 def main():
     """Drives, writes, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to irsim` wrote")
-    parser.add_argument("--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m")
+    parser.add_argument(
+        "--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m"
+    )
     parser.add_argument("--speed", type=float, default=1.0, help="m/s")
     parser.add_argument("--steps", type=int, default=500, help="at most")
     parser.add_argument("--out", required=True, help="CSV: t,x,y,heading")

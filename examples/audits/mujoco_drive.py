@@ -2,9 +2,10 @@
 
 python mujoco_drive.py wall.xml --speed 20 --out recorded.csv
 
-Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats just
-above the floor, and is pushed towards the next place of its way by a force that makes its velocity the one
-wanted. Prints one JSON object: versions, samples, and in how many steps MuJoCo had a contact between the ball
+Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats
+just above the floor, and is pushed towards the next place of its way by a force that makes its
+velocity the one wanted. Prints one JSON object: versions, samples, and in how many steps MuJoCo had
+    a contact between the ball
 and anything else.
 """
 
@@ -34,9 +35,15 @@ def with_ball(file, radius, start, time_step):
 
 
 def drive(model, way, speed, seconds):
-    """The trajectory as rows t, x, y; in how many steps the ball touched something; whether it arrived."""
-    data, rows, touched = mujoco.MjData(model), [], 0
-    start, step = way.pop(0), model.opt.timestep
+    """The trajectory as rows t, x, y; in how many steps the ball touched something.
+
+    Whether it arrived.
+    """
+    data = mujoco.MjData(model)
+    rows = []
+    touched = 0
+    start = way.pop(0)
+    step = model.opt.timestep
     data.qvel[:] = [speed * part for part in _direction(start, way[0])]
     near = max(0.05, 0.5 * speed * step)
     for _ in range(int(seconds / step) + 1):
@@ -63,7 +70,9 @@ def main():
     """Drives, writes, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to mjcf` wrote")
-    parser.add_argument("--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m")
+    parser.add_argument(
+        "--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m"
+    )
     parser.add_argument("--speed", type=float, default=1.0, help="m/s")
     parser.add_argument("--time-step", type=float, help="s [default: the file's]")
     parser.add_argument("--seconds", type=float, default=20.0, help="at most")
@@ -72,7 +81,9 @@ def main():
     via = [tuple(float(number) for number in place.split(",")) for place in given.via]
     world = mujoco.MjModel.from_xml_path(given.world)
     start, target = (tuple(map(float, world.site(name).pos[:2])) for name in ("start", "target"))
-    model = with_ball(given.world, float(world.numeric("robot_radius").data[0]), start, given.time_step)
+    model = with_ball(
+        given.world, float(world.numeric("robot_radius").data[0]), start, given.time_step
+    )
     rows, touched, arrived = drive(model, [start, *via, target], given.speed, given.seconds)
     with Path(given.out).open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")

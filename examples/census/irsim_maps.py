@@ -10,9 +10,13 @@ from typing import Any
 from irsim.world.map.perlin_map_generator import PerlinGridGenerator
 
 
-def maps(seed: int, *, side: int = 100, fill: float = 0.38, complexity: float = 0.142857) -> Iterator[tuple[Any, ...]]:
+def maps(
+    seed: int, *, side: int = 100, fill: float = 0.38, complexity: float = 0.142857
+) -> Iterator[tuple[Any, ...]]:
     """``side`` x ``side`` cells; values above 50 are obstacles, as the simulator reads them."""
     for number in count():
-        made = PerlinGridGenerator(side, side, complexity=complexity, fill=fill, seed=(seed + number) % 2**31)
+        made = PerlinGridGenerator(
+            side, side, complexity=complexity, fill=fill, seed=(seed + number) % 2**31
+        )
         made.generate()
         yield f"perlin-{number}", made.grid > 50

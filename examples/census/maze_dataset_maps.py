@@ -1,6 +1,7 @@
-"""Mazes of maze-dataset (its repository says MIT; 1.4.2): ``pip install maze-dataset==1.4.2 "muutils<0.9"``.
+"""Mazes of maze-dataset (its repository says MIT; 1.4.2).
 
-The library's own tasks run between two cells of its lattice; here from the first corner to the last.
+``pip install maze-dataset==1.4.2 "muutils<0.9"``. The library's own tasks run between two cells of
+its lattice; here from the first corner to the last.
 """
 
 import random
@@ -12,7 +13,9 @@ import numpy as np
 from maze_dataset.generation import LatticeMazeGenerators
 
 
-def maps(seed: int, *, generator: str = "gen_dfs", side: int = 20, p: float = -1.0) -> Iterator[tuple[Any, ...]]:
+def maps(
+    seed: int, *, generator: str = "gen_dfs", side: int = 20, p: float = -1.0
+) -> Iterator[tuple[Any, ...]]:
     """Mazes of ``side`` x ``side`` chambers; ``p`` of percolation, where the generator takes it."""
     make = getattr(LatticeMazeGenerators, generator)
     options = {"p": p} if p >= 0 else {}

@@ -1,6 +1,7 @@
 """Mazes and caves of mazelib (MIT licence; 0.9.16): ``pip install mazelib==0.9.16``.
 
-The start is the cell inside the entrance, the target the one inside the exit, as mazelib's own solvers take them.
+The start is the cell inside the entrance, the target the one inside the exit, as mazelib's own
+solvers take them.
 """
 
 import importlib
@@ -27,5 +28,7 @@ def maps(seed: int, *, generator: str = "Prims", side: int = 20) -> Iterator[tup
 
 def _inside(cell: tuple[int, int], walls: Any) -> tuple[int, int]:
     """The cell of the maze beside one in its outer wall."""
-    row, column = (min(max(index, 1), side - 2) for index, side in zip(cell, walls.shape, strict=True))
+    row, column = (
+        min(max(index, 1), side - 2) for index, side in zip(cell, walls.shape, strict=True)
+    )
     return row, column

@@ -1,6 +1,7 @@
 """Crossings of NAVIX, a port of MiniGrid to JAX (Apache licence 2.0): ``pip install navix``.
 
-The start is the player's, the target the goal. Walls and lava are solid; doors, keys and balls count as free.
+The start is the player's, the target the goal. Walls and lava are solid; doors, keys and balls
+count as free.
 """
 
 from collections.abc import Iterator
@@ -12,7 +13,9 @@ import navix
 import numpy as np
 
 
-def maps(seed: int, *, environment: str = "Navix-SimpleCrossingS11N5-v0") -> Iterator[tuple[Any, ...]]:
+def maps(
+    seed: int, *, environment: str = "Navix-SimpleCrossingS11N5-v0"
+) -> Iterator[tuple[Any, ...]]:
     """One map for each reset of an environment."""
     world = navix.make(environment)
     reset = jax.jit(world.reset)
@@ -20,7 +23,9 @@ def maps(seed: int, *, environment: str = "Navix-SimpleCrossingS11N5-v0") -> Ite
         state = reset(jax.random.PRNGKey((seed + number) % 2**31)).state
         walls = np.array(state.grid) != 0
         for kind in ("wall", "lava"):
-            for row, column in np.array(getattr(state.entities.get(kind), "position", np.empty((0, 2))), int):
+            for row, column in np.array(
+                getattr(state.entities.get(kind), "position", np.empty((0, 2))), int
+            ):
                 if row >= 0:
                     walls[row, column] = True
         start = tuple(map(int, np.array(state.get_player().position)))

@@ -15,7 +15,9 @@ from pogema.grid import Grid
 def maps(seed: int, *, side: int = 32, density: float = 0.3) -> Iterator[tuple[Any, ...]]:
     """Cells that are solid with chance ``density``, independently."""
     for number in count():
-        config = GridConfig(size=side, density=density, num_agents=1, obs_radius=1, seed=(seed + number) % 2**31)
+        config = GridConfig(
+            size=side, density=density, num_agents=1, obs_radius=1, seed=(seed + number) % 2**31
+        )
         grid = Grid(config)  # adds a ring of solid cells, one wide, as ``obs_radius`` says
         (start,), (target,) = grid.positions_xy, grid.finishes_xy
         yield f"pogema-{number}", np.array(grid.obstacles) != 0, start, target

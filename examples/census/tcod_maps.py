@@ -1,6 +1,7 @@
 """Caves of python-tcod's noise (BSD licence, 2 clauses; 21.2.2): ``pip install tcod==21.2.2``.
 
-Solid where the noise is above a level: the usual way to a cave in a few lines. It has no start or target.
+Solid where the noise is above a level: the usual way to a cave in a few lines. It has no start or
+    target.
 """
 
 from collections.abc import Iterator
@@ -18,7 +19,9 @@ def maps(
         noise = tcod.noise.Noise(
             dimensions=2,
             algorithm=tcod.noise.Algorithm.SIMPLEX,
-            implementation=tcod.noise.Implementation.FBM if octaves > 1 else tcod.noise.Implementation.SIMPLE,
+            implementation=tcod.noise.Implementation.FBM
+            if octaves > 1
+            else tcod.noise.Implementation.SIMPLE,
             octaves=octaves,
             seed=(seed + number) % 2**31,
         )

@@ -14,7 +14,10 @@ class Robot:
 
     def reset(self):
         """The memory to start with."""
-        return (0.0, FAR)  # whether it follows a wall; the least distance from the target at which it met one, m
+        return (
+            0.0,
+            FAR,
+        )  # whether it follows a wall; the least distance from the target at which it met one, m
 
     def act(self, seen, memory):
         """What to do in a step, and what to keep in mind."""
@@ -22,7 +25,8 @@ class Robot:
         if follows and not seen.bump and seen.target_distance < nearest - seen.radius:
             follows = 0.0
         if seen.bump and not follows:
-            follows, nearest = 1.0, min(nearest, seen.target_distance)
+            follows = 1.0
+            nearest = min(nearest, seen.target_distance)
         if not follows:
             turn = wrapped(seen.target_heading - seen.heading)
         elif seen.bump:

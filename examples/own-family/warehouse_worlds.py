@@ -67,7 +67,8 @@ def warehouse(
     walls = np.ones((size, size), dtype=bool)
     walls[1:-1, 1:-1] = False
     _put_racks(rng, walls, layout, aisle, rack, pallets)
-    near, far = (1 + aisle / 2) * cell_size, (size - 1 - aisle / 2) * cell_size
+    near = (1 + aisle / 2) * cell_size
+    far = (size - 1 - aisle / 2) * cell_size
     return World(
         walls,
         start=Pose(round(near, 9), round(near, 9)),
@@ -79,12 +80,18 @@ def warehouse(
 
 
 def _put_racks(
-    rng: RandomStream, walls: npt.NDArray[np.bool_], layout: str, aisle: int, rack: int, pallets: float
+    rng: RandomStream,
+    walls: npt.NDArray[np.bool_],
+    layout: str,
+    aisle: int,
+    rack: int,
+    pallets: float,
 ) -> None:
     """Makes racks solid in two halves, and pallets beside them."""
     size = len(walls)
     across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
-    lower, upper = (1 + aisle, across), (across + aisle, size - 1 - aisle)
+    lower = (1 + aisle, across)
+    upper = (across + aisle, size - 1 - aisle)
     set_off = (rack + aisle) // 2 if layout == "fishbone" else 0
     for (low, high), offset in ((lower, 0), (upper, set_off)):
         for x in range(1 + aisle + offset, size - aisle - rack, rack + aisle):

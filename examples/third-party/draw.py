@@ -1,4 +1,7 @@
-"""Draws the stored failures beside each other: ``python examples/third-party/draw.py``, with the packages installed."""
+"""Draws the stored failures beside each other.
+
+``python examples/third-party/draw.py``, with the packages installed.
+"""
 
 from pathlib import Path
 
@@ -10,7 +13,9 @@ HERE = Path(__file__).parent
 def main() -> None:
     """Writes failures.png; run it in the repository's root, for the files name their controllers from there."""
     entries = read_corpus([HERE / "failures"]).entries
-    sheet = contact_sheet(sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid)))
+    sheet = contact_sheet(
+        sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid))
+    )
     (HERE / "failures.png").write_bytes(sheet)
 
 

@@ -1,6 +1,7 @@
 """The dynamic window approach of ``dynamic-window-approach`` (C with Python bindings, MIT licence).
 
-Its author is goktug97. ``pip install dynamic-window-approach``; README.md beside this file has the whole.
+Its author is goktug97. ``pip install dynamic-window-approach``; README.md beside this file has the
+whole.
 """
 
 import math
@@ -28,13 +29,16 @@ class DynamicWindow:
     look_ahead: float = 1.0  # s
     heading: float = 0.05  # weights: of an error of 1 rad,
     velocity: float = 1.0  # of standing still,
-    clearance: float = 0.1  # and of a robot radius from the nearest point; below 1 / radius, see README.md
+    clearance: float = (
+        0.1  # and of a robot radius from the nearest point; below 1 / radius, see README.md
+    )
 
     def reset(self):
         return (0.0, 0.0)  # speed, turn rate
 
     def act(self, seen, memory):
-        r, top = seen.radius, min(seen.top_speed, self.pace * seen.radius, self.approach * seen.target_distance)
+        r = seen.radius
+        top = min(seen.top_speed, self.pace * seen.radius, self.approach * seen.target_distance)
         ahead = min(self.look_ahead, seen.target_distance / top)
         config = dwa.Config(
             max_speed=top, min_speed=0.0, max_accel=4.0 * top,
@@ -42,11 +46,17 @@ class DynamicWindow:
             max_yawrate=2.0, max_dyawrate=8.0, yawrate_resolution=0.2, dt=seen.time_step, predict_time=ahead,
             heading=self.heading, clearance=self.clearance * r, velocity=self.velocity / top, base=[r, r, -r, -r],
         )  # fmt: skip
-        near = [(d, seen.heading + k * FIELD) for k, d in enumerate(seen.beams) if d < top * ahead + 4.0 * r]
+        near = [
+            (d, seen.heading + k * FIELD)
+            for k, d in enumerate(seen.beams)
+            if d < top * ahead + 4.0 * r
+        ]
         points = [(seen.x + d * math.cos(a), seen.y + d * math.sin(a)) for d, a in near]
         cloud = np.array(points, np.float32).reshape(-1, 2)
         velocity = (min(memory[0], top), memory[1])
-        chosen = dwa.planning((seen.x, seen.y, seen.heading), velocity, self.goal(seen, memory), cloud, config)
+        chosen = dwa.planning(
+            (seen.x, seen.y, seen.heading), velocity, self.goal(seen, memory), cloud, config
+        )
         return Command(*chosen), (*chosen, *memory[2:])
 
     def goal(self, seen, memory):
@@ -58,7 +68,10 @@ class DynamicWindow:
 
 @dataclass(frozen=True)
 class PlannedWindow(DynamicWindow):
-    """The same behind a planner, as Nav2 has it: it is sent to a point of the planned path a little way ahead."""
+    """The same behind a planner, as Nav2 has it.
+
+    It is sent to a point of the planned path a little way ahead.
+    """
 
     ahead: float = 6.0  # robot radii along the path
 
@@ -74,9 +87,15 @@ class PlannedWindow(DynamicWindow):
 
 
 def plan(world):
-    """A shortest way over cells whose centre is clear of walls by the radius, to the target: places (n, 2), m."""
-    room = distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5  # cells from a centre to the nearest wall
-    clear, number = room * world.cell_size >= world.robot_radius, np.arange(world.walls.size).reshape(world.walls.shape)
+    """A shortest way over cells whose centre is clear of walls by the radius, to the target.
+
+    Places (n, 2), m.
+    """
+    room = (
+        distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
+    )  # cells from a centre to the nearest wall
+    clear = room * world.cell_size >= world.robot_radius
+    number = np.arange(world.walls.size).reshape(world.walls.shape)
     edges = []
     for here, there, length in (
         (np.s_[:, :-1], np.s_[:, 1:], 1.0),
@@ -89,11 +108,14 @@ def plan(world):
     rows, columns, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     graph = coo_array((lengths, (rows, columns)), shape=(number.size, number.size)).tocsr()
     start, target = (
-        number[int(p.y / world.cell_size), int(p.x / world.cell_size)] for p in (world.start, world.target)
+        number[int(p.y / world.cell_size), int(p.x / world.cell_size)]
+        for p in (world.start, world.target)
     )
     _, before = dijkstra(graph, directed=False, indices=target, return_predecessors=True)
     cells = [start]
     while before[cells[-1]] >= 0:
         cells.append(before[cells[-1]])
-    places = np.column_stack(np.unravel_index(np.array(cells[1:-1:2], int), world.walls.shape))[:, ::-1]
+    places = np.column_stack(np.unravel_index(np.array(cells[1:-1:2], int), world.walls.shape))[
+        :, ::-1
+    ]
     return np.vstack([(places + 0.5) * world.cell_size, [(world.target.x, world.target.y)]])

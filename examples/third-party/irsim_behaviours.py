@@ -28,15 +28,24 @@ class VelocityObstacles:
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
         chosen = DiffRVO(
-            _state(seen, memory, top), vxmax=top, vymax=top, acce=top, mode="vo", line_segments=_walls(seen, 5.0)
+            _state(seen, memory, top),
+            vxmax=top,
+            vymax=top,
+            acce=top,
+            mode="vo",
+            line_segments=_walls(seen, 5.0),
         )
-        speed, turn_rate = float(chosen[0, 0]), float(chosen[1, 0])
+        speed = float(chosen[0, 0])
+        turn_rate = float(chosen[1, 0])
         return Command(speed, turn_rate), (speed, seen.heading)
 
 
 @dataclass(frozen=True)
 class SocialForce(VelocityObstacles):
-    """``sfm`` for a differential robot; the reach of the walls' force in robot radii, for it is meant for people."""
+    """``sfm`` for a differential robot.
+
+    The reach of the walls' force in robot radii, for it is meant for people.
+    """
 
     reach: float = 0.5  # robot radii in which the walls' force falls to 1/e
 
@@ -46,8 +55,11 @@ class SocialForce(VelocityObstacles):
             _state(seen, memory, top), line_segments=_walls(seen, 15.0), vmax=top, step_time=seen.time_step,
             sigma_obstacle=self.reach * seen.radius, force_factor_obstacle=2.0 * top,
         )  # fmt: skip
-        chosen = vel_world2diff(seen.heading, list(velocity), w_max=4.0, guarantee_time=seen.time_step, tolerance=0.02)
-        speed, turn_rate = float(chosen[0, 0]), float(chosen[1, 0])
+        chosen = vel_world2diff(
+            seen.heading, list(velocity), w_max=4.0, guarantee_time=seen.time_step, tolerance=0.02
+        )
+        speed = float(chosen[0, 0])
+        turn_rate = float(chosen[1, 0])
         return Command(speed, turn_rate), (speed, seen.heading)
 
 
@@ -55,18 +67,32 @@ def _state(seen, memory, top):
     """What IR-SIM knows of a robot: place, velocity, radius, velocity towards the goal, heading."""
     speed, heading = memory
     wish = [top * math.cos(seen.target_heading), top * math.sin(seen.target_heading)]
-    return [seen.x, seen.y, speed * math.cos(heading), speed * math.sin(heading), seen.radius, *wish, seen.heading]
+    return [
+        seen.x,
+        seen.y,
+        speed * math.cos(heading),
+        speed * math.sin(heading),
+        seen.radius,
+        *wish,
+        seen.heading,
+    ]
 
 
 def _walls(seen, radii):
     """Line segments [x1, y1, x2, y2] along neighbouring hits that leave no gap for the robot, each wall one segment."""
     hits = [
-        (seen.x + d * math.cos(seen.heading + k * FIELD), seen.y + d * math.sin(seen.heading + k * FIELD))
+        (
+            seen.x + d * math.cos(seen.heading + k * FIELD),
+            seen.y + d * math.sin(seen.heading + k * FIELD),
+        )
         for k, d in enumerate(seen.beams)
     ]
     walls = []
     for k, (d, (x, y)) in enumerate(zip(seen.beams, hits, strict=True)):
-        if min(d, seen.beams[k - 1]) > radii * seen.radius or math.dist(hits[k - 1], (x, y)) > 2.0 * seen.radius:
+        if (
+            min(d, seen.beams[k - 1]) > radii * seen.radius
+            or math.dist(hits[k - 1], (x, y)) > 2.0 * seen.radius
+        ):
             continue
         if walls and walls[-1][2:] == [*hits[k - 1]] and _turn(walls[-1], x, y) < 0.1:
             walls[-1][2:] = [x, y]
@@ -77,5 +103,6 @@ def _walls(seen, radii):
 
 def _turn(wall, x, y):
     """Angle, rad, between a segment and the way from its end to a point."""
-    there, on = (wall[2] - wall[0], wall[3] - wall[1]), (x - wall[2], y - wall[3])
+    there = (wall[2] - wall[0], wall[3] - wall[1])
+    on = (x - wall[2], y - wall[3])
     return abs(math.atan2(there[0] * on[1] - there[1] * on[0], there[0] * on[0] + there[1] * on[1]))

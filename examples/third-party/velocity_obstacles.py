@@ -1,6 +1,7 @@
 """ORCA, HRVO and human-like navigation of ``navground`` (C++ with Python bindings, MIT licence).
 
-Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md beside this file has the whole.
+Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md beside this file has the
+    whole.
 """
 
 import math
@@ -17,7 +18,10 @@ FIELD = 2.0 * math.pi / 72  # rad between two beams
 
 @dataclass(frozen=True)
 class _Navground:
-    """Asks one of navground's behaviours, made anew in each step: its state is what the robot sees."""
+    """Asks one of navground's behaviours, made anew in each step.
+
+    Its state is what the robot sees.
+    """
 
     needs: ClassVar = RobotOptions(beams=72)
     behaviour: ClassVar[Any] = None
@@ -29,16 +33,25 @@ class _Navground:
 
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
-        wheels = kinematics.TwoWheelsDifferentialDriveKinematics(max_speed=top, wheel_axis=2.0 * seen.radius)
+        wheels = kinematics.TwoWheelsDifferentialDriveKinematics(
+            max_speed=top, wheel_axis=2.0 * seen.radius
+        )
         robot = self.behaviour(wheels, seen.radius)
-        robot.optimal_speed, robot.horizon, robot.safety_margin = top, 20.0 * seen.radius, 0.1 * seen.radius
+        robot.optimal_speed = top
+        robot.horizon = 20.0 * seen.radius
+        robot.safety_margin = 0.1 * seen.radius
         for name, value in self.settings.items():
             setattr(robot, name, value)
-        robot.position, robot.orientation = (seen.x, seen.y), seen.heading
+        robot.position = (seen.x, seen.y)
+        robot.orientation = seen.heading
         robot.twist = core.Twist2((memory[0], 0.0), memory[1], core.Frame.relative)
         robot.target = core.Target.Point(_at(seen, seen.target_distance, seen.target_heading), 0.0)
         hits = [_at(seen, d, seen.heading + k * FIELD) for k, d in enumerate(seen.beams)]
-        pairs = [(a, b) for a, b in zip(hits, hits[1:] + hits[:1], strict=True) if math.dist(a, b) < 2.0 * seen.radius]
+        pairs = [
+            (a, b)
+            for a, b in zip(hits, hits[1:] + hits[:1], strict=True)
+            if math.dist(a, b) < 2.0 * seen.radius
+        ]
         robot.environment_state.line_obstacles = [core.LineSegment(*pair) for pair in pairs]
         twist = robot.to_frame(robot.compute_cmd(seen.time_step), core.Frame.relative)
         chosen = (float(twist.velocity[0]), float(twist.angular_speed))
@@ -49,7 +62,9 @@ class Orca(_Navground):
     """Optimal reciprocal collision avoidance."""
 
     behaviour = behaviors.ORCABehavior
-    settings: ClassVar = {"static_time_horizon": 1.0}  # s; with the default of 10 s it creeps, in an empty room too
+    settings: ClassVar = {
+        "static_time_horizon": 1.0
+    }  # s; with the default of 10 s it creeps, in an empty room too
 
 
 class Hrvo(_Navground):

@@ -1,4 +1,7 @@
-"""The trained policy as a controller: the sensors of training, its weights, and the action that it thinks best."""
+"""The trained policy as a controller.
+
+The sensors of training, its weights, and the action that it thinks best.
+"""
 
 from pathlib import Path
 
@@ -16,7 +19,8 @@ SEES = Interface(
 class Policy:
     """Two hidden layers, and the best of five actions."""
 
-    senses, needs = SEES.senses, SEES.needs
+    senses = SEES.senses
+    needs = SEES.needs
 
     def __init__(self):
         with np.load(Path(__file__).with_name("policy.npz")) as file:

@@ -1,4 +1,7 @@
-"""Trains a small policy with Stable-Baselines3's PPO and keeps its weights: python train.py [--steps N]."""
+"""Trains a small policy with Stable-Baselines3's PPO and keeps its weights.
+
+Python train.py [--steps N].
+"""
 
 import argparse
 import time
@@ -12,7 +15,9 @@ from vec_env import Vectorised
 
 WORLDS = {"family": "trap", "params": {"size": 20}}
 EPISODE = 15.0  # s
-COARSE, FINE = 0.06, 0.015  # s: fewer decisions are easier to learn from; the usual step is the fine one
+# s: fewer decisions are easier to learn from; the usual step is the fine one
+COARSE = 0.06
+FINE = 0.015
 
 
 def environments(count, time_step, **more):
@@ -29,7 +34,9 @@ def evaluate(model, episodes=1000):
     """Share of episodes in which it arrives, in worlds that it was not trained in."""
     envs = environments(episodes, FINE, pool=200, pool_seed=1_000_000)
     envs.seed(1)
-    observations, done, reached = envs.reset(), np.zeros(episodes, bool), 0
+    observations = envs.reset()
+    done = np.zeros(episodes, bool)
+    reached = 0
     while not done.all():
         observations, _, over, told = envs.step(model.predict(observations, deterministic=True)[0])
         reached += sum(told[k]["is_success"] for k in np.flatnonzero(over & ~done))

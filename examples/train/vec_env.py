@@ -1,4 +1,7 @@
-"""Gymnasium's vector environments as Stable-Baselines3 wants them: it has an interface of its own."""
+"""Gymnasium's vector environments as Stable-Baselines3 wants them.
+
+It has an interface of its own.
+"""
 
 import gymnasium
 import numpy as np
@@ -10,12 +13,14 @@ class Vectorised(VecEnv):
 
     def __init__(self, envs: gymnasium.vector.VectorEnv):
         assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP
-        self.envs, self.actions = envs, None
+        self.envs = envs
+        self.actions = None
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
         self.returns, self.lengths = np.zeros(self.num_envs), np.zeros(self.num_envs, int)
 
     def reset(self):
-        self.returns[:], self.lengths[:] = 0.0, 0
+        self.returns[:] = 0.0
+        self.lengths[:] = 0
         return self.envs.reset(seed=self._seeds[0], options=self._options[0] or None)[0]
 
     def step_async(self, actions):
@@ -25,7 +30,8 @@ class Vectorised(VecEnv):
         observations, rewards, terminated, truncated, information = self.envs.step(self.actions)
         self.returns += rewards
         self.lengths += 1
-        over, told = terminated | truncated, [{} for _ in range(self.num_envs)]
+        over = terminated | truncated
+        told = [{} for _ in range(self.num_envs)]
         for k in np.flatnonzero(over):
             told[k] = {
                 "terminal_observation": information["final_obs"][k],
@@ -33,7 +39,8 @@ class Vectorised(VecEnv):
                 "is_success": bool(information["final_info"]["is_success"][k]),
                 "episode": {"r": float(self.returns[k]), "l": int(self.lengths[k])},
             }
-            self.returns[k], self.lengths[k] = 0.0, 0
+            self.returns[k] = 0.0
+            self.lengths[k] = 0
         return observations, rewards.astype(np.float32), over, told
 
     def close(self):

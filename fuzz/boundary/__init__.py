@@ -3,25 +3,33 @@
 Contents:
     AXES, Axis, Subject: what can be varied.
     index_of: the index of a number of three digits.
-    Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at which it fails.
+    Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at
+        which it fails.
     Stretch, scan: every change of outcome between the values of a scan.
     is_bounded, subject_of: of which failures one can ask where they begin.
-    with_boundaries, boundaries_in_words: what a failure's record says of where it begins.
+    with_boundaries, describe_boundaries: what a failure's record says of where it begins.
 """
 
 from fuzz.boundary.axes import AXES, Axis, Subject, index_of
-from fuzz.boundary.measured import boundaries_in_words, is_bounded, subject_of, with_boundaries
-from fuzz.boundary.search import Boundary, Look, Looks, Stretch, nearest_boundary, scan
+from fuzz.boundary.measured import describe_boundaries, is_bounded, subject_of, with_boundaries
+from fuzz.boundary.search import (
+    Boundary,
+    BoundaryRun,
+    BoundaryRuns,
+    Stretch,
+    nearest_boundary,
+    scan,
+)
 
 __all__ = [
     "AXES",
     "Axis",
     "Boundary",
-    "Look",
-    "Looks",
+    "BoundaryRun",
+    "BoundaryRuns",
     "Stretch",
     "Subject",
-    "boundaries_in_words",
+    "describe_boundaries",
     "index_of",
     "is_bounded",
     "nearest_boundary",

@@ -1,7 +1,8 @@
 """What a boundary is looked for along: radius, speed, time step, start heading, depth of a trap.
 
-The values of an axis are numbered, so that doubling steps and bisection are arithmetic on whole numbers, and
-what they end with are neighbouring values that a person would write: three significant digits, or whole numbers.
+The values of an axis are numbered, so that doubling steps and bisection are arithmetic on whole
+numbers, and what they end with are neighbouring values that a person would write: three significant
+    digits, or whole numbers.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ class Axis:
         low: Index of the least value.
         high: Index of the greatest.
         value: The value of an index.
-        index: The index of a subject's own value, or the nearest; ``None`` where the subject has no such number.
+        index: The index of a subject's own value, or the nearest; ``None`` where the subject has no
+            such number.
         at: The subject with another value; it raises what its making raises.
     """
 
@@ -72,12 +74,18 @@ def index_of(value: float) -> int:
 
 def _with_radius(subject: Subject, value: float) -> Subject:
     """The robot with another radius. The witness stays, as far as its clearance goes."""
-    return replace(subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None))
+    return replace(
+        subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None)
+    )
 
 
 def _with_speed(subject: Subject, value: float) -> Subject:
-    """The robot with another speed; the witness takes as much longer, but where the world changes on its way."""
-    world, witness = subject.world, subject.world.certificate
+    """The robot with another speed.
+
+    The witness takes as much longer, but where the world changes on its way.
+    """
+    world = subject.world
+    witness = subject.world.certificate
     if isinstance(witness, Witness):
         times = witness.times * (world.robot_speed / value)
         witness = None if world.is_dynamic else replace(witness, times=times)

@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 from fuzz.boundary.axes import AXES, Axis, Subject
-from fuzz.boundary.search import Boundary, Looks, nearest_boundary
+from fuzz.boundary.search import Boundary, BoundaryRuns, nearest_boundary
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.scenario import Scenario
 from worldgen.world import Value
 
-__all__ = ["boundaries_in_words", "is_bounded", "subject_of", "with_boundaries"]
+__all__ = ["describe_boundaries", "is_bounded", "subject_of", "with_boundaries"]
 
-_MEASURED = ("radius", "speed", "time-step")  # of each failure; the others only where a lane came by them
+_MEASURED = (
+    "radius",
+    "speed",
+    "time-step",
+)  # of each failure; the others only where a lane came by them
 
 
 def is_bounded(scenario: Scenario) -> bool:
-    """Whether failures of a scenario begin somewhere; where runs hang on chance, they begin anywhere."""
+    """Whether failures of a scenario begin somewhere.
+
+    Where runs hang on chance, they begin anywhere.
+    """
     controller = CONTROLLERS.get(scenario.controller)
-    return not (scenario.random or (isinstance(controller, CompiledController) and controller.randomised))
+    return not (
+        scenario.random or (isinstance(controller, CompiledController) and controller.randomised)
+    )
 
 
 def subject_of(failure: Failure) -> Subject | None:
-    """What can be varied of a failure; ``None`` if it is not one of not arriving, or hangs on chance."""
+    """What can be varied of a failure.
+
+    ``None`` if it is not one of not arriving, or hangs on chance.
+    """
     if failure.oracle is not None or failure.is_breach:
         return None
     return Subject(failure.world, failure.scenario) if is_bounded(failure.scenario) else None
@@ -30,8 +42,8 @@ def subject_of(failure: Failure) -> Subject | None:
 def with_boundaries(failure: Failure, found: Failure) -> Failure:
     """The failure with a record of where it begins, in this world.
 
-    Compiled controllers are run at other radii, speeds and time steps; others, whose runs take long, only along the
-    axes along which the failure was found.
+    Compiled controllers are run at other radii, speeds and time steps; others, whose runs take
+    long, only along the axes along which the failure was found.
 
     Args:
         failure: Whose record is completed.
@@ -43,29 +55,39 @@ def with_boundaries(failure: Failure, found: Failure) -> Failure:
     axes = [axis for axis, _, _ in _recorded(found)]
     if isinstance(CONTROLLERS.get(failure.record.controller), CompiledController):
         axes += [AXES[name] for name in _MEASURED if AXES[name] not in axes]
-    begins: list[Value] = [boundary.record() for axis in axes if (boundary := _boundary(subject, axis)) is not None]
+    begins: list[Value] = [
+        boundary.record() for axis in axes if (boundary := _boundary(subject, axis)) is not None
+    ]
     return failure.noting(boundaries=begins) if begins else failure
 
 
 def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
     start = axis.index(subject)
-    return None if start is None else nearest_boundary(Looks(subject, axis), start)
+    return None if start is None else nearest_boundary(BoundaryRuns(subject, axis), start)
 
 
 def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
-    """Axes with the values that fail and pass, as far as a record, which may be a stranger's, makes sense."""
+    """Axes with the values that fail and pass, as far as a record.
+
+    It may be a stranger's, makes sense.
+    """
     said = failure.record.details.get("boundaries")
     found = []
     for one in said if isinstance(said, list) else []:
         if not isinstance(one, dict):
             continue
-        axis, fails, passes = AXES.get(str(one.get("axis"))), one.get("fails_at"), one.get("passes_at")
+        axis = AXES.get(str(one.get("axis")))
+        fails = one.get("fails_at")
+        passes = one.get("passes_at")
         if axis is not None and isinstance(fails, int | float) and isinstance(passes, int | float):
             found.append((axis, fails, passes))
     return found
 
 
-def boundaries_in_words(failure: Failure) -> str:
+def describe_boundaries(failure: Failure) -> str:
     """Where a failure begins, in words; empty where its record says nothing of it."""
-    said = [f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)" for axis, fails, passes in _recorded(failure)]
+    said = [
+        f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)"
+        for axis, fails, passes in _recorded(failure)
+    ]
     return f"begins at {', '.join(said)}" if said else ""

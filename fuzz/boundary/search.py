@@ -15,13 +15,13 @@ from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, Witness, World
 
-__all__ = ["Boundary", "Look", "Looks", "Stretch", "nearest_boundary", "scan"]
+__all__ = ["Boundary", "BoundaryRun", "BoundaryRuns", "Stretch", "nearest_boundary", "scan"]
 
 _REACH = 512  # values; of three digits, a factor of nearly 4
 
 
 @dataclass(frozen=True)
-class Look:
+class BoundaryRun:
     """What the robot does at one value.
 
     Args:
@@ -42,24 +42,32 @@ class Look:
         return self.outcome.verdict == Verdict.REACHED
 
 
-class Looks:
+class BoundaryRuns:
     """Runs a subject at values of an axis, each once.
 
     Args:
         subject: The scenario.
         axis: What to vary.
         seen: Called with each run.
-        spare: Share by which a wider robot must get there, too. Where the robot just fits, all controllers fail.
+        spare: Share by which a wider robot must get there, too. Where the robot just fits, all
+            controllers fail.
     """
 
     def __init__(
-        self, subject: Subject, axis: Axis, seen: Callable[[Look], None] | None = None, spare: float = 0.0
+        self,
+        subject: Subject,
+        axis: Axis,
+        seen: Callable[[BoundaryRun], None] | None = None,
+        spare: float = 0.0,
     ) -> None:
-        self._subject, self.axis, self._seen, self._spare = subject, axis, seen, spare
+        self._subject = subject
+        self.axis = axis
+        self._seen = seen
+        self._spare = spare
         self._controller = CONTROLLERS.get(subject.scenario.controller)
-        self._known: dict[int, Look | None] = {}
+        self._known: dict[int, BoundaryRun | None] = {}
 
-    def __call__(self, index: int) -> Look | None:
+    def __call__(self, index: int) -> BoundaryRun | None:
         """The run at a value; ``None`` where there is none, or its target is not provably reachable."""
         if index not in self._known:
             look = self._known[index] = self._run(index)
@@ -67,11 +75,11 @@ class Looks:
                 self._seen(look)
         return self._known[index]
 
-    def seen_at(self, index: int) -> Look | None:
+    def seen_at(self, index: int) -> BoundaryRun | None:
         """Return the run at a value if it was done already."""
         return self._known.get(index)
 
-    def _run(self, index: int) -> Look | None:
+    def _run(self, index: int) -> BoundaryRun | None:
         value = self.axis.value(index)
         if not self.axis.low <= index <= self.axis.high:
             return None
@@ -85,10 +93,13 @@ class Looks:
             outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
         except WorldgenError:  # no such world, or the simulator takes no such number
             return None
-        return Look(index, value, Subject(world, subject.scenario), outcome)
+        return BoundaryRun(index, value, Subject(world, subject.scenario), outcome)
 
     def _proved(self, world: World) -> World | None:
-        """The world with a witness for a robot that is wider by what is to spare; its own, if that will do."""
+        """The world with a witness for a robot that is wider by what is to spare.
+
+        Its own, if that will do.
+        """
         needed = world.robot_radius * (1.0 + self._spare)
         witness = world.certificate
         if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:
@@ -108,15 +119,19 @@ class Boundary:
     """
 
     axis: Axis
-    passes: Look
-    fails: Look
+    passes: BoundaryRun
+    fails: BoundaryRun
 
     def record(self) -> dict[str, Value]:
         """What a failure's record says of it."""
-        return {"axis": self.axis.name, "fails_at": self.fails.value, "passes_at": self.passes.value}
+        return {
+            "axis": self.axis.name,
+            "fails_at": self.fails.value,
+            "passes_at": self.passes.value,
+        }
 
 
-def nearest_boundary(looks: Looks, start: int, *, reach: int = _REACH) -> Boundary | None:
+def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:
     """The boundary that doubling steps from a value meet first, narrowed down by bisection.
 
     Outcomes need not be monotone: there may be other boundaries, nearer ones among them.
@@ -129,7 +144,8 @@ def nearest_boundary(looks: Looks, start: int, *, reach: int = _REACH) -> Bounda
     here = looks(start)
     if here is None:
         return None
-    last, open_ends = {-1: here, 1: here}, [-1, 1]
+    last = {-1: here, 1: here}
+    open_ends = [-1, 1]
     step = 1
     while step <= reach and open_ends:
         for way in tuple(open_ends):
@@ -144,8 +160,11 @@ def nearest_boundary(looks: Looks, start: int, *, reach: int = _REACH) -> Bounda
     return None
 
 
-def _last_that_differs(looks: Looks, good: Look, without: int) -> Look | None:
-    """Bisects towards the last value that has a run; the first on the way whose outcome is another, if there is one."""
+def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> BoundaryRun | None:
+    """Bisects towards the last value that has a run.
+
+    The first on the way whose outcome is another, if there is one.
+    """
     while abs(good.index - without) > 1:
         middle = (good.index + without) // 2
         look = looks(middle)
@@ -158,8 +177,11 @@ def _last_that_differs(looks: Looks, good: Look, without: int) -> Look | None:
     return None
 
 
-def _narrowed(looks: Looks, one: Look, other: Look) -> Boundary | None:
-    """Bisection between two values of different outcome; ``None`` where a value between them cannot be judged."""
+def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boundary | None:
+    """Bisection between two values of different outcome.
+
+    ``None`` where a value between them cannot be judged.
+    """
     while abs(one.index - other.index) > 1:
         middle = looks((one.index + other.index) // 2)
         if middle is None:
@@ -177,8 +199,8 @@ class Stretch:
     """Values of an axis, from ``first`` to ``last``, with one outcome as far as the scan saw.
 
     Args:
-        outcome: ``arrives``, ``fails``, or ``no proof`` where the target is not provably reachable or there is no
-            such scenario.
+        outcome: ``arrives``, ``fails``, or ``no proof`` where the target is not provably reachable
+            or there is no such scenario.
         first: Least value.
         last: Greatest value.
         verdicts: Of the runs in it, each once.
@@ -192,10 +214,11 @@ class Stretch:
     runs: int
 
 
-def scan(looks: Looks, indices: range) -> list[Stretch]:
+def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
     """Runs the values of some indices and, between neighbours of different outcome, bisects to the change.
 
-    Between two values of equal outcome nothing is looked at, so what changes twice between them is not seen.
+    Between two values of equal outcome nothing is looked at, so what changes twice between them is
+    not seen.
 
     Args:
         looks: The runs.
@@ -214,7 +237,7 @@ def scan(looks: Looks, indices: range) -> list[Stretch]:
     return [_stretch(looks, [(index, seen[index]) for index in stretch]) for stretch in stretches]
 
 
-def _between(looks: Looks, low: int, high: int) -> Iterator[int]:
+def _between(looks: BoundaryRuns, low: int, high: int) -> Iterator[int]:
     """The indices that bisection visits between two of different outcome."""
     while high - low > 1 and _said(looks(low)) != _said(looks(high)):
         middle = (low + high) // 2
@@ -225,11 +248,11 @@ def _between(looks: Looks, low: int, high: int) -> Iterator[int]:
             high = middle
 
 
-def _said(look: Look | None) -> str:
+def _said(look: BoundaryRun | None) -> str:
     return "no proof" if look is None else "arrives" if look.arrives else "fails"
 
 
-def _stretch(looks: Looks, runs: list[tuple[int, Look | None]]) -> Stretch:
+def _stretch(looks: BoundaryRuns, runs: list[tuple[int, BoundaryRun | None]]) -> Stretch:
     verdicts = dict.fromkeys(look.outcome.verdict for _, look in runs if look is not None)
     first, last = (looks.axis.value(index) for index in (runs[0][0], runs[-1][0]))
     return Stretch(_said(runs[0][1]), first, last, tuple(verdicts), len(runs))

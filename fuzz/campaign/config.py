@@ -18,10 +18,11 @@ _SLOWER = 8  # a step in Python takes microseconds
 
 @dataclass(frozen=True)
 class CampaignConfig(SearchOptions):
-    """What a campaign looks for; together with a unit's number and memory, all that the unit depends on.
+    """What a campaign looks for.
 
-    With a database, what a campaign finds depends on that folder, too. What the units of an epoch found, the units of
-    the epoch after the next one know.
+    Together with a unit's number and memory, all that the unit depends on. With a database, what a
+    campaign finds depends on that folder, too. What the units of an epoch found, the units of the
+    epoch after the next one know.
 
     Args:
         scenario: Controller, motion model and switches; each draw has its own seed and time step.
@@ -30,7 +31,8 @@ class CampaignConfig(SearchOptions):
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
-        shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
+        shrink: Whether failures are shrunk; on a user's own map they are more useful where they
+            are.
     """
 
     scenario: Scenario

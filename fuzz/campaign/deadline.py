@@ -11,13 +11,19 @@ from dataclasses import dataclass
 __all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stopping_from"]
 
 TO_HAND_IN = 3.0  # s after a stop that the units under way have to hand in what they met
-_TO_PROVE = 2.0  # s after a stop in which failures met before it are still proved; less than anybody waits for them
+# S after a stop in which failures met before it are still proved; less than anybody waits for them.
+_TO_PROVE = 2.0
 
-_stops: list[Callable[[], float]] = []  # what this process asks besides the clock: when did somebody press Ctrl-C?
+_stops: list[
+    Callable[[], float]
+] = []  # what this process asks besides the clock: when did somebody press Ctrl-C?
 
 
 def now() -> float:
-    """Return the time that deadlines are written in, s: the only clock that other processes and machines share."""
+    """Return the time that deadlines are written in, s.
+
+    The only clock that other processes and machines share.
+    """
     return time.time()
 
 
@@ -62,7 +68,10 @@ class Deadline:
         return _is_over(min(self.prove, _stopped_at() + _TO_PROVE))
 
     def stopped_now(self) -> Deadline:
-        """Return the deadline of work that is stopped: nothing more is begun, and proofs get a short time."""
+        """Return the deadline of work that is stopped.
+
+        Nothing more is begun, and proofs get a short time.
+        """
         at = now()
         return Deadline(min(self.begin, at), min(self.prove, at + _TO_PROVE))
 

@@ -1,4 +1,7 @@
-"""Loads what the first units of a campaign need, in each of its processes: the library and the controller."""
+"""Loads what the first units of a campaign need, in each of its processes.
+
+The library and the controller.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What a user says of a campaign: each option is declared once, here.
 
-``worldgen fuzz`` takes them as options, the studio's page as fields, and :class:`CampaignConfig` is what they come to.
-This module imports nothing heavy, for the help of the command is made from it.
+``worldgen fuzz`` takes them as options, the studio's page as fields, and :class:`CampaignConfig` is
+what they come to. This module imports nothing heavy, for the help of the command is made from it.
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ class SearchOptions:
     """Options that a campaign keeps as they are given.
 
     Args:
-        oracles: Ask this oracle about each run: detour, repeat, turn, shift, scale, mirror, finer, wall, block, or
-            ./file.py:name; may be repeated.
+        oracles: Ask this oracle about each run: detour, repeat, turn, shift, scale, mirror, finer,
+            wall, block, or ./file.py:name; may be repeated.
         examples: Draws a unit.
-        epoch: Units that learn from the same earlier ones; at most twice as many are under way at a time.
-        database: A Hypothesis database, such as .hypothesis/examples: what failed before is tried first, what fails
-            is kept.
+        epoch: Units that learn from the same earlier ones; at most twice as many are under way at a
+            time.
+        database: A Hypothesis database, such as .hypothesis/examples: what failed before is tried
+            first, what fails is kept.
     """
 
     oracles: Annotated[tuple[str, ...], Written("--oracle", "NAME[=NUMBER]")] = ()
@@ -42,14 +43,14 @@ class CampaignOptions(SearchOptions):
         controller: Whom to test; ``+option=value`` varies the run.
         motion: Motion model.
         families: Draw worlds from this family; may be repeated.
-        lanes: Look for failures with this lane only: native, archive, boundary, features, sealed, or a family; may be
-            repeated.
+        lanes: Look for failures with this lane only: native, archive, boundary, features, sealed,
+            or a family; may be repeated.
         world: Keep this map; vary start, target and radius.
-        vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these values, the
-            simplest first; may be repeated.
+        vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these
+            values, the simplest first; may be repeated.
         time_step: Duration of a step, s [default: the motion model's].
-        detour: Arriving by a longer way than RATIO times the witness's is a failure too; the same as --oracle
-            detour=RATIO.
+        detour: Arriving by a longer way than RATIO times the witness's is a failure too; the same
+            as --oracle detour=RATIO.
         shrink: Shrink failures [default: yes, but not with --world].
 
     Raises:
@@ -68,7 +69,9 @@ class CampaignOptions(SearchOptions):
 
     def __post_init__(self) -> None:
         for option in self.declared():
-            object.__setattr__(self, option.name, option.accept(getattr(self, option.name), "campaign"))
+            object.__setattr__(
+                self, option.name, option.accept(getattr(self, option.name), "campaign")
+            )
 
     @classmethod
     def declared(cls) -> tuple[Parameter, ...]:

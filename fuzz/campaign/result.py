@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fuzz.failure import Failure
 from sim.runners.controller_time import Effort
 
-__all__ = ["Elite", "LaneYield", "Memory", "UnitResult"]
+__all__ = ["Elite", "LaneYield", "SearchState", "UnitResult"]
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,13 @@ class UnitResult:
         lane: Where its scenarios came from.
         worlds: Scenarios simulated.
         steps: Steps simulated.
-        verdicts: How often each verdict came up at first look; where the target is walled off, ``breach`` for
-            a robot that got there, ``sealed`` for one that did not.
+        verdicts: How often each verdict came up at first look; where the target is walled off,
+            ``breach`` for a robot that got there, ``sealed`` for one that did not.
         failures: The smallest failure of each class, with witness, evidence and class.
         met: How often each class was met among the failures that were classified.
         elites: By cell of the archive, what deserves to be there.
-        cut: Whether its time was over before its work was done; the rest holds what it had until then.
+        cut: Whether its time was over before its work was done; the rest holds what it had until
+            then.
         interrupted: Whether Ctrl-C did that.
         effort: Where its time went, which no store keeps and no other unit knows.
     """
@@ -77,8 +78,10 @@ class LaneYield:
 
 
 @dataclass(frozen=True)
-class Memory:
-    """What the units of an epoch know of all units up to the epoch before the last; the same for any timing.
+class SearchState:
+    """What the units of an epoch know of all units up to the epoch before the last.
+
+    The same for any timing.
 
     Args:
         lanes: By lane, what it brought.
@@ -90,7 +93,7 @@ class Memory:
     failures: Mapping[str, Failure] = field(default_factory=dict)
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
-    def after(self, result: UnitResult) -> Memory:
+    def after(self, result: UnitResult) -> SearchState:
         """The memory with one more unit's result."""
         had = self.lanes.get(result.lane, LaneYield())
         lane = replace(
@@ -101,11 +104,19 @@ class Memory:
             failures=had.failures + result.met.total(),
             classes=had.classes + len(result.failures.keys() - self.failures.keys()),
         )
-        smaller = {kind: one for kind, one in result.failures.items() if self.is_news(kind, one)}
-        better = {cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)}
-        return Memory({**self.lanes, result.lane: lane}, {**self.failures, **smaller}, {**self.elites, **better})
+        smaller = {
+            kind: one for kind, one in result.failures.items() if self.is_interesting(kind, one)
+        }
+        better = {
+            cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)
+        }
+        return SearchState(
+            {**self.lanes, result.lane: lane},
+            {**self.failures, **smaller},
+            {**self.elites, **better},
+        )
 
-    def is_news(self, kind: str, failure: Failure) -> bool:
+    def is_interesting(self, kind: str, failure: Failure) -> bool:
         """Whether a failure is the first of its class, or smaller than those known."""
         before = self.failures.get(kind)
         return before is None or failure.size < before.size

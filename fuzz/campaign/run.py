@@ -1,4 +1,7 @@
-"""Campaigns: units done by an executor, their failures shrunk, all of it remembered. Yields events; prints nothing."""
+"""Campaigns: units done by an executor, their failures shrunk, all of it remembered.
+
+Yields events; prints nothing.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from fuzz.boundary import with_boundaries
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline
 from fuzz.campaign.executors import Executor, local_executor
-from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.campaign.schedule import Schedule
 from fuzz.campaign.store import CampaignStore
 from fuzz.campaign.store.entry import Done
@@ -29,8 +32,8 @@ from worldgen.support.workers import LISTEN
 __all__ = [
     "Campaign",
     "CampaignState",
-    "Find",
-    "Found",
+    "Discovery",
+    "DiscoveryTotals",
     "Progress",
     "Shrinking",
     "UnitDone",
@@ -60,7 +63,7 @@ class UnitDone:
 
 
 @dataclass(frozen=True)
-class Found:
+class Discovery:
     """A failure is new in its class, or smaller than what was known.
 
     Args:
@@ -74,11 +77,11 @@ class Found:
     replaces: bool
 
 
-Progress = UnitDone | Found
+Progress = UnitDone | Discovery
 
 
 @dataclass(frozen=True)
-class Find:
+class DiscoveryTotals:
     """A class was met for the first time, or in a smaller world than before.
 
     Args:
@@ -106,8 +109,10 @@ class CampaignState:
 
     Args:
         units: Done and merged.
-        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or too early.
-        too_early: Those of them that were done whole, but knew too little, since an earlier unit was cut short.
+        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or
+            too early.
+        too_early: Those of them that were done whole, but knew too little, since an earlier unit
+            was cut short.
         until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
@@ -135,8 +140,8 @@ class CampaignState:
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
     best: dict[str, Failure] = field(default_factory=dict)
-    memory: Memory = field(default_factory=Memory)
-    finds: list[Find] = field(default_factory=list)
+    memory: SearchState = field(default_factory=SearchState)
+    finds: list[DiscoveryTotals] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +173,7 @@ class Shrinking:
 
 
 @dataclass(frozen=True, eq=False)
-class _Job:
+class _ShrinkJob:
     """A failure that is to be shrunk.
 
     Args:
@@ -188,17 +193,21 @@ class Campaign:
     Args:
         config: What to look for.
         units: Amount of work; the corpus then depends on the seed alone.
-        seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the rest for shrinking.
-            Units under way are then cut short, and keep what they met. What was not shrunk until the end is pending.
+        seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the
+            rest for shrinking. Units under way are then cut short, and keep what they met. What was
+            not shrunk until the end is pending.
         workers: Processes; 1 works in this one.
         executor: Who does the work, instead of processes.
-        store: Remembers what was done, so that another campaign of the same configuration goes on with it.
-        is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
+        store: Remembers what was done, so that another campaign of the same configuration goes on
+            with it.
+        is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk
+            and not kept.
         began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
         own: Seconds since then that the controller's own code took.
 
-    Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
-    that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
+    Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending`
+    keep all that was found. Whatever was stopped and when, once it has gone on to as many units the
+    state is the same.
     """
 
     def __init__(
@@ -215,23 +224,34 @@ class Campaign:
         own: float = 0.0,
     ) -> None:
         self._is_known = is_known
-        self.config, self.units, self.seconds = config, units, seconds
+        self.config = config
+        self.units = units
+        self.seconds = seconds
         self.state = CampaignState()
         self._executor: Executor = executor or local_executor(workers)
         self._store = store or CampaignStore()
-        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
+        self._schedule = Schedule(
+            None if units is not None else seconds, shrinks=config.shrink, began=began, own=own
+        )
         self._candidates: dict[str, list[Failure]] = {}  # by class, those that are shrunk
-        self._known_ones: dict[str, list[Failure]] = {}  # likewise, those that would be were their class no known one
+        self._known_ones: dict[
+            str, list[Failure]
+        ] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
-        # What cut units met is kept and shown. What later units know and what is stored of them depends on whole ones
-        # alone, or a campaign would go on to something else than one that nobody stopped.
-        self._memory = Memory()
-        self._met_whole: Counter[tuple[str, bool]] = Counter()  # units that met a class, by class and whether no news
-        self._known = [Memory(), Memory()]  # by epoch
-        self._knows_too_little = math.inf  # the first epoch whose memory lacks what a cut unit would have met
-        self._jobs: list[_Job] = []  # that wait for a worker
+        # What cut units met is kept and shown. What later units know and what is stored of them
+        # depends on whole ones alone, or a campaign would go on to something else than one that
+        # nobody stopped.
+        self._memory = SearchState()
+        self._met_whole: Counter[tuple[str, bool]] = (
+            Counter()
+        )  # units that met a class, by class and whether no news
+        self._known = [SearchState(), SearchState()]  # by epoch
+        self._knows_too_little = (
+            math.inf
+        )  # the first epoch whose memory lacks what a cut unit would have met
+        self._jobs: list[_ShrinkJob] = []  # that wait for a worker
         self._under_way: dict[int, _Under[UnitResult]] = {}  # units
-        self._shrinks: list[tuple[_Job, _Under[Shrinking]]] = []
+        self._shrinks: list[tuple[_ShrinkJob, _Under[Shrinking]]] = []
         self._next = 0  # unit
         self._merged = 0  # units
         self._before = 0.0  # s, of earlier runs
@@ -243,9 +263,16 @@ class Campaign:
         return self._schedule.is_ready
 
     def pending(self) -> dict[str, Failure]:
-        """Failures by class that are proved but not shrunk yet; of use after an interruption, or when time is up."""
+        """Failures by class that are proved but not shrunk yet.
+
+        Of use after an interruption, or when time is up.
+        """
         best = self.state.best
-        return {kind: min(found, key=_size) for kind, found in self._candidates.items() if kind not in best}
+        return {
+            kind: min(found, key=_size)
+            for kind, found in self._candidates.items()
+            if kind not in best
+        }
 
     def run(self) -> Generator[Progress, None, None]:
         """Does the campaign, or what is left of it.
@@ -287,20 +314,27 @@ class Campaign:
             self._take_from_earlier()
 
     def _count_time(self) -> None:
-        """Bring the state's times up to now; remembered work adds what earlier runs spent, shrinking included."""
+        """Bring the state's times up to now.
+
+        Remembered work adds what earlier runs spent, shrinking included.
+        """
         self.state.seconds = self._before + self._schedule.elapsed()
         self.state.times = self._schedule.times()
 
     def _merge_next(self) -> Iterator[Progress]:
-        unit, under = self._merged, self._under_way.pop(self._merged)
+        unit = self._merged
+        under = self._under_way.pop(self._merged)
         self._merged += 1
         self._queue(self._merge(unit, under))
         yield UnitDone(unit, self.state, under.seconds is not None)
         if under.future.result().interrupted:
             raise KeyboardInterrupt
 
-    def _take_what_is_done(self) -> Iterator[Found]:
-        """At the end: merge the units that are done, also those behind a unit that is not, which has lost its turn."""
+    def _take_what_is_done(self) -> Iterator[Discovery]:
+        """At the end: merge the units that are done, also those behind a unit that is not.
+
+        It has lost its turn.
+        """
         for unit, under in sorted(self._under_way.items()):
             if under.future.done():
                 del self._under_way[unit]
@@ -317,14 +351,15 @@ class Campaign:
     def _hand_out(self, executor: Executor) -> None:
         """Gives each free worker something to do.
 
-        The first failure of each class is shrunk before more is searched, the others after it. Where time is the
-        budget, shrinking has its share of it: during the search and after it.
+        The first failure of each class is shrunk before more is searched, the others after it.
+        Where time is the budget, shrinking has its share of it: during the search and after it.
         """
         while self._occupied() < executor.room and len(self._under_way) < executor.room + _AHEAD:
             search_first = self._schedule.search_comes_first
             if not search_first:
                 self._queue(self._slid_already())
-            job, unit = self._next_job(first_only=search_first), None
+            job = self._next_job(first_only=search_first)
+            unit = None
             if job is None and self._schedule.may_search:
                 if (unit := self._unit(executor, self._next)) is not None:
                     self._under_way[self._next], self._next = unit, self._next + 1
@@ -337,10 +372,19 @@ class Campaign:
                 return
             if not self._schedule.is_ready:
                 self._get_ready(executor)
-            seconds, end = self._schedule.for_shrinking(self._jobs_before(job) + 1, max(executor.room - 1, 1))
+            seconds, end = self._schedule.for_shrinking(
+                self._jobs_before(job) + 1, max(executor.room - 1, 1)
+            )
             with self._schedule.doing(0, 1):
                 self._shrinks.append(
-                    (job, _Under(executor.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
+                    (
+                        job,
+                        _Under(
+                            executor.submit(
+                                shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end
+                            )
+                        ),
+                    )
                 )
 
     def _occupied(self) -> int:
@@ -360,8 +404,11 @@ class Campaign:
             executor.listen()
         self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
-    def _next_job(self, *, first_only: bool = False) -> _Job | None:
-        """A failure to be shrunk, the first of each class before others; ``None`` when none has its turn."""
+    def _next_job(self, *, first_only: bool = False) -> _ShrinkJob | None:
+        """A failure to be shrunk, the first of each class before others.
+
+        ``None`` when none has its turn.
+        """
         if self._schedule.is_over() or (first_only and self._schedule.shrank_enough()):
             return None
         order = _by_turn if self._schedule.is_unlimited else _by_size
@@ -371,11 +418,11 @@ class Campaign:
         self._jobs.remove(job)
         return job
 
-    def _jobs_before(self, job: _Job) -> int:
+    def _jobs_before(self, job: _ShrinkJob) -> int:
         """How many of those that wait are as urgent, with those under way."""
         return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
 
-    def _queue(self, jobs: list[_Job]) -> None:
+    def _queue(self, jobs: list[_ShrinkJob]) -> None:
         """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
         for job in jobs:
             done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
@@ -390,7 +437,10 @@ class Campaign:
         return self._next // self.config.epoch < len(self._known)
 
     def _unit(self, executor: Executor, unit: int) -> _Under[UnitResult] | None:
-        """The unit under way, or as the store has it; ``None`` where there is none, or who does it is not ready."""
+        """The unit under way, or as the store has it.
+
+        ``None`` where there is none, or who does it is not ready.
+        """
         if not self._has_more_units():
             return None
         done = self._store.unit(unit)
@@ -407,17 +457,27 @@ class Campaign:
 
     def _wait(self, executor: Executor) -> None:
         # Units that are done behind the next one to be merged are no reason to wake up.
-        units = [one for unit, one in self._under_way.items() if unit == self._merged or not one.future.done()]
+        units = [
+            one
+            for unit, one in self._under_way.items()
+            if unit == self._merged or not one.future.done()
+        ]
         futures: list[Future[Any]] = [one.future for one in units]
         futures += [one.future for _, one in self._shrinks]
         with self._schedule.doing(len(units), len(self._shrinks)):
-            while not wait(futures, LISTEN, return_when=FIRST_COMPLETED).done and not self._schedule.is_over(GRACE):
+            while not wait(
+                futures, LISTEN, return_when=FIRST_COMPLETED
+            ).done and not self._schedule.is_over(GRACE):
                 executor.listen()
         executor.listen()
 
-    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
-        """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
-        state, result = self.state, under.future.result()
+    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_ShrinkJob]:
+        """Adds a unit's result and remembers it.
+
+        Returns what is to be shrunk, the same for any timing.
+        """
+        state = self.state
+        result = under.future.result()
         if under.seconds is None:
             state.effort += result.effort
         if result.cut and under.seconds is None:
@@ -439,21 +499,30 @@ class Campaign:
         for kind, failure in sorted(result.failures.items()):
             is_known = self._is_known(failure)
             candidates = self._known_ones if is_known else self._candidates
-            is_news, few = state.memory.is_news(kind, failure), len(candidates.get(kind, ())) < _RESTARTS
-            if is_news:
+            is_interesting = state.memory.is_interesting(kind, failure)
+            few = len(candidates.get(kind, ())) < _RESTARTS
+            if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
-                state.finds.append(Find(unit, result.lane, kind, failure, *totals))
+                state.finds.append(DiscoveryTotals(unit, result.lane, kind, failure, *totals))
             few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
-            if few_whole or self._memory.is_news(kind, failure):
+            if few_whole or self._memory.is_interesting(kind, failure):
                 kept[kind] = failure
             self._met_whole[kind, is_known] += not result.cut
             if is_known:
                 state.known[kind] += result.met[kind]
-            if few if self.config.shrink else is_news:
-                jobs += [] if is_known else [_Job(failure, before=len(candidates.get(kind, ())))]
+            if few if self.config.shrink else is_interesting:
+                jobs += (
+                    [] if is_known else [_ShrinkJob(failure, before=len(candidates.get(kind, ())))]
+                )
                 candidates.setdefault(kind, []).append(failure)
-        elites = {cell: elite for cell, elite in result.elites.items() if self._memory.is_better(cell, elite)}
-        result = replace(result, failures=kept, elites=elites)  # so that the memory is in the store's order, too
+        elites = {
+            cell: elite
+            for cell, elite in result.elites.items()
+            if self._memory.is_better(cell, elite)
+        }
+        result = replace(
+            result, failures=kept, elites=elites
+        )  # so that the memory is in the store's order, too
         if under.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
         state.memory = state.memory.after(result)
@@ -472,24 +541,34 @@ class Campaign:
             return result
         return replace(before.result, interrupted=result.interrupted)
 
-    def _slid(self) -> list[_Job]:
-        """Once all else is done: of classes whose worlds all slid into other classes the smallest failure."""
+    def _slid(self) -> list[_ShrinkJob]:
+        """Once all else is done.
+
+        Of classes whose worlds all slid into other classes the smallest failure.
+        """
         return self._whole(kind for kind in self._candidates if kind not in self.state.best)
 
-    def _slid_already(self) -> list[_Job]:
-        """The same of classes whose first world has slid, while others wait: they come before second worlds."""
+    def _slid_already(self) -> list[_ShrinkJob]:
+        """The same of classes whose first world has slid, while others wait.
+
+        They come before second worlds.
+        """
         if not self.config.shrink:
             return []
         waiting = {job.failure.bucket for job in self._jobs if not job.before}
         waiting |= {job.failure.bucket for job, _ in self._shrinks}
-        return self._whole(kind for kind in self._candidates.keys() - waiting if kind not in self.state.best)
+        return self._whole(
+            kind for kind in self._candidates.keys() - waiting if kind not in self.state.best
+        )
 
-    def _whole(self, kinds: Iterable[str]) -> list[_Job]:
+    def _whole(self, kinds: Iterable[str]) -> list[_ShrinkJob]:
         fresh = sorted(set(kinds) - self._kept_whole)
         self._kept_whole.update(fresh)
-        return [_Job(min(self._candidates[kind], key=_size), "class") for kind in fresh]  # each takes a second
+        return [
+            _ShrinkJob(min(self._candidates[kind], key=_size), "class") for kind in fresh
+        ]  # each takes a second
 
-    def _kept(self) -> Iterator[Found]:
+    def _kept(self) -> Iterator[Discovery]:
         """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
         for job, under in [one for one in self._shrinks if one[1].future.done()]:
             self._shrinks.remove((job, under))
@@ -501,25 +580,30 @@ class Campaign:
             self._count_time()
             if not result.complete and not shrunk.is_shrunk:  # no time was left for it
                 continue
-            if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end
+            if self._is_known(
+                shrunk
+            ):  # it slid there from a class that is news, which has its turn in the end
                 continue
             kind = shrunk.bucket
             before = self.state.best.get(kind)
             if before is None or _size(shrunk) < _size(before):
                 self.state.best[kind] = shrunk
-                yield Found(kind, shrunk, before is not None)
+                yield Discovery(kind, shrunk, before is not None)
 
 
 def shrunk_or_same(
     failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
 ) -> Shrinking:
-    """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms.
+    """The failure shrunk, with where it begins.
+
+    As it was if it does not hold by shrinking's own terms.
 
     Args:
         failure: As it was found.
         kept: What shrinking keeps, as :func:`fuzz.shrink.shrink` takes it.
         seconds: Stop after this time with the best so far.
-        end: By :func:`fuzz.campaign.deadline.now`: if even that is not proved until then, the failure stays as it was.
+        end: By :func:`fuzz.campaign.deadline.now`: if even that is not proved until then, the
+            failure stays as it was.
     """
     began = Effort.so_far()
     renew()
@@ -535,7 +619,9 @@ def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: flo
                 return Shrinking(made.failure, complete=False)
             try:
                 return Shrinking(with_boundaries(made.failure, failure))
-            except OutOfTime:  # it is shrunk and proved all the same; a later run measures where it begins
+            except (
+                OutOfTime
+            ):  # it is shrunk and proved all the same; a later run measures where it begins
                 return Shrinking(made.failure, complete=False)
     except OutOfTime:
         return Shrinking(failure, complete=False)
@@ -549,11 +635,11 @@ def _finished(result: T) -> Future[T]:
     return future
 
 
-def _by_turn(job: _Job) -> tuple[int]:
+def _by_turn(job: _ShrinkJob) -> tuple[int]:
     return (job.before,)
 
 
-def _by_size(job: _Job) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
+def _by_size(job: _ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
     """The first of each class, the smallest first: so the most are done by the end of the time."""
     return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
 

@@ -15,7 +15,9 @@ _SEARCH = 0.75  # share of the time after which shrinking comes first
 _SEARCH_ON = 0.9  # share after which no more is searched, even if nothing is left to shrink
 _PROVE = 0.5  # share of what is then left in which a failure that was met is still proved
 _UNSHRUNK = 0.97  # share of the time for the search where nothing is shrunk
-_SHRINKING = 0.25  # share of the work during the search that goes to the first failure of each class
+_SHRINKING = (
+    0.25  # share of the work during the search that goes to the first failure of each class
+)
 _ONE_OF = 0.1  # share of the time that one failure may take to be shrunk while the search goes on
 _COUNTED = 3.0  # s of the start-up that count, at most, and no more than the search's share leaves
 _LEAST = 0.05  # s that a failure gets to be shrunk
@@ -25,8 +27,8 @@ _TO_CONFIRM = 0.3  # share of a failure's time in which what it was shrunk to is
 class Schedule:
     """A campaign's clock. The time begins with the first work that no earlier run did.
 
-    What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would leave nothing of a
-    short budget. What the controller's own code took of it counts in full.
+    What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would
+    leave nothing of a short budget. What the controller's own code took of it counts in full.
 
     Args:
         seconds: Of search and shrinking together; ``None`` for no limit.
@@ -36,9 +38,15 @@ class Schedule:
     """
 
     def __init__(
-        self, seconds: float | None, *, shrinks: bool = True, began: float | None = None, own: float = 0.0
+        self,
+        seconds: float | None,
+        *,
+        shrinks: bool = True,
+        began: float | None = None,
+        own: float = 0.0,
     ) -> None:
-        self._seconds, self._shrinks = seconds, shrinks
+        self._seconds = seconds
+        self._shrinks = shrinks
         self._began = time.monotonic() if began is None else began
         self._ready = self._last = math.inf
         self._search = self._shrinking = 0.0  # s
@@ -57,7 +65,10 @@ class Schedule:
 
     @property
     def search_comes_first(self) -> bool:
-        """Return True until the search's share of the time is over; then it goes on where nothing is to be shrunk."""
+        """Return True until the search's share of the time is over.
+
+        Then it goes on where nothing is to be shrunk.
+        """
         return self._left(self._share_to_search(urgent=True)) > 0.0
 
     @property
@@ -80,7 +91,10 @@ class Schedule:
         return self._seconds is not None and self._left() + grace <= 0.0
 
     def deadline(self) -> Deadline:
-        """Return when a unit is to end: with the search's share of the time, or with what is left of it after that."""
+        """Return when a unit is to end.
+
+        With the search's share of the time, or with what is left of it after that.
+        """
         if self._seconds is None:
             return NO_DEADLINE
         share = self._share_to_search(urgent=self.search_comes_first)
@@ -129,7 +143,11 @@ class Schedule:
     def times(self) -> dict[str, float]:
         """Return the seconds of each part so far."""
         shrinking = min(self._shrinking, self.elapsed())
-        return {"start-up": self.start_up, "search": self.elapsed() - shrinking, "shrinking": shrinking}
+        return {
+            "start-up": self.start_up,
+            "search": self.elapsed() - shrinking,
+            "shrinking": shrinking,
+        }
 
     def _share_to_search(self, *, urgent: bool) -> float:
         if not self._shrinks:

@@ -15,17 +15,17 @@ import click
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import Executor, WorkersLost
 from fuzz.campaign.options import CampaignOptions, SearchOptions
-from fuzz.campaign.run import Campaign, Found, Progress, UnitDone
+from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
 from fuzz.campaign.store import CampaignRun, record_error
 from fuzz.campaign.summary import (
-    lanes_in_words,
-    share_in_words,
+    describe_lanes,
+    describe_share,
+    describe_time,
+    describe_units,
     summary_of,
-    time_in_words,
-    units_in_words,
 )
 from fuzz.campaign.variation import Variation
-from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
+from fuzz.ci import NO_OUTPUTS, CiFinding, Outputs, Report
 from fuzz.corpus import Baseline
 from fuzz.describe import describe
 from fuzz.failure import Failure
@@ -108,7 +108,10 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
 
 
 def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedOracle]) -> None:
-    """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
+    """One short run in an empty arena, judged by each oracle.
+
+    So that a name or a compile error shows at once.
+    """
     scenario = config.scenario
     outcome = try_out(scenario, seconds)
     # So would every run, each for the whole start-up deadline.
@@ -129,12 +132,14 @@ class CampaignSession:
     """Runs a campaign and keeps its folder.
 
     Args:
-        campaign_run: The campaign, with its folder and how long it is to search; closed by :meth:`run`.
+        campaign_run: The campaign, with its folder and how long it is to search; closed by
+            :meth:`run`.
         executor: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
         baseline: Failures whose classes are known: they are counted only; none if left out.
-        count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
+        count_hazards: Whether a robot burned by what its controller cannot sense makes the exit
+            code 1, too.
         began: When the command began, by ``time.monotonic``.
         lasts: Whether the folder is still there after the command, so that a message can name it.
         own: Seconds since then that the controller's own code took.
@@ -153,7 +158,8 @@ class CampaignSession:
         lasts: bool = True,
         own: float = 0.0,
     ) -> None:
-        self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
+        self._baseline = baseline or Baseline()
+        self._count_hazards = count_hazards
         self._config = campaign_run.config
         self._store = campaign_run.store
         self._quiet = quiet
@@ -171,10 +177,14 @@ class CampaignSession:
             began=began,
             own=own,
         )
-        self._limit = f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
+        self._limit = (
+            f"{budget.seconds:g} s" if budget.units is None else counted(budget.units, "unit")
+        )
         self._unsaved: set[str] = set()
         self._status = "running"
-        self._goes_on = campaign_run.done > 0  # until all that was done before has been gone through
+        self._goes_on = (
+            campaign_run.done > 0
+        )  # until all that was done before has been gone through
         self._summarised = time.monotonic()
 
     def run(self) -> int:
@@ -199,7 +209,10 @@ class CampaignSession:
         except OutputError as error:
             if not self._lasts:
                 raise OutputError(
-                    "broken-off", "{reason}", "nothing was kept: make room, and begin again", reason=str(error)
+                    "broken-off",
+                    "{reason}",
+                    "nothing was kept: make room, and begin again",
+                    reason=str(error),
                 ) from error
             raise OutputError(
                 "broken-off",
@@ -209,14 +222,19 @@ class CampaignSession:
                 reason=str(error),
                 way_on=self._way_on,
             ) from error
-        end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
+        end = (
+            time.monotonic() + _TO_DRAW
+        )  # a run of a slow controller may take longer than the budget
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
             if self._outputs:
                 self._outputs.write(self._as_report())
         if stopped and self._lasts:
             kept = counted(len(self._campaign.state.best), "failure")
-            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {self._way_on}")
+            note(
+                f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in "
+                f"{self._out}; {self._way_on}"
+            )
         elif stopped:
             note("interrupted; nothing was kept")
         if stopped:
@@ -232,7 +250,11 @@ class CampaignSession:
     def _failing(self) -> dict[str, Failure]:
         """By class, what makes the exit code 1."""
         best = self._campaign.state.best
-        return best if self._count_hazards else {kind: one for kind, one in best.items() if not is_unsensed(one)}
+        return (
+            best
+            if self._count_hazards
+            else {kind: one for kind, one in best.items() if not is_unsensed(one)}
+        )
 
     def _hazards(self) -> dict[str, Failure]:
         """By class, what burned the robot though its controller could not have known better."""
@@ -240,14 +262,19 @@ class CampaignSession:
         return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
 
     def _nothing_ran(self) -> InvalidParameter | None:
-        """Return an error if no world could be run: a build must not take that for a controller without failures."""
-        state, lanes = self._campaign.state, self._campaign.state.memory.lanes.keys()
+        """Return an error if no world could be run.
+
+        A build must not take that for a controller without failures.
+        """
+        state = self._campaign.state
+        lanes = self._campaign.state.memory.lanes.keys()
         if state.worlds or (lanes and lanes <= {DATABASE}):
             return None
         if state.cut or not lanes:
             return InvalidParameter(
                 "too-slow",
-                "no world was finished within {limit}: the controller, or this machine, is too slow for that",
+                "no world was finished within {limit}: the controller, or this machine, is too "
+                "slow for that",
                 "give a larger --budget, or smaller worlds",
                 at_terminal=True,
                 limit=self._limit,
@@ -260,7 +287,10 @@ class CampaignSession:
         )
 
     def _search_and_say_how_it_ended(self) -> bool:
-        """Search; the folder says how that ended before other processes may have it. Return whether Ctrl-C came."""
+        """Search; the folder says how that ended before other processes may have it.
+
+        Return whether Ctrl-C came.
+        """
         self._store.save_status("running")
         try:
             stopped = self._search()
@@ -276,7 +306,9 @@ class CampaignSession:
 
     def _keep_status(self, status: str) -> None:
         self._status = status
-        if self._goes_on:  # what earlier runs did is not gone through, so the numbers of their summary stay
+        if (
+            self._goes_on
+        ):  # what earlier runs did is not gone through, so the numbers of their summary stay
             self._store.save_status(status)
         else:
             self._store.save_summary(self._summary())
@@ -309,15 +341,26 @@ class CampaignSession:
                 self._see(event)
         self._goes_on = False
         if self._campaign.units is not None:
-            self._store.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
-        late = sum(not one.is_shrunk for one in {**self._campaign.state.best, **self._save_pending()}.values())
+            self._store.remove_failures_but(
+                [self._path(kind).name for kind in self._campaign.state.best]
+            )
+        late = sum(
+            not one.is_shrunk
+            for one in {**self._campaign.state.best, **self._save_pending()}.values()
+        )
         if late and self._config.shrink:
             self._say_late(late)
 
     def _say_late(self, late: int) -> None:
-        """Say how many classes were not shrunk, and what shrinks them: nothing does where time was not the reason."""
+        """Say how many classes were not shrunk, and what shrinks them.
+
+        Nothing does where time was not the reason.
+        """
         state = self._campaign.state
-        are = f"{late} of {counted(len(state.best), 'class', 'classes')} {'is' if late == 1 else 'are'} as found"
+        are = (
+            f"{late} of {counted(len(state.best), 'class', 'classes')} "
+            f"{'is' if late == 1 else 'are'} as found"
+        )
         if self._campaign.units is not None:
             note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
             return
@@ -334,14 +377,18 @@ class CampaignSession:
         state = self._campaign.state
         if not state.until:
             return "the first units are under way"
-        failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
+        failed = sum(
+            count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE
+        )
         shrunk = sum(one.is_shrunk for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
-        classes = counted(len(state.best.keys() | self._campaign.pending().keys()), "class", "classes")
+        classes = counted(
+            len(state.best.keys() | self._campaign.pending().keys()), "class", "classes"
+        )
         return f"{counted(state.worlds, 'world')}, {failed} failed, {classes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
-        if isinstance(event, Found):
+        if isinstance(event, Discovery):
             self._unsaved.add(event.kind)
         elif isinstance(event, UnitDone):
             self._goes_on = event.again
@@ -361,12 +408,17 @@ class CampaignSession:
             self._summarised = time.monotonic()
 
     def _save_pending(self) -> dict[str, Failure]:
-        """What was proved but not shrunk yet is kept as it is; nothing where not even the earlier is gone through."""
+        """What was proved but not shrunk yet is kept as it is.
+
+        Nothing where not even the earlier is gone through.
+        """
         if self._goes_on:
             return {}
         pending = self._campaign.pending()
         self._campaign.state.best |= pending
-        self._unsaved |= self._campaign.state.best.keys()  # also what came in when no event could say so any more
+        self._unsaved |= (
+            self._campaign.state.best.keys()
+        )  # also what came in when no event could say so any more
         self._save()
         return pending
 
@@ -374,7 +426,8 @@ class CampaignSession:
         return self._out / f"{kind}.grid"
 
     def _report(self) -> None:
-        state, hazards = self._campaign.state, self._hazards()
+        state = self._campaign.state
+        hazards = self._hazards()
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
             emit_json(self._summary() | lists)
@@ -385,27 +438,39 @@ class CampaignSession:
             click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
         for kind, failure in sorted(hazards.items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
-        click.echo(lanes_in_words(state))
-        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
-        click.echo(
-            f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {time_in_words(state)}; at first look {verdicts or 'nothing'}"
+        click.echo(describe_lanes(state))
+        verdicts = ", ".join(
+            f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )
-        if (share := share_in_words(self._config, state)) is not None:
+        click.echo(
+            f"seed {self._config.seed}: {describe_units(state)}, {counted(state.worlds, 'world')}, "
+            f"{counted(state.steps, 'step')} in {describe_time(state)}; at first look "
+            f"{verdicts or 'nothing'}"
+        )
+        if (share := describe_share(self._config, state)) is not None:
             note(share)
         if state.effort.broken:
             steps = counted(state.effort.broken, "step")
             note(
-                f"{steps} of {self._config.scenario.controller} went on when the time was over, and had to be broken "
-                "off; if a step may hang, run the controller as a program: each step has a deadline then, and a hang "
+                f"{steps} of {self._config.scenario.controller} went on when the time was over, "
+                f"and had to be broken "
+                "off; if a step may hang, run the controller as a program: each step has a "
+                "deadline then, and a hang "
                 "is a failure (docs/controllers.md)"
             )
         if state.known:
-            often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
+            often = ", ".join(
+                f"{shown(kind)} {counted(times, 'time')}"
+                for kind, times in sorted(state.known.items())
+            )
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
         if hazards:
-            often = ", ".join(f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards))
-            click.echo(f"hazards it cannot sense: met {often}; --count-hazards makes failures of them")
+            often = ", ".join(
+                f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards)
+            )
+            click.echo(
+                f"hazards it cannot sense: met {often}; --count-hazards makes failures of them"
+            )
         if not self._failing():
             what = "new failure" if state.known else "failure"
             beside = ", but for hazards that it cannot sense" if hazards else ""
@@ -414,16 +479,36 @@ class CampaignSession:
 
     def _as_report(self) -> Report:
         """The campaign for the programs that run tests for a team."""
-        state, scenario = self._campaign.state, self._config.scenario
+        state = self._campaign.state
+        scenario = self._config.scenario
         best = sorted(state.best.items())
-        facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
-        numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
-        facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
-        facts |= {f"{part}_seconds": f"{state.times[part]:.1f}" for part in ("search", "shrinking") if state.times}
+        facts = {
+            "controller": shown(scenario.label(scenario.motion, scenario.time_step)),
+            "motion": scenario.motion,
+        }
+        numbers = {
+            "seed": self._config.seed,
+            "units": state.units,
+            "worlds": state.worlds,
+            "steps": state.steps,
+        }
+        facts |= {name: str(number) for name, number in numbers.items()} | {
+            "seconds": f"{state.seconds:.1f}"
+        }
+        facts |= {
+            f"{part}_seconds": f"{state.times[part]:.1f}"
+            for part in ("search", "shrinking")
+            if state.times
+        }
         failing = self._failing()
-        new = [Finding.of(one, self._path(kind), "new" if kind in failing else "hazard") for kind, one in best]
+        new = [
+            CiFinding.of(one, self._path(kind), "new" if kind in failing else "hazard")
+            for kind, one in best
+        ]
         stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
-        met = [Finding.of(one, path, "known") for key, (path, one) in stored if state.known[key[2]]]
+        met = [
+            CiFinding.of(one, path, "known") for key, (path, one) in stored if state.known[key[2]]
+        ]
         return Report("fuzz", (*new, *met), facts)
 
     def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:

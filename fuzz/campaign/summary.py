@@ -11,7 +11,14 @@ from fuzz.search.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.support.plain_text import aligned, counted
 
-__all__ = ["controller_share", "lanes_in_words", "share_in_words", "summary_of", "time_in_words", "units_in_words"]
+__all__ = [
+    "controller_share",
+    "describe_lanes",
+    "describe_share",
+    "describe_time",
+    "describe_units",
+    "summary_of",
+]
 
 
 def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder: Path) -> Summary:
@@ -72,16 +79,21 @@ def _archive_of(state: CampaignState) -> Archive | None:
     return Archive((first["name"], second["name"]), (first["edges"], second["edges"]), cells)
 
 
-def lanes_in_words(state: CampaignState) -> str:
+def describe_lanes(state: CampaignState) -> str:
     """A table of the lanes: what each had and what it brought."""
     rows = [["lane", "units", "worlds", "steps", "failures", "new classes"]]
     for name, lane in sorted(state.memory.lanes.items()):
-        rows.append([name, *map(str, (lane.units, lane.worlds, lane.steps, lane.failures, lane.classes))])
+        rows.append(
+            [name, *map(str, (lane.units, lane.worlds, lane.steps, lane.failures, lane.classes))]
+        )
     return aligned(rows, right=range(1, 6))
 
 
-def units_in_words(state: CampaignState) -> str:
-    """Return the units by what became of them: ``9 units and 2 cut short and 1 that learned too little from those``."""
+def describe_units(state: CampaignState) -> str:
+    """Return the units by what became of them.
+
+    ``9 units and 2 cut short and 1 that learned too little from those``.
+    """
     words = counted(state.units, "unit")
     cut = state.cut - state.too_early
     if cut:
@@ -94,17 +106,22 @@ def units_in_words(state: CampaignState) -> str:
 def controller_share(config: CampaignConfig, state: CampaignState) -> float | None:
     """Return the share of this run's work that was the controller's own code.
 
-    ``None`` for a compiled controller, which is a part of the kernels, and for a run that had nothing to do.
+    ``None`` for a compiled controller, which is a part of the kernels, and for a run that had
+    nothing to do.
     """
-    if isinstance(CONTROLLERS.get(config.scenario.controller), CompiledController) or not state.effort.seconds:
+    if (
+        isinstance(CONTROLLERS.get(config.scenario.controller), CompiledController)
+        or not state.effort.seconds
+    ):
         return None
     return state.effort.share
 
 
-def time_in_words(state: CampaignState) -> str:
+def describe_time(state: CampaignState) -> str:
     """Describe how long this run took: ``30.0 s: start-up 2.0 s, search 21.9 s, shrinking 6.1 s``.
 
-    A run that had nothing left to do reports the time of all runs before it, whose parts are unknown.
+    A run that had nothing left to do reports the time of all runs before it, whose parts are
+    unknown.
     """
     whole = sum(state.times.values())
     if not whole:
@@ -113,8 +130,11 @@ def time_in_words(state: CampaignState) -> str:
     return f"{whole:.1f} s: {parts}"
 
 
-def share_in_words(config: CampaignConfig, state: CampaignState) -> str | None:
-    """Describe the controller's share: ``40 % of the work was your controller's own code``; ``None`` if unknown."""
+def describe_share(config: CampaignConfig, state: CampaignState) -> str | None:
+    """Describe the controller's share: ``40 % of the work was your controller's own code``.
+
+    ``None`` if unknown.
+    """
     share = controller_share(config, state)
     if share is None:
         return None

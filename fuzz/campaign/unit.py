@@ -1,14 +1,17 @@
-"""Units of a campaign: pure functions of (configuration, unit number, memory), so any worker may do any of them."""
+"""Units of a campaign: pure functions of (configuration, unit number, memory).
+
+So any worker may do any of them.
+"""
 
 from __future__ import annotations
 
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline
-from fuzz.campaign.result import Memory, UnitResult
+from fuzz.campaign.result import SearchState, UnitResult
 from fuzz.search.plan import planned_lane
 from fuzz.search.registry import lane_of
 from fuzz.search.task import Task
-from fuzz.triage.triage import Door
+from fuzz.triage.triage import Triage
 from sim.controllers.shared.guarded import renew
 from sim.runners.controller_time import Effort
 from sim.runners.stopping import OutOfTime, check_time, stopping_when
@@ -17,9 +20,14 @@ __all__ = ["run_unit"]
 
 
 def run_unit(
-    config: CampaignConfig, unit: int, memory: Memory | None = None, deadline: Deadline = NO_DEADLINE
+    config: CampaignConfig,
+    unit: int,
+    memory: SearchState | None = None,
+    deadline: Deadline = NO_DEADLINE,
 ) -> UnitResult:
-    """Do one unit: draw, run, prove, classify. Without a deadline it depends on nothing but its arguments.
+    """Do one unit: draw, run, prove, classify.
+
+    Without a deadline it depends on nothing but its arguments.
 
     Args:
         config: What to look for.
@@ -28,14 +36,14 @@ def run_unit(
         deadline: When it ends with what it has until then, as ``cut`` in the result says.
     """
     began = Effort.so_far()
-    known = Memory() if memory is None else memory
+    known = SearchState() if memory is None else memory
     name = planned_lane(config, unit, known)
     result = UnitResult(lane=name)
     renew()  # what a shared library has kept from other units counts for nothing in this one
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
-            lane_of(name)(Task(name, config, unit, known, Door(config, result, deadline)))
+            lane_of(name)(Task(name, config, unit, known, Triage(config, result, deadline)))
     except OutOfTime:
         result.cut = True
     except KeyboardInterrupt:

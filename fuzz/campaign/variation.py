@@ -23,7 +23,8 @@ class Variation:
     """One quantity and its values.
 
     Args:
-        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the motion model.
+        name: ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s), or an option of the
+            motion model.
         values: The simplest first.
     """
 
@@ -42,10 +43,15 @@ class Variation:
             InvalidParameter: If the name is unknown, a value is none for it, or out of range.
         """
         name, equals, said = text.partition("=")
-        name, words = name.strip().replace("-", "_"), [word.strip() for word in said.split(",")]
+        name = name.strip().replace("-", "_")
+        words = [word.strip() for word in said.split(",")]
         if not name or not equals or not all(words):
             raise InvalidParameter(
-                "no-values", "{option} {text!r} names no values", _EXAMPLE, option=_OPTION, text=text
+                "no-values",
+                "{option} {text!r} names no values",
+                _EXAMPLE,
+                option=_OPTION,
+                text=text,
             )
         _check_name(name, scenario.motion)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
@@ -69,7 +75,9 @@ class Variation:
             _with_option(scenario, self.name, value)
 
 
-def applied(values: Mapping[str, Value], world: World, scenario: Scenario) -> tuple[World, Scenario]:
+def applied(
+    values: Mapping[str, Value], world: World, scenario: Scenario
+) -> tuple[World, Scenario]:
     """The world and the scenario with these values.
 
     Args:
@@ -92,9 +100,10 @@ def applied(values: Mapping[str, Value], world: World, scenario: Scenario) -> tu
 
 
 def map_provenance(world: World) -> Provenance | None:
-    """How the cells came here if they are a foreign map's: true of them whichever robot drives there, and from where.
+    """How the cells came here if they are a foreign map's.
 
-    It has the map's origin, so that a failure can go back to where the map is used. A family's says the whole world.
+    True of them whichever robot drives there, and from where. It has the map's origin, so that a
+    failure can go back to where the map is used. A family's says the whole world.
     """
     made = world.provenance
     return made if made is not None and made.family == "import" else None

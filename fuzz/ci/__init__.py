@@ -2,14 +2,15 @@
 
 Contents:
     Finding, State, Report: what a command found, and what it did for it.
-    Outputs, NO_OUTPUTS: the files that a user asks for, checked before the work and written after it.
+    Outputs, NO_OUTPUTS: the files that a user asks for, checked before the work and written after
+        it.
     junit, sarif, markdown: a report as text.
     place_of, repository: where in the repository a controller's source stands.
 
 ``docs/ci.md`` is the description.
 """
 
-from fuzz.ci.finding import Finding, Report, State
+from fuzz.ci.finding import CiFinding, Report, State
 from fuzz.ci.junit import junit
 from fuzz.ci.markdown import markdown
 from fuzz.ci.outputs import NO_OUTPUTS, Outputs
@@ -17,5 +18,5 @@ from fuzz.ci.place import place_of, repository
 from fuzz.ci.sarif import sarif
 
 __all__ = [
-    "NO_OUTPUTS", "Finding", "Outputs", "Report", "State", "junit", "markdown", "place_of", "repository", "sarif",
+    "NO_OUTPUTS", "CiFinding", "Outputs", "Report", "State", "junit", "markdown", "place_of", "repository", "sarif",
 ]  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Literal
 
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
-from sim.describe import frames_in_words
+from sim.describe import describe_frames
 from sim.drawing.picture import trail_of
 from sim.runners.stopping import OutOfTime
 from worldgen.errors import WorldgenError
@@ -17,19 +17,19 @@ from worldgen.files.grid.writer import world_digest
 from worldgen.render import draw_terminal
 from worldgen.support.plain_text import counted, shown, shown_lines
 
-__all__ = ["Finding", "Report", "State"]
+__all__ = ["CiFinding", "Report", "State"]
 
 State = Literal["new", "known", "hazard", "confirmed", "not confirmed"]
 _MOST_PICTURE = 20_000  # characters; a larger world is looked at in its file
 
 
 @dataclass(frozen=True)
-class Finding:
+class CiFinding:
     """A failure and what is to be said of it.
 
     Args:
-        state: ``new`` or ``known`` to a campaign, or a ``hazard`` that the controller cannot sense; ``confirmed`` or
-            ``not confirmed`` by a replay.
+        state: ``new`` or ``known`` to a campaign, or a ``hazard`` that the controller cannot sense;
+            ``confirmed`` or ``not confirmed`` by a replay.
         file: Where it lies.
         controller: Its name in the file, without options.
         who: Controller with options, and motion model.
@@ -59,7 +59,14 @@ class Finding:
     frames: str = ""
 
     @classmethod
-    def of(cls, failure: Failure, file: Path, state: State, reason: str = "", controller: str | None = None) -> Finding:
+    def of(
+        cls,
+        failure: Failure,
+        file: Path,
+        state: State,
+        reason: str = "",
+        controller: str | None = None,
+    ) -> CiFinding:
         """Describes a failure; its controller is run for the picture.
 
         Args:
@@ -71,19 +78,26 @@ class Finding:
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
-        world, record = failure.world, failure.record
+        world = failure.world
+        record = failure.record
         try:
             episode, words = run_to_draw(failure)
             trail = trail_of(episode, world)
-            frames = frames_in_words(episode.evidence)
+            frames = describe_frames(episode.evidence)
         except WorldgenError as error:
-            words, trail, frames = f", but it cannot be run here: {error}", None, ""
+            words = f", but it cannot be run here: {error}"
+            trail = None
+            frames = ""
         except OutOfTime:  # its controller is slow, and the time for pictures over
-            words, trail, frames = "", None, frames_in_words(failure.evidence)
+            words = ""
+            trail = None
+            frames = describe_frames(failure.evidence)
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
-            picture = f"(a map of {world.width} x {world.height} cells is too large for a picture here)"
+            picture = (
+                f"(a map of {world.width} x {world.height} cells is too large for a picture here)"
+            )
         return cls(
             state,
             file,
@@ -133,7 +147,7 @@ class Report:
     """
 
     command: str
-    findings: tuple[Finding, ...]
+    findings: tuple[CiFinding, ...]
     facts: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -148,7 +162,9 @@ class Report:
         hazards = sum(finding.state == "hazard" for finding in self.findings)
         if self.command == "replay":
             return f"{others} of {len(self.findings)} confirmed"
-        found = counted(self.failing, "new class", "new classes") if self.failing else "no new class"
+        found = (
+            counted(self.failing, "new class", "new classes") if self.failing else "no new class"
+        )
         known = f", {others - hazards} known" if others > hazards else ""
         unsensed = f", {counted(hazards, 'hazard')} that it cannot sense" if hazards else ""
         return f"{found} of failures{known}{unsensed}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from fuzz.ci.finding import Finding, Report
+from fuzz.ci.finding import CiFinding, Report
 
 __all__ = ["junit"]
 
@@ -18,8 +18,9 @@ _SKIPPED = {
 def junit(report: Report) -> bytes:
     """A report as JUnit's XML; equal reports are equal bytes.
 
-    What makes the command end with 1 is a failure, a known class or a hazard is skipped, a confirmed file passes. A
-    campaign that finds nothing new has one test case more, which passes: a report without any would read as if nothing
+    What makes the command end with 1 is a failure, a known class or a hazard is skipped, a
+    confirmed file passes. A campaign that finds nothing new has one test case more, which passes: a
+        report without any would read as if nothing
     had been done.
     """
     suites = Element("testsuites", name="worldgen")
@@ -42,13 +43,22 @@ def junit(report: Report) -> bytes:
     return text + b"\n"
 
 
-def _case(suite: Element, command: str, finding: Finding) -> None:
+def _case(suite: Element, command: str, finding: CiFinding) -> None:
     name = finding.place if command == "replay" else f"{finding.who}: {finding.kind}"
-    case = SubElement(suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place)
-    about = {"class": finding.kind, "seed": finding.seed, "world": finding.world_id, "replay": finding.replay}
+    case = SubElement(
+        suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place
+    )
+    about = {
+        "class": finding.kind,
+        "seed": finding.seed,
+        "world": finding.world_id,
+        "replay": finding.replay,
+    }
     _properties(case, {name: str(value) for name, value in about.items()})
     if finding.fails:
-        SubElement(case, "failure", type=finding.verdict, message=finding.headline).text = finding.text
+        SubElement(
+            case, "failure", type=finding.verdict, message=finding.headline
+        ).text = finding.text
     else:
         if finding.state in _SKIPPED:
             SubElement(case, "skipped", message=_SKIPPED[finding.state])

@@ -1,11 +1,14 @@
-"""A summary in Markdown: a table of classes, and the smallest world of each as a picture in a fold."""
+"""A summary in Markdown.
+
+A table of classes, and the smallest world of each as a picture in a fold.
+"""
 
 from __future__ import annotations
 
 import html
 import re
 
-from fuzz.ci.finding import Finding, Report
+from fuzz.ci.finding import CiFinding, Report
 
 __all__ = ["escaped", "markdown"]
 
@@ -18,9 +21,15 @@ def markdown(report: Report) -> str:
     mark = "❌" if report.failing else "✅"
     lines = [f"## {mark} worldgen {report.command}: {report.conclusion}", ""]
     if report.facts:
-        lines += [", ".join(f"{escaped(name)} {escaped(value)}" for name, value in report.facts.items()), ""]
+        lines += [
+            ", ".join(f"{escaped(name)} {escaped(value)}" for name, value in report.facts.items()),
+            "",
+        ]
     if report.findings:
-        lines += ["| | class | controller | what happens | world | file |", "| --- | --- | --- | --- | --- | --- |"]
+        lines += [
+            "| | class | controller | what happens | world | file |",
+            "| --- | --- | --- | --- | --- | --- |",
+        ]
         lines += [_row(finding) for finding in report.findings]
         lines.append("")
     room = _MOST
@@ -36,15 +45,17 @@ def markdown(report: Report) -> str:
 
 def escaped(text: str) -> str:
     """A text in which nothing is markup, wherever in a line it stands but at its beginning."""
-    return _MARKUP.sub(lambda found: "".join(f"&#{ord(character)};" for character in found[0]), text)
+    return _MARKUP.sub(
+        lambda found: "".join(f"&#{ord(character)};" for character in found[0]), text
+    )
 
 
-def _row(finding: Finding) -> str:
+def _row(finding: CiFinding) -> str:
     cells = (finding.state, finding.kind, finding.who, finding.what, finding.size, finding.place)
     return f"| {' | '.join(map(escaped, cells))} |"
 
 
-def _fold(finding: Finding) -> str:
+def _fold(finding: CiFinding) -> str:
     """All of a finding; open if it makes the command end with 1."""
     title = html.escape(f"{finding.kind}, {finding.state}")
     fold = "<details open>" if finding.fails else "<details>"

@@ -46,7 +46,12 @@ class Outputs:
             OutputError: If a file is there, cannot be made, or is named for two reports.
         """
         named: dict[Path, str] = {}
-        options = {"--junit": self.junit, "--sarif": self.sarif, "--report": page, "--summary": self.summary}
+        options = {
+            "--junit": self.junit,
+            "--sarif": self.sarif,
+            "--report": page,
+            "--summary": self.summary,
+        }
         for option, path in options.items():
             if path is None:
                 continue

@@ -33,7 +33,10 @@ class Place:
 
 
 def repository(folder: Path | None = None) -> Path:
-    """The root of the repository: GitHub's workspace, else the nearest folder with ``.git``, else the folder itself."""
+    """The root of the repository.
+
+    GitHub's workspace, else the nearest folder with ``.git``, else the folder itself.
+    """
     here = (folder or Path.cwd()).resolve()
     workspace = os.environ.get("GITHUB_WORKSPACE")
     if workspace and here.is_relative_to(Path(workspace).resolve()):
@@ -45,7 +48,8 @@ def place_of(controller: str, root: Path) -> Place | None:
     """Where a controller's source stands; ``None`` if it is not a file of the repository.
 
     Args:
-        controller: Name, ``package.module:name``, ``./file.py:name``, ``lib:./file.so:name`` or ``cmd:program``.
+        controller: Name, ``package.module:name``, ``./file.py:name``, ``lib:./file.so:name`` or
+            ``cmd:program``.
         root: Of the repository.
     """
     if is_process_name(controller):

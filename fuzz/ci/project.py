@@ -1,4 +1,7 @@
-"""Set up a project's CI: configuration, a corpus of known failures, and a job that looks for new ones."""
+"""Set up a project's CI.
+
+Configuration, a corpus of known failures, and a job that looks for new ones.
+"""
 
 from __future__ import annotations
 
@@ -87,19 +90,27 @@ class Project:
         if "${{" in self.controller or not self.controller.isprintable():
             raise InvalidParameter(
                 "not-for-a-ci-file",
-                "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an expression",
+                "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an "
+                "expression",
                 "take a name without it",
                 controller=self.controller,
             )
         if not self.folder.is_dir():
             raise OutputError(
-                "wrong-kind-of-file", "{path} is not a folder", "name the root of your project", path=self.folder
+                "wrong-kind-of-file",
+                "{path} is not a folder",
+                "name the root of your project",
+                path=self.folder,
             )
         written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
         taken = [path for path, _ in written if path.exists()]
         if taken and not force:
             raise OutputError(
-                "file-exists", "{path} exists already", "give --force to replace it", at_terminal=True, path=taken[0]
+                "file-exists",
+                "{path} exists already",
+                "give --force to replace it",
+                at_terminal=True,
+                path=taken[0],
             )
         if "worldgen" in self._settings().get("tool", {}):
             raise OutputError(
@@ -130,13 +141,21 @@ class Project:
 
     @property
     def runs_fixed_failures(self) -> bool:
-        """Whether pytest will run ``fixed/``: not where the project keeps pytest's settings in another place."""
+        """Whether pytest will run ``fixed/``.
+
+        Not where the project keeps pytest's settings in another place.
+        """
         pytest: dict[str, Any] = self._settings().get("tool", {}).get("pytest", {})
-        return not self._has_other_settings() and (not pytest or "worldgen_corpus" in pytest.get("ini_options", pytest))
+        return not self._has_other_settings() and (
+            not pytest or "worldgen_corpus" in pytest.get("ini_options", pytest)
+        )
 
     def _has_other_settings(self) -> bool:
         """Return True if a file that a table in ``pyproject.toml`` might disable holds pytest's settings."""
-        if any((self.folder / name).exists() for name in ("pytest.toml", ".pytest.toml", "pytest.ini", ".pytest.ini")):
+        if any(
+            (self.folder / name).exists()
+            for name in ("pytest.toml", ".pytest.toml", "pytest.ini", ".pytest.ini")
+        ):
             return True
         for name, table in (("tox.ini", "[pytest]"), ("setup.cfg", "[tool:pytest]")):
             with contextlib.suppress(OSError):
@@ -170,7 +189,11 @@ class Project:
         ]
         lines += [f"family = {json.dumps(self.families)}"] if self.families else []
         if self.runs_fixed_failures and "pytest" not in self._settings().get("tool", {}):
-            lines += ["", "[tool.pytest.ini_options]", f'worldgen_corpus = ["{FIXED}"] # failures that must stay fixed']
+            lines += [
+                "",
+                "[tool.pytest.ini_options]",
+                f'worldgen_corpus = ["{FIXED}"] # failures that must stay fixed',
+            ]
         return "\n".join(lines) + "\n"
 
     def _ci_files(self) -> Iterator[tuple[Path, str]]:
@@ -186,9 +209,11 @@ class Project:
     def _github(self) -> str:
         """The workflow; where worldgen comes from is known if it was installed from GitHub, else it is a variable."""
         source = origin()
-        repository, reference = source.github, source.commit
+        repository = source.github
+        reference = source.commit
         if not repository:
-            repository, reference = "${{ vars.WORLDGEN_REPOSITORY }}", "${{ vars.WORLDGEN_REF }}"
+            repository = "${{ vars.WORLDGEN_REPOSITORY }}"
+            reference = "${{ vars.WORLDGEN_REF }}"
         families = f"          families: {' '.join(self.families)}\n" if self.families else ""
         return _filled(
             "github.yml",
@@ -217,10 +242,16 @@ class Project:
 
     @property
     def must_be_told_where_worldgen_is(self) -> str:
-        """What a user still has to fill in, because this installation does not know; empty if nothing."""
+        """What a user still has to fill in, because this installation does not know.
+
+        Empty if nothing.
+        """
         source = origin()
         if self.ci == "github" and not source.github:
-            return "the repository variables WORLDGEN_REPOSITORY (owner/name) and WORLDGEN_REF (a commit or tag)"
+            return (
+                "the repository variables WORLDGEN_REPOSITORY (owner/name) and WORLDGEN_REF (a "
+                "commit or tag)"
+            )
         if self.ci == "gitlab" and (source.folder is not None or not source.url):
             return "YOUR-HOST and COMMIT in .gitlab/worldgen.yml"
         return ""
@@ -232,15 +263,24 @@ class Project:
 
 
 def _yaml(text: str) -> str:
-    """A text as a YAML scalar: as it is where that is safe, else in double quotes, whose rules are JSON's."""
+    """A text as a YAML scalar.
+
+    As it is where that is safe, else in double quotes, whose rules are JSON's.
+    """
     plain = set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:+=")
-    safe = set(text) <= plain and text[0] in "./abcdefghijklmnopqrstuvwxyz" and not text.endswith(":")
+    safe = (
+        set(text) <= plain and text[0] in "./abcdefghijklmnopqrstuvwxyz" and not text.endswith(":")
+    )
     return text if safe else json.dumps(text)
 
 
 def _filled(template: str, **values: str) -> str:
     """A template with its ``@NAMES@`` filled in."""
-    text = importlib.resources.files("fuzz.ci").joinpath("templates", template).read_text(encoding="utf-8")
+    text = (
+        importlib.resources.files("fuzz.ci")
+        .joinpath("templates", template)
+        .read_text(encoding="utf-8")
+    )
     for name, value in values.items():
         text = text.replace(f"@{name}@", value)
     return text

@@ -1,4 +1,6 @@
-"""SARIF 2.1.0, as GitHub's code scanning reads it: a rule for each class of failures, a result for each failure.
+"""SARIF 2.1.0, as GitHub's code scanning reads it.
+
+A rule for each class of failures, a result for each failure.
 
 Source: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", 2020.
 """
@@ -12,7 +14,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from fuzz.ci.finding import Finding, Report
+from fuzz.ci.finding import CiFinding, Report
 from fuzz.ci.markdown import escaped
 from fuzz.ci.place import Place, place_of, uri_of
 from sim.verdict import MEANINGS, Verdict
@@ -20,13 +22,17 @@ from worldgen.support.plain_text import shown
 
 __all__ = ["sarif"]
 
-_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+_SCHEMA = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
 _ROOT = "%SRCROOT%"
 _LONGEST_ID = 200  # characters; GitHub takes 255
 _MEANINGS: dict[str, str] = {
     **{verdict.value: meaning for verdict, meaning in MEANINGS.items()},
-    Verdict.REACHED.value: "The robot arrives, but an oracle that was asked for objects to how it does.",
-    "not confirmed": "A stored failure does not replay as it is stored: the controller has changed, or the file.",
+    Verdict.REACHED.value: "The robot arrives, but an oracle that was asked for objects to how it "
+    "does.",
+    "not confirmed": "A stored failure does not replay as it is stored: the controller has "
+    "changed, or the file.",
 }
 _OTHERWISE = "The robot fails, although its target can be reached."
 
@@ -34,9 +40,10 @@ _OTHERWISE = "The robot fails, although its target can be reached."
 def sarif(report: Report, root: Path) -> bytes:
     """A report as SARIF; equal reports in equal repositories are equal bytes.
 
-    What makes the command end with 1 is an ``error``, what was known before a ``note``. A result stands at the source
-    of the controller, or at the failure's file if that is not in the repository. Its fingerprint is made of controller,
-    motion model and class, so it stays the same when another world of the class is found.
+    What makes the command end with 1 is an ``error``, what was known before a ``note``. A result
+    stands at the source of the controller, or at the failure's file if that is not in the
+    repository. Its fingerprint is made of controller, motion model and class, so it stays the same
+    when another world of the class is found.
 
     Args:
         report: What was found.
@@ -44,13 +51,19 @@ def sarif(report: Report, root: Path) -> bytes:
     """
     rules = {_rule_id(finding): _rule(finding) for finding in report.findings}
     ids = list(rules)
-    driver = {"name": "worldgen", "semanticVersion": version("worldgen"), "rules": list(rules.values())}
+    driver = {
+        "name": "worldgen",
+        "semanticVersion": version("worldgen"),
+        "rules": list(rules.values()),
+    }
     run: dict[str, Any] = {
         "tool": {"driver": driver},
         "automationDetails": {"id": _category(report)},
         "originalUriBaseIds": {_ROOT: {"description": {"text": "The root of the repository."}}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(finding, ids.index(_rule_id(finding)), root) for finding in report.findings],
+        "results": [
+            _result(finding, ids.index(_rule_id(finding)), root) for finding in report.findings
+        ],
         "properties": dict(report.facts),
     }
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
@@ -58,16 +71,19 @@ def sarif(report: Report, root: Path) -> bytes:
 
 
 def _category(report: Report) -> str:
-    """Apart for each controller and motion model, so that one upload does not close the alerts of another."""
+    """Apart for each controller and motion model.
+
+    So that one upload does not close the alerts of another.
+    """
     words = (report.command, report.facts.get("controller"), report.facts.get("motion"))
     return "worldgen/" + "/".join(word.replace("/", "-") for word in words if word) + "/"
 
 
-def _rule_id(finding: Finding) -> str:
+def _rule_id(finding: CiFinding) -> str:
     return "not-confirmed" if finding.state == "not confirmed" else finding.kind[:_LONGEST_ID]
 
 
-def _rule(finding: Finding) -> dict[str, Any]:
+def _rule(finding: CiFinding) -> dict[str, Any]:
     name = _rule_id(finding)
     verdict = finding.state if finding.state == "not confirmed" else finding.verdict
     meaning = _MEANINGS.get(verdict, _OTHERWISE)
@@ -82,23 +98,40 @@ def _rule(finding: Finding) -> dict[str, Any]:
             "markdown": f"**{escaped(name)}**\n\n{meaning}\n\n{how}",
         },
         "defaultConfiguration": {"level": "error"},
-        "properties": {"tags": ["correctness", "robotics"], "problem.severity": "error", "precision": "very-high"},
+        "properties": {
+            "tags": ["correctness", "robotics"],
+            "problem.severity": "error",
+            "precision": "very-high",
+        },
     }
 
 
-def _result(finding: Finding, rule: int, root: Path) -> dict[str, Any]:
+def _result(finding: CiFinding, rule: int, root: Path) -> dict[str, Any]:
     class_digest = hashlib.sha256("\0".join((finding.who, finding.kind)).encode()).hexdigest()
     world = Place(uri_of(finding.file, root) or quote(shown(finding.file.name)))
-    place = world if finding.state == "not confirmed" else place_of(finding.controller, root) or world
+    place = (
+        world if finding.state == "not confirmed" else place_of(finding.controller, root) or world
+    )
     return {
         "ruleId": _rule_id(finding),
         "ruleIndex": rule,
         "level": "error" if finding.fails else "note",
-        "message": {"text": _message(f"{finding.headline}. World of {finding.size}: {finding.replay}")},
+        "message": {
+            "text": _message(f"{finding.headline}. World of {finding.size}: {finding.replay}")
+        },
         "locations": [_location(place)],
-        "relatedLocations": [{"id": 1, **_location(world), "message": {"text": "The world in which it happens."}}],
-        "partialFingerprints": {"primaryLocationLineHash": f"{class_digest[:16]}:1", "worldgenClass/v1": class_digest},
-        "properties": {"state": finding.state, "seed": str(finding.seed), "world": finding.world_id},
+        "relatedLocations": [
+            {"id": 1, **_location(world), "message": {"text": "The world in which it happens."}}
+        ],
+        "partialFingerprints": {
+            "primaryLocationLineHash": f"{class_digest[:16]}:1",
+            "worldgenClass/v1": class_digest,
+        },
+        "properties": {
+            "state": finding.state,
+            "seed": str(finding.seed),
+            "world": finding.world_id,
+        },
     }
 
 

@@ -17,11 +17,16 @@ F = TypeVar("F", bound=Callable[..., Any])
 def output_options(command: F) -> F:
     """``--junit``, ``--sarif`` and ``--summary``: reports for the programs that run tests for a team."""
     for name, what in (
-        ("--summary", "Add a summary in Markdown to the end of this file, such as $GITHUB_STEP_SUMMARY."),
+        (
+            "--summary",
+            "Add a summary in Markdown to the end of this file, such as $GITHUB_STEP_SUMMARY.",
+        ),
         ("--sarif", "Write SARIF 2.1.0, for code scanning."),
         ("--junit", "Write JUnit's XML."),
     ):
-        command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(command)
+        command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(
+            command
+        )
     return command
 
 
@@ -30,7 +35,9 @@ class Duration(click.ParamType[float]):
 
     name = "duration"
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
         """Reads the time, s."""
         match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
         if not match or float(match[1]) <= 0:

@@ -10,7 +10,7 @@ import click
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option
 
 if TYPE_CHECKING:
-    from fuzz.boundary import Axis, Look, Stretch, Subject
+    from fuzz.boundary import Axis, BoundaryRun, Stretch, Subject
 
 __all__ = ["boundary"]
 
@@ -26,52 +26,77 @@ _FACTOR = 2  # by which it goes up and down from the own value
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--controller", help=f"{CONTROLLER_HELP} [default: that of a failure's record]")
-@click.option("--motion", default="swept", show_default=True, help="Motion model, with --controller.")
-@click.option("--time-step", type=float, help="Duration of a step, s, with --controller [default: 0.015].")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
+@click.option(
+    "--motion", default="swept", show_default=True, help="Motion model, with --controller."
+)
+@click.option(
+    "--time-step", type=float, help="Duration of a step, s, with --controller [default: 0.015]."
+)
+@click.option(
+    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
+)
 @click.option(
     "--axis",
     "name",
     type=click.Choice(["radius", "speed", "time-step", "heading", "depth"]),
     required=True,
-    help="What to vary: the robot's radius or speed, the time step, the start heading, or a trap's depth.",
+    help="What to vary: the robot's radius or speed, the time step, the start heading, or a trap's "
+    "depth.",
 )
 @json_option
 def boundary(
-    path: Path, controller: str | None, motion: str, time_step: float | None, seed: int, name: str, as_json: bool
+    path: Path,
+    controller: str | None,
+    motion: str,
+    time_step: float | None,
+    seed: int,
+    name: str,
+    as_json: bool,
 ) -> None:
     """Say at which values of one number a controller arrives and at which it fails.
 
-    Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to 65 cells), and
-    narrows each change down to two neighbouring values. What changes twice between two values is not seen. Exit code
-    0 if the robot arrives at every value at which the target can be reached, else 1.
+    Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
+    65 cells), and narrows each change down to two neighbouring values. What changes twice between
+    two values is not seen. Exit code 0 if the robot arrives at every value at which the target can
+    be reached, else 1.
     """
-    from fuzz.boundary import AXES, Looks, scan
+    from fuzz.boundary import AXES, BoundaryRuns, scan
     from worldgen.errors import InvalidParameter
     from worldgen.support.progress import working
 
-    subject, axis = _subject(path, controller, motion, time_step, seed), AXES[name]
+    subject = _subject(path, controller, motion, time_step, seed)
+    axis = AXES[name]
     start = axis.index(subject)
     if start is None:
         raise InvalidParameter(
-            "not-a-trap", "{path} is no world of family trap with its provenance, so it has no depth to vary", path=path
+            "not-a-trap",
+            "{path} is no world of family trap with its provenance, so it has no depth to vary",
+            path=path,
         )
-    seen: list[Look] = []
+    seen: list[BoundaryRun] = []
     with working(f"running it at values of {axis.name}") as work:
-        work.say(lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else "")
-        stretches = scan(Looks(subject, axis, seen.append), _scanned(axis, start))
+        work.say(
+            lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else ""
+        )
+        stretches = scan(BoundaryRuns(subject, axis, seen.append), _scanned(axis, start))
     if as_json:
-        emit_json({"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]})
+        emit_json(
+            {"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]}
+        )
     else:
         for one in stretches:
             verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
             values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
-            click.echo(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
+            click.echo(
+                f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs"
+            )
     if any(one.outcome == "fails" for one in stretches):
         raise SystemExit(1)
 
 
-def _subject(path: Path, controller: str | None, motion: str, time_step: float | None, seed: int) -> Subject:
+def _subject(
+    path: Path, controller: str | None, motion: str, time_step: float | None, seed: int
+) -> Subject:
     from fuzz.boundary import Subject
     from fuzz.failure import Failure
     from sim.options.run import RunOptions
@@ -87,7 +112,9 @@ def _subject(path: Path, controller: str | None, motion: str, time_step: float |
         return Subject(world, scenario)
     failure = Failure.found_in(world)
     if failure is None:
-        raise click.UsageError(f"{path} holds no failure that names a controller; give --controller NAME")
+        raise click.UsageError(
+            f"{path} holds no failure that names a controller; give --controller NAME"
+        )
     return Subject(failure.world, failure.scenario)
 
 
@@ -101,7 +128,9 @@ def _scanned(axis: Axis, start: int) -> range:
 
     low, high = (index_of(axis.value(start) * factor) for factor in (1 / _FACTOR, _FACTOR))
     step = max((high - low) // (_POINTS - 1), 1)
-    return range(max(start - (start - low) // step * step, axis.low), min(high, axis.high) + 1, step)
+    return range(
+        max(start - (start - low) // step * step, axis.low), min(high, axis.high) + 1, step
+    )
 
 
 def _plain(one: Stretch) -> dict[str, object]:

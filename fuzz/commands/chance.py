@@ -21,16 +21,29 @@ EXAMPLES = (
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--controller", help=f"{CONTROLLER_HELP} A failure names its own.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
-@click.option("--most", type=click.IntRange(1, 10_000_000), help="States to look at [default: 100000].")
-@click.option("--seeds", type=click.IntRange(1, 100_000), default=40, show_default=True, help="To run if undecided.")
+@click.option(
+    "--most", type=click.IntRange(1, 10_000_000), help="States to look at [default: 100000]."
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 100_000),
+    default=40,
+    show_default=True,
+    help="To run if undecided.",
+)
 @json_option
 def chance(
-    path: Path, controller: str | None, time_step: float | None, most: int | None, seeds: int, as_json: bool
+    path: Path,
+    controller: str | None,
+    time_step: float | None,
+    most: int | None,
+    seeds: int,
+    as_json: bool,
 ) -> None:
     """Say whether a random controller arrives with probability one, never, or in part.
 
-    Looks at every state that some draws lead to; if there are too many, counts the seeds that do not arrive. Exit code
-    0 if the robot arrives with probability one, or with every seed; 1 if not.
+    Looks at every state that some draws lead to; if there are too many, counts the seeds that do
+    not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1 if not.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
     from fuzz.failure import Failure
@@ -40,15 +53,21 @@ def chance(
 
     world = read_world(path)
     if controller is not None:
-        scenario = Scenario.parse(controller, time_step=RunOptions.time_step if time_step is None else time_step)
+        scenario = Scenario.parse(
+            controller, time_step=RunOptions.time_step if time_step is None else time_step
+        )
     elif time_step is not None:
-        raise click.UsageError("--time-step needs --controller; a failure's file names its own step")
+        raise click.UsageError(
+            "--time-step needs --controller; a failure's file names its own step"
+        )
     elif (failure := Failure.found_in(world)) is not None:
         scenario = failure.scenario
     else:
         raise click.UsageError("give --controller; only a failure's file names its own")
     with working(f"looking at every draw of {scenario.label()}") as work:
-        found = chance_of(world, scenario.controller, scenario.options(world), most=most or MOST_STATES)
+        found = chance_of(
+            world, scenario.controller, scenario.options(world), most=most or MOST_STATES
+        )
         if not found.states:
             work.say(f"too many states; running {seeds} seeds")
         counted = {} if found.states else share_that_fails(world, scenario, seeds)
@@ -56,4 +75,6 @@ def chance(
         emit_json(found.as_dict() | counted)
     else:
         click.echo(shown(f"{scenario.label()}: {in_words(found, counted)}"))
-    raise SystemExit(int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure"))
+    raise SystemExit(
+        int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure")
+    )

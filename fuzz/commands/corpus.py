@@ -13,7 +13,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, note, show
 from worldgen.support.plain_text import aligned, counted
 
 if TYPE_CHECKING:
-    from fuzz.corpus import Corpus, Entry
+    from fuzz.corpus import Corpus, CorpusEntry
 
 __all__ = ["corpus"]
 
@@ -34,15 +34,18 @@ def _filters(command: F) -> F:
 
 
 def _paths(command: F) -> F:
-    return click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")(command)
+    return click.argument(
+        "paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE..."
+    )(command)
 
 
 @click.group()
 def corpus() -> None:
     """Look at saved failures, compare and merge folders of them, and keep them small.
 
-    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are of one class if
-    controller, motion model and class are the same. docs/corpus.md has the whole of it.
+    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are
+    of one class if controller, motion model and class are the same. docs/corpus.md has the whole of
+    it.
     """
 
 
@@ -56,12 +59,32 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
     entries = found.entries
     classes = len({entry.facts.key for entry in entries})
     if as_json:
-        emit_json({"failures": [_json(entry) for entry in entries], "classes": classes, "others": found.others})
+        emit_json(
+            {
+                "failures": [_json(entry) for entry in entries],
+                "classes": classes,
+                "others": found.others,
+            }
+        )
         return
     if entries:
         rows = [_row(entry) for entry in entries]
         click.echo(
-            aligned([["class", "verdict", "controller", "motion", "first seen", "size", "digest", "file"], *rows])
+            aligned(
+                [
+                    [
+                        "class",
+                        "verdict",
+                        "controller",
+                        "motion",
+                        "first seen",
+                        "size",
+                        "digest",
+                        "file",
+                    ],
+                    *rows,
+                ]
+            )
         )
     click.echo(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
     if found.others:
@@ -71,13 +94,21 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 @corpus.command()
 @_paths
 @_filters
-@click.option("--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, a PNG picture.")
+@click.option(
+    "--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, a PNG picture."
+)
 @json_option
 @force_option
-def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
-    """Show failures in the terminal: picture, evidence, the line that replays it; or all on one sheet.
+def show(
+    paths: tuple[Path, ...],
+    png: Path | None,
+    as_json: bool,
+    force: bool,
+    **patterns: tuple[str, ...],
+) -> None:
+    """Show failures in the terminal: picture, evidence, the line that replays it.
 
-    Runs the controllers that the files name.
+    Or all on one sheet. Runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
     from fuzz.describe import describe
@@ -91,7 +122,12 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
         write_bytes(png, contact_sheet(entries), force=force)
         note(f"wrote {png}: {counted(len(entries), 'failure')}")
     if as_json:
-        emit_json({"picture": None if png is None else str(png), "failures": [_json(entry) for entry in entries]})
+        emit_json(
+            {
+                "picture": None if png is None else str(png),
+                "failures": [_json(entry) for entry in entries],
+            }
+        )
     if as_json or png is not None:
         return
     for entry in entries:
@@ -99,7 +135,9 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
         try:
             click.echo(describe(failure, entry.path))
         except WorldgenError as error:
-            click.echo(f"{shown(entry.path)}: {shown(entry.facts.kind)}, {entry.facts.size_in_words()}")
+            click.echo(
+                f"{shown(entry.path)}: {shown(entry.facts.kind)}, {entry.facts.describe_size()}"
+            )
             note(f"  {entry.facts.controller} cannot be run here: {error}")
     if not entries:
         note("no failure fits")
@@ -111,20 +149,31 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
 @click.option("--out", type=FILE, required=True, help="Folder for the failures.")
 @json_option
 @force_option
-def merge(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
+def merge(
+    paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]
+) -> None:
     """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
 
-    The same corpora give the same files, in whatever order they are named. A folder that holds other worlds is refused
-    without --force, which replaces those of the same name and keeps the others.
+    The same corpora give the same files, in whatever order they are named. A folder that holds
+    other worlds is refused without --force, which replaces those of the same name and keeps the
+    others.
     """
     from fuzz.corpus import merge as merge_failures
 
     entries = _read(paths, patterns).entries
     written = merge_failures(entries, out, force=force)
     if as_json:
-        emit_json({"read": len(entries), "files": {str(path): str(entry.path) for path, entry in written.items()}})
+        emit_json(
+            {
+                "read": len(entries),
+                "files": {str(path): str(entry.path) for path, entry in written.items()},
+            }
+        )
         return
-    click.echo(f"{counted(len(entries), 'failure')}, {counted(len(written), 'class', 'classes')} in {shown(out)}")
+    click.echo(
+        f"{counted(len(entries), 'failure')}, {counted(len(written), 'class', 'classes')} in "
+        f"{shown(out)}"
+    )
 
 
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
@@ -157,15 +206,19 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
             [
                 difference.change,
                 *map(shown, difference.entry.facts.key),
-                difference.old.facts.size_in_words() if difference.old else "-",
-                difference.new.facts.size_in_words() if difference.new else "-",
+                difference.old.facts.describe_size() if difference.old else "-",
+                difference.new.facts.describe_size() if difference.new else "-",
                 shown(difference.entry.path),
             ]
             for difference in found
             if difference.change != "same"
         ]
         if rows_of_text:
-            click.echo(aligned([["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]))
+            click.echo(
+                aligned(
+                    [["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]
+                )
+            )
         click.echo(", ".join(f"{count[change]} {change}" for change in changes))
     if count["new"]:
         raise SystemExit(1)
@@ -179,8 +232,8 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
 def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
     """Delete failures that no longer replay, and all but the smallest of each class.
 
-    Asks for nothing; nothing is deleted before all are judged. A failure whose controller cannot be run here stays,
-    and the exit code is then 1. Runs the controllers that the files name.
+    Asks for nothing; nothing is deleted before all are judged. A failure whose controller cannot be
+    run here stays, and the exit code is then 1. Runs the controllers that the files name.
     """
     from fuzz.corpus import judge_all, remove
     from worldgen.errors import OutputError
@@ -203,8 +256,18 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
     for judgement in () if dry_run else dropped:
         remove(judgement.entry)
     if as_json:
-        rows = [{"file": str(j.entry.path), "keep": j.keep, "judged": j.judged, "reason": j.reason} for j in judged]
-        emit_json({"kept": len(judged) - len(dropped), "dropped": len(dropped), "dry_run": dry_run, "failures": rows})
+        rows = [
+            {"file": str(j.entry.path), "keep": j.keep, "judged": j.judged, "reason": j.reason}
+            for j in judged
+        ]
+        emit_json(
+            {
+                "kept": len(judged) - len(dropped),
+                "dropped": len(dropped),
+                "dry_run": dry_run,
+                "failures": rows,
+            }
+        )
     else:
         word = "would be dropped" if dry_run else "dropped"
         click.echo(f"{len(judged) - len(dropped)} kept, {len(dropped)} {word}")
@@ -215,14 +278,21 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
 @corpus.command(epilog="\b\n  worldgen corpus export failures/ --out failures.zip")
 @_paths
 @_filters
-@click.option("--out", type=FILE, required=True, help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.")
+@click.option(
+    "--out",
+    type=FILE,
+    required=True,
+    help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.",
+)
 @json_option
 @force_option
-def export(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
+def export(
+    paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]
+) -> None:
     """Write failures into one file: an archive with pictures and a table, or a table.
 
-    Equal failures are an equal archive, byte for byte, and every command reads it like a folder. The pictures show the
-    robot's way: the controllers that the files name are run, but for a .csv.
+    Equal failures are an equal archive, byte for byte, and every command reads it like a folder.
+    The pictures show the robot's way: the controllers that the files name are run, but for a .csv.
     """
     from fuzz.corpus import export as export_failures
 
@@ -239,12 +309,18 @@ def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus
     return read_corpus(paths, Selection(**patterns))
 
 
-def _json(entry: Entry) -> dict[str, Any]:
+def _json(entry: CorpusEntry) -> dict[str, Any]:
     row = entry.as_dict()
     return row | {"first_seen": row["first_seen"] or None, "replay": entry.replay_command}
 
 
-def _row(entry: Entry) -> list[str]:
+def _row(entry: CorpusEntry) -> list[str]:
     facts = entry.facts
-    words = (facts.kind, facts.verdict, facts.controller, facts.motion, entry.first_seen[:10] or "-")
-    return [*map(shown, words), facts.size_in_words(), facts.digest[:12], shown(entry.path)]
+    words = (
+        facts.kind,
+        facts.verdict,
+        facts.controller,
+        facts.motion,
+        entry.first_seen[:10] or "-",
+    )
+    return [*map(shown, words), facts.describe_size(), facts.digest[:12], shown(entry.path)]

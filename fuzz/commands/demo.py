@@ -11,11 +11,19 @@ from worldgen.cli.output import emit_json, force_option, json_option, note
 __all__ = ["demo"]
 
 _SEED = 7
-_UNITS, _EXAMPLES = 3, 200  # some ten seconds, all of it shrunk
+# some ten seconds, all of it shrunk
+_UNITS = 3
+_EXAMPLES = 200
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True, help="Folder.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("demo"),
+    show_default=True,
+    help="Folder.",
+)
 @click.option("--controller", default="turn-right", show_default=True, help="Whom to test.")
 @click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
 @json_option
@@ -72,7 +80,8 @@ def _world_and_run(out: Path, controller: str) -> None:
     from worldgen.cli.output import write_bytes
     from worldgen.render import draw_png
 
-    path, picture = out / "w.grid", out / "run.png"
+    path = out / "w.grid"
+    picture = out / "run.png"
     _say(f"worldgen maze --size 60 --seed {_SEED} --out {path}")
     world = generate("maze", _SEED, size=60)
     write_world(world, path, force=True)

@@ -12,34 +12,69 @@ from sim.verdict import OUT_OF_BUDGET, Verdict
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
-    from fuzz.find import Find, FindConfig, Result, Wish
+    from fuzz.find import FindConfig, OutcomeSearch, OutcomeTarget, Result
     from worldgen.world import Pose, Value
 
 __all__ = ["find"]
 
 EXAMPLES = (
-    '\b\n  worldgen find --outcome "./mine.py:Robot=loop, turn-left=reached" --budget 1m --out w.grid\n'
-    '  worldgen find --outcome "thesis-1=reached@330, thesis-2=loop" --motion stepped --family trap --out w.grid\n'
-    '  worldgen find --outcome "thesis-1=never, thesis-3=reached" --motion stepped --from sketch.grid --out w.grid'
+    '\b\n  worldgen find --outcome "./mine.py:Robot=loop, turn-left=reached" --budget 1m --out '
+    "w.grid\n"
+    '  worldgen find --outcome "thesis-1=reached@330, thesis-2=loop" --motion stepped --family '
+    "trap --out w.grid\n"
+    '  worldgen find --outcome "thesis-1=never, thesis-3=reached" --motion stepped --from '
+    "sketch.grid --out w.grid"
 )
 
 
 @click.command(epilog=EXAMPLES)
-@click.option("--outcome", "outcomes", required=True, multiple=True, help="CONTROLLER=OUTCOME, ...; see above.")
-@click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family.")
-@click.option("--from", "begin", type=click.Path(path_type=Path), help="Begin from this world and edit it.")
+@click.option(
+    "--outcome",
+    "outcomes",
+    required=True,
+    multiple=True,
+    help="CONTROLLER=OUTCOME, ...; see above.",
+)
+@click.option(
+    "--family", "families", multiple=True, help="Draw worlds from this family; may be repeated."
+)
+@click.option(
+    "--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family."
+)
+@click.option(
+    "--from", "begin", type=click.Path(path_type=Path), help="Begin from this world and edit it."
+)
 @click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
-@click.option("--symmetric", is_flag=True, help="Keep worlds symmetric about the diagonal through the upper left.")
+@click.option(
+    "--symmetric",
+    is_flag=True,
+    help="Keep worlds symmetric about the diagonal through the upper left.",
+)
 @click.option("--keep-target", is_flag=True, help="Leave the target where it is.")
-@click.option("--leash", type=click.IntRange(0), metavar="CELLS", help="Move walls and target no further; add none.")
+@click.option(
+    "--leash",
+    type=click.IntRange(0),
+    metavar="CELLS",
+    help="Move walls and target no further; add none.",
+)
 @click.option("--no-edit", is_flag=True, help="Only worlds as the family makes them.")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
-@click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
-@click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
+@click.option(
+    "--budget",
+    type=Duration(),
+    metavar="TIME",
+    help="Search this long: 30s, 5m, 1h [default: 30s].",
+)
+@click.option(
+    "--units",
+    type=click.IntRange(1),
+    help="Do this much work; the result depends on the seed alone.",
+)
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Where the nearest world goes.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), required=True, help="Where the nearest world goes."
+)
 @seed_option
 @json_option
 @force_option
@@ -65,17 +100,18 @@ def find(
 ) -> None:
     r"""Find a world in which given controllers have given outcomes, or come as near as the budget allows.
 
-    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang, invalid-command),
-    never (loop or stalled; with chance also timeout), or fails (anything but reached). Behind reached, or loop,
-    stand steps, or the period: reached@330, reached@300..400, reached@<400, reached@4.95s, loop@104. Of a
-    controller with chance, 19 of 20 seeds are to do so, or their median time counts.
+    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
+    invalid-command), never (loop or stalled; with chance also timeout), or fails (anything but
+    reached). Behind reached, or loop, stand steps, or the period: reached@330, reached@300..400,
+    reached@<400, reached@4.95s, loop@104. Of a controller with chance, 19 of 20 seeds are to do so,
+    or their median time counts.
 
-    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1. Ctrl-C writes
-    the nearest until then, exit code 130.
+    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1.
+    Ctrl-C writes the nearest until then, exit code 130.
     """
     import os
 
-    from fuzz.find import Find, FindConfig, parse_wishes
+    from fuzz.find import FindConfig, OutcomeSearch, parse_targets
     from sim.options.run import RunOptions
     from worldgen.files.grid import read_world
     from worldgen.files.whole import check_output
@@ -84,13 +120,16 @@ def find(
     for contradiction, reason in (
         (budget is not None and units is not None, "give --budget or --units, not both"),
         (begin is not None and bool(families), "give --from or --family, not both"),
-        (no_edit and not families, "--no-edit leaves worlds as a family makes them; name one with --family"),
+        (
+            no_edit and not families,
+            "--no-edit leaves worlds as a family makes them; name one with --family",
+        ),
         (no_edit and symmetric, "give --no-edit or --symmetric, not both: to mirror is to edit"),
     ):
         if contradiction:
             raise click.UsageError(reason)
     step = RunOptions(time_step=RunOptions.time_step if time_step is None else time_step).time_step
-    wishes = parse_wishes(",".join(outcomes), motion=motion, time_step=step)
+    wishes = parse_targets(",".join(outcomes), motion=motion, time_step=step)
     config = FindConfig(
         wishes=wishes,
         seed=draw_seed(seed),
@@ -106,15 +145,20 @@ def find(
     with working("loading the simulator (compiled once after an installation, for about a minute)"):
         _try_out(config)
     check_output(out, force)
-    search = Find(
-        config, units=units, seconds=None if units else budget or 30.0, workers=workers or os.cpu_count() or 1
+    search = OutcomeSearch(
+        config,
+        units=units,
+        seconds=None if units else budget or 30.0,
+        workers=workers or os.cpu_count() or 1,
     )
     stopped = _watch(search, out, force)
     _report(search, wishes, out, as_json)
-    raise SystemExit(130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1)
+    raise SystemExit(
+        130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1
+    )
 
 
-def _watch(search: Find, out: Path, force: bool) -> bool:
+def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
     """Searches, and writes the nearest world however that ends; returns whether Ctrl-C ended it."""
     from fuzz.campaign.executors import WorkersLost
     from worldgen.errors import OutputError
@@ -122,7 +166,8 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
     from worldgen.support.plain_text import counted
     from worldgen.support.progress import working
 
-    stopped, broken = False, None
+    stopped = False
+    broken = None
     try:
         with working("searching") as work:
             work.say(lambda: f"{counted(search.done, 'unit')}, {counted(search.tried, 'world')}")
@@ -136,7 +181,11 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
     if search.best is not None:
         write_world(search.best.world, out, force=force)
     if broken is not None:
-        kept = f"the nearest world until then is in {out}" if search.best else "no world had been met until then"
+        kept = (
+            f"the nearest world until then is in {out}"
+            if search.best
+            else "no world had been met until then"
+        )
         raise OutputError(
             "worker-died",
             "a worker process died, perhaps killed by a controller or for want of memory; {kept}",
@@ -158,11 +207,17 @@ def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[st
         name, equals, text = setting.partition("=")
         if not equals:
             raise InvalidParameter(
-                "no-value", "{setting!q} sets no value", "write --set NAME=VALUE", at_terminal=True, setting=setting
+                "no-value",
+                "{setting!q} sets no value",
+                "write --set NAME=VALUE",
+                at_terminal=True,
+                setting=setting,
             )
         words[name.strip().replace("-", "_")] = text.strip()
     known = [parameter for name in families for parameter in FAMILIES.get(name).parameters]
-    return parse_options(words, known, f"--family {', '.join(families)}" if families else "--set without --family")
+    return parse_options(
+        words, known, f"--family {', '.join(families)}" if families else "--set without --family"
+    )
 
 
 def _pose(text: str) -> Pose:
@@ -173,7 +228,10 @@ def _pose(text: str) -> Pose:
         x, y, heading = (float(word) for word in text.split(","))
     except ValueError:
         raise InvalidParameter(
-            "not-a-pose", "start={text!r} is not X,Y,HEADING", "write numbers like 0.35,2.65,-1.36", text=text
+            "not-a-pose",
+            "start={text!r} is not X,Y,HEADING",
+            "write numbers like 0.35,2.65,-1.36",
+            text=text,
         ) from None
     return Pose(x, y, heading)
 
@@ -198,7 +256,9 @@ def _try_out(config: FindConfig) -> None:
         check_contract(wish.scenario.controller, outcome.fault, outcome.steps)
 
 
-def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
+def _report(
+    search: OutcomeSearch, wishes: tuple[OutcomeTarget, ...], out: Path, as_json: bool
+) -> None:
     from worldgen.support.plain_text import counted
 
     best = search.best
@@ -224,7 +284,9 @@ def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) ->
                         "seeds": result.seeds,
                         "distance": result.distance,
                     }
-                    for wish, result in zip(wishes, best.results if best else (), strict=best is not None)
+                    for wish, result in zip(
+                        wishes, best.results if best else (), strict=best is not None
+                    )
                 ],
             }
         )
@@ -236,14 +298,25 @@ def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) ->
         click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {_got(wish, result)}: {off}")
     click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
     first = wishes[0].scenario
-    note(f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.motion} --steps {wishes[0].steps}")
+    note(
+        f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.motion} "
+        f"--steps {wishes[0].steps}"
+    )
 
 
-def _got(wish: Wish, result: Result) -> str:
+def _got(wish: OutcomeTarget, result: Result) -> str:
     """An outcome in words: ``reached@330``, ``stalled in 20000 steps``, ``timeout, 10% of 20 seeds arrive``."""
     if result.seeds > 1:
-        words = f"{result.verdict}@{result.steps:g}" if result.verdict == Verdict.REACHED else result.verdict
+        words = (
+            f"{result.verdict}@{result.steps:g}"
+            if result.verdict == Verdict.REACHED
+            else result.verdict
+        )
         return f"{words}, {result.share:.0%} of {result.seeds} seeds arrive"
     if result.verdict in (Verdict.REACHED, Verdict.LOOP):
         return f"{result.verdict}@{result.steps:g}"
-    return f"{result.verdict} in {wish.steps} steps" if result.verdict in OUT_OF_BUDGET else result.verdict
+    return (
+        f"{result.verdict} in {wish.steps} steps"
+        if result.verdict in OUT_OF_BUDGET
+        else result.verdict
+    )

@@ -11,7 +11,14 @@ from click.core import ParameterSource
 from fuzz.campaign.options import CampaignOptions
 from fuzz.commands._options import Duration, output_options
 from worldgen.cli.declared_options import declared_options
-from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, note, seed_option
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    draw_seed,
+    force_option,
+    json_option,
+    note,
+    seed_option,
+)
 
 if TYPE_CHECKING:
     from fuzz.campaign.store import Budget, CampaignRun
@@ -19,10 +26,12 @@ if TYPE_CHECKING:
 __all__ = ["fuzz"]
 
 EXAMPLES = (
-    "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out failures/\n"
+    "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out "
+    "failures/\n"
     "  worldgen fuzz --controller ./mine.py:Robot --family trap --units 20 --out failures/\n"
     "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/\n"
-    "  worldgen fuzz --controller bug1 --vary sensor_noise=0,0.1 --vary robot_speed=1,2 --out failures/\n"
+    "  worldgen fuzz --controller bug1 --vary sensor_noise=0,0.1 --vary robot_speed=1,2 --out "
+    "failures/\n"
     "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/\n"
     "  worldgen fuzz --resume failures/"
 )
@@ -35,25 +44,43 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
 @click.command(epilog=EXAMPLES)
 @declared_options(_DECLARED, {"controller": CONTROLLER_HELP})
 @click.option(
-    "--budget", type=Duration(), metavar="TIME", help="Search and shrink this long: 30s, 5m, 1h [default: 30s]."
+    "--budget",
+    type=Duration(),
+    metavar="TIME",
+    help="Search and shrink this long: 30s, 5m, 1h [default: 30s].",
 )
-@click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
+@click.option(
+    "--units",
+    type=click.IntRange(1),
+    help="Do this much work; the result depends on the seed alone.",
+)
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
-@click.option("--scheduler", metavar="ADDRESS", help="Let a Dask cluster's workers do the work: tcp://host:8786.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Let a Dask cluster's workers do the work: tcp://host:8786.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the failures.")
 @click.option(
     "--resume",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget say.",
+    help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget "
+    "say.",
 )
-@click.option("--report", type=click.Path(path_type=Path), metavar="PAGE", help="Write an HTML page of what was found.")
+@click.option(
+    "--report",
+    type=click.Path(path_type=Path),
+    metavar="PAGE",
+    help="Write an HTML page of what was found.",
+)
 @click.option(
     "--baseline",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="DIR|ARCHIVE",
-    help="Failures that are known: their classes are counted, but neither shrunk nor written, and only others make the "
+    help="Failures that are known: their classes are counted, but neither shrunk nor written, and "
+    "only others make the "
     "exit code 1; may be repeated.",
 )
 @click.option(
@@ -83,9 +110,10 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails; prove, shrink and save what is found.
 
-    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any that no
-    --baseline has, 0 if not; a robot burned by what its controller cannot sense is listed apart. Ctrl-C keeps what was
-    found. The same command again, or --resume FOLDER, continues an interrupted campaign.
+    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there
+    is any that no --baseline has, 0 if not; a robot burned by what its controller cannot sense is
+    listed apart. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, continues
+    an interrupted campaign.
     """
     import os
     import time
@@ -103,7 +131,9 @@ def fuzz(
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
     if scheduler is not None and workers is not None:
-        raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
+        raise click.UsageError(
+            "give --scheduler or --workers, not both: a cluster has its own workers"
+        )
     with store.errors_recorded(resume or begun["out"]):
         outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
         outputs.check(report, made=begun["out"])
@@ -113,10 +143,13 @@ def fuzz(
             campaign_run = _begin(run_budget, force=force, **begun)
         else:
             _refuse_beside_resume()
-            campaign_run = store.resume(resume, None if units is None and budget is None else run_budget)
+            campaign_run = store.resume(
+                resume, None if units is None and budget is None else run_budget
+            )
         if campaign_run.done:
             note(
-                f"goes on with the campaign in {campaign_run.store.out}: seed {campaign_run.config.seed}, "
+                f"goes on with the campaign in {campaign_run.store.out}: seed "
+                f"{campaign_run.config.seed}, "
                 f"{campaign_run.done} units done"
             )
         was_known = Baseline.of(known, campaign_run.config.scenario, note)
@@ -141,7 +174,9 @@ def fuzz(
     raise SystemExit(code)
 
 
-def _begin(run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any) -> CampaignRun:
+def _begin(
+    run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any
+) -> CampaignRun:
     """A new campaign, or the same one again in its folder."""
     from fuzz.campaign.session import configure
     from fuzz.campaign.store import begin, stored_seed
@@ -151,7 +186,9 @@ def _begin(run_budget: Budget, *, out: Path | None, seed: int | None, force: boo
     if not options.controller or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
     if options.world is not None and (options.families or options.lanes):
-        raise click.UsageError("give --world, or --family and --lane, not both: on a map only the poses vary")
+        raise click.UsageError(
+            "give --world, or --family and --lane, not both: on a map only the poses vary"
+        )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)
     note_unused([config.scenario])
@@ -164,5 +201,6 @@ def _refuse_beside_resume() -> None:
         name = option.name or ""
         if name in _BEGUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             raise click.UsageError(
-                f"{option.opts[0]} stays as the campaign was begun; give it without --resume, or not"
+                f"{option.opts[0]} stays as the campaign was begun; give it without --resume, or "
+                f"not"
             )

@@ -25,16 +25,24 @@ EXAMPLES = (
 @click.argument("folder", type=click.Path(path_type=Path), default=Path())
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
-@click.option("--family", "families", multiple=True, help="Family that pull requests are tested with; may be repeated.")
 @click.option(
-    "--ci", type=click.Choice(("github", "gitlab", "none")), help="CI service [default: the one that FOLDER uses]."
+    "--family",
+    "families",
+    multiple=True,
+    help="Family that pull requests are tested with; may be repeated.",
+)
+@click.option(
+    "--ci",
+    type=click.Choice(("github", "gitlab", "none")),
+    help="CI service [default: the one that FOLDER uses].",
 )
 @click.option(
     "--units",
     type=click.IntRange(1),
     default=6,
     show_default=True,
-    help="Amount of work of each search; the same every time, so that no pull request fails by luck.",
+    help="Amount of work of each search; the same every time, so that no pull request fails by "
+    "luck.",
 )
 @json_option
 @force_option
@@ -50,9 +58,9 @@ def init(
 ) -> None:
     """Set up FOLDER so that its CI looks for worlds in which your controller fails.
 
-    Runs the search that pull requests will run and stores what it finds as known failures; writes a CI job that fails
-    when a pull request brings another one; and adds your controller to pyproject.toml, so that `worldgen fuzz --out
-    failures/` needs no more options.
+    Runs the search that pull requests will run and stores what it finds as known failures; writes a
+    CI job that fails when a pull request brings another one; and adds your controller to
+    pyproject.toml, so that `worldgen fuzz --out failures/` needs no more options.
     """
     import contextlib
     import os
@@ -69,14 +77,21 @@ def init(
     project.check(force=force)
     # The controller is named as seen from the project, whose folder CI starts in.
     with contextlib.chdir(folder), tempfile.TemporaryDirectory() as scratch:
-        config = configure(CampaignOptions(controller=controller, motion=motion, families=families), SEED)
+        config = configure(
+            CampaignOptions(controller=controller, motion=motion, families=families), SEED
+        )
         note(f"searching for the failures that {controller} has today")
         campaign_run = store.begin(config, Path(scratch) / "found", store.Budget(units=units))
         with contextlib.redirect_stdout(None):
-            code = CampaignSession(campaign_run, local_executor(os.cpu_count() or 1), lasts=False).run()
+            code = CampaignSession(
+                campaign_run, local_executor(os.cpu_count() or 1), lasts=False
+            ).run()
         if code not in (0, 1):
             raise SystemExit(code)
-        failures = {found.name: found.read_bytes() for found in sorted((Path(scratch) / "found").glob("*.grid"))}
+        failures = {
+            found.name: found.read_bytes()
+            for found in sorted((Path(scratch) / "found").glob("*.grid"))
+        }
     written = project.write(force=force)
     for name, text in failures.items():
         write_bytes(project.known / name, text, force=True)
@@ -91,7 +106,11 @@ def _service_of(folder: Path) -> str:
     """The CI service that a project seems to use; GitHub's unless there is a sign of another."""
     if (folder / ".github").is_dir():
         return "github"
-    return "gitlab" if (folder / ".gitlab-ci.yml").is_file() or (folder / ".gitlab").is_dir() else "github"
+    return (
+        "gitlab"
+        if (folder / ".gitlab-ci.yml").is_file() or (folder / ".gitlab").is_dir()
+        else "github"
+    )
 
 
 def _report(project: Project, failures: int, written: list[Path]) -> None:

@@ -13,8 +13,12 @@ from worldgen.support.progress import working
 __all__ = ["replay"]
 
 
-@click.command(epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show")
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR...")
+@click.command(
+    epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show"
+)
+@click.argument(
+    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR..."
+)
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
 @click.option(
@@ -37,23 +41,24 @@ def replay(
 ) -> None:
     """Run saved failures again: does each still fail, how, or does the robot arrive now.
 
-    A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and certificate. Exit code 0
+    A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
+        certificate. Exit code 0
     if every one is, 1 if one is not (also if the robot arrives now), 2 if a file holds no failure.
     """
-    from fuzz.ci import Finding, Outputs, Report, State
+    from fuzz.ci import CiFinding, Outputs, Report, State
     from fuzz.describe import describe
     from fuzz.failure import Failure
     from fuzz.replay.answer import State as Now
-    from fuzz.replay.answer import answer, summary_in_words
+    from fuzz.replay.answer import answer, describe_summary
     from sim.controllers.programs.transcript import transcribed
-    from sim.describe import frames_in_words
+    from sim.describe import describe_frames
     from worldgen.files.worlds import read_worlds
     from worldgen.support.plain_text import shown_lines
 
     reports = Outputs(**outputs, force=force)
     reports.check()
     results: list[dict[str, object]] = []
-    findings: list[Finding] = []
+    findings: list[CiFinding] = []
     states: list[Now] = []
     without = 0
     for path, world in read_worlds(paths):
@@ -63,7 +68,9 @@ def replay(
             without += 1
             continue
         if transcript is not None and results:
-            raise click.UsageError(f"--transcript {transcript} holds one failure; give replay one file")
+            raise click.UsageError(
+                f"--transcript {transcript} holds one failure; give replay one file"
+            )
         with (
             working("replaying") as work,
             transcribed(controller or failure.record.controller, transcript, force=force),
@@ -86,16 +93,16 @@ def replay(
             if with_picture and outcome.confirmed:
                 click.echo(describe(failure, path))
             elif now.episode is not None:
-                click.echo(shown_lines(frames_in_words(now.episode.evidence)), nl=False)
+                click.echo(shown_lines(describe_frames(now.episode.evidence)), nl=False)
         if reports:
             state: State = "confirmed" if outcome.confirmed else "not confirmed"
-            findings.append(Finding.of(failure, path, state, now.words, controller))
+            findings.append(CiFinding.of(failure, path, state, now.words, controller))
     reports.write(Report("replay", tuple(findings)))
     confirmed = sum(bool(result["confirmed"]) for result in results)
     if as_json:
         emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
     else:
-        click.echo(summary_in_words(states))
+        click.echo(describe_summary(states))
     if confirmed < len(results):
         raise SystemExit(1)
     if without:

@@ -16,14 +16,16 @@ FILE = click.Path(path_type=Path)
 @click.command(epilog="\b\n  worldgen report failures/ --out report.html")
 @click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")
 @click.option("--out", type=FILE, required=True, help="The page, a .html file.")
-@click.option("--title", default="", help="Heading of the page [default: controller and motion model].")
+@click.option(
+    "--title", default="", help="Heading of the page [default: controller and motion model]."
+)
 @json_option
 @force_option
 def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force: bool) -> None:
     """Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.
 
-    The page needs no network and no other file. Each failure is run again for it, so the controllers that the files
-    name are run. docs/report.md has the whole of it.
+    The page needs no network and no other file. Each failure is run again for it, so the
+    controllers that the files name are run. docs/report.md has the whole of it.
     """
     from fuzz.report import write_report
     from worldgen.support.plain_text import counted
@@ -31,7 +33,11 @@ def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force:
 
     with working(f"writing {out}") as work:
         count = write_report(
-            paths, out, title=title, force=force, progress=lambda done, of: work.count(done, of, "failures")
+            paths,
+            out,
+            title=title,
+            force=force,
+            progress=lambda done, of: work.count(done, of, "failures"),
         )
     note(f"wrote {out}: {counted(count, 'failure')}")
     if as_json:

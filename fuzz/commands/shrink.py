@@ -28,7 +28,9 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     click.echo("Passes, in the order in which they run until none makes the failure simpler:")
     for one in PASSES:
         click.echo(f"  {one.name:15} {one.says}")
-    click.echo("A failure is simpler than another if it has less of these, the first that differs decides:")
+    click.echo(
+        "A failure is simpler than another if it has less of these, the first that differs decides:"
+    )
     for measure in ORDER:
         click.echo(f"  {measure.name:15} {measure.says}")
     context.exit()
@@ -40,7 +42,9 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     "  worldgen shrink big.grid --snippet > test_small.py"
 )
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Where to write [default: NAME.shrunk.grid].")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Where to write [default: NAME.shrunk.grid]."
+)
 @named_also(
     "--budget",
     "seconds",
@@ -56,7 +60,12 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
     show_default=True,
     help="What is to stay: verdict and cause, or the whole class.",
 )
-@click.option("--snippet", "as_snippet", is_flag=True, help="Print a test module that carries the shrunk world.")
+@click.option(
+    "--snippet",
+    "as_snippet",
+    is_flag=True,
+    help="Print a test module that carries the shrunk world.",
+)
 @click.option(
     "--passes", is_flag=True, is_eager=True, expose_value=False, callback=_list_passes,
     help="List the passes and what simpler means.",
@@ -64,12 +73,18 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 @json_option
 @force_option
 def shrink(
-    path: Path, out: Path | None, seconds: float | None, keep: str, as_snippet: bool, as_json: bool, force: bool
+    path: Path,
+    out: Path | None,
+    seconds: float | None,
+    keep: str,
+    as_snippet: bool,
+    as_json: bool,
+    force: bool,
 ) -> None:
     """Make a failure's world as small as it can be, keeping verdict and certificate.
 
-    Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing more can go, and
-    checks that independently. Ctrl-C keeps the best so far.
+    Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing
+    more can go, and checks that independently. Ctrl-C keeps the best so far.
     """
     from fuzz.describe import describe
     from fuzz.failure import Failure
@@ -78,16 +93,24 @@ def shrink(
 
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both say what is printed; give one of them")
-    target = out or path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid")
+    target = out or path.with_name(
+        f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid"
+    )
     check_output(target, force)
     result = _watched(Failure.read(path), seconds, keep)
     result.failure.write(target, force=force)
     if as_json:
         emit_json(_summary(result, target))
         return
-    click.echo(snippet(result.failure) if as_snippet else describe(result.failure, target), nl=not as_snippet)
+    click.echo(
+        snippet(result.failure) if as_snippet else describe(result.failure, target),
+        nl=not as_snippet,
+    )
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
-    note(f"wrote {target}: {result.before} -> {result.after} solid cells, {state}, {result.simulations} runs")
+    note(
+        f"wrote {target}: {result.before} -> {result.after} solid cells, {state}, "
+        f"{result.simulations} runs"
+    )
     if result.interrupted:
         note("interrupted; the best so far is kept")
         raise SystemExit(130)
@@ -100,7 +123,11 @@ def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
     with working("shrinking") as work:
         work.say(_size(failure.world))
         return shrink_failure(
-            failure, seconds=seconds, progress=lambda world: work.say(_size(world)), keep_on_interrupt=True, keep=keep
+            failure,
+            seconds=seconds,
+            progress=lambda world: work.say(_size(world)),
+            keep_on_interrupt=True,
+            keep=keep,
         )
 
 

@@ -10,7 +10,10 @@ from worldgen.cli.output import note
 
 __all__ = ["studio"]
 
-EXAMPLES = "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldgen studio --controller ./mine.py:Robot"
+EXAMPLES = (
+    "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldgen studio "
+    "--controller ./mine.py:Robot"
+)
 
 
 @click.command(epilog=EXAMPLES)
@@ -19,21 +22,29 @@ EXAMPLES = "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldge
     "--controller",
     "controllers",
     multiple=True,
-    help="A controller of your own that the page may run, such as ./mine.py:Robot; as often as you like.",
+    help="A controller of your own that the page may run, such as ./mine.py:Robot; as often as you "
+    "like.",
 )
-@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen at; any but this is a risk.")
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    help="Address to listen at; any but this is a risk.",
+)
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
     help="Port to listen at; 0 is any that is free.  [default: 8642, or one that is free]",
 )
 @click.option("--browser/--no-browser", default=True, help="Open the page.  [default: open]")
-def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool) -> None:
+def studio(
+    path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool
+) -> None:
     """Draw worlds, run robots in them and watch, in the browser.
 
-    PATH is a world's file, or a folder; only that folder, or the file's, can be read and written from the page. The
-    server answers this machine alone, and only the browser that opens the address that is printed. docs/studio.md
-    has the whole of it.
+    PATH is a world's file, or a folder; only that folder, or the file's, can be read and written
+    from the page. The server answers this machine alone, and only the browser that opens the
+    address that is printed. docs/studio.md has the whole of it.
     """
     import importlib.util
     import ipaddress
@@ -41,7 +52,11 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     from worldgen.errors import FormatError, InvalidParameter
     from worldgen.plugins.installation import pip_install
 
-    missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
+    missing = [
+        name
+        for name in ("starlette", "uvicorn", "websockets")
+        if importlib.util.find_spec(name) is None
+    ]
     if missing:
         raise InvalidParameter(
             "package-missing",
@@ -52,7 +67,9 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
             install=pip_install("studio"),
         )
     if not path.exists():
-        raise FormatError("no-such-file", "there is no such file or folder", "check the name", source=str(path))
+        raise FormatError(
+            "no-such-file", "there is no such file or folder", "check the name", source=str(path)
+        )
     if path.suffix == ".py" and path.is_file():
         place = path if path.is_absolute() else f"./{path}"
         raise InvalidParameter(
@@ -78,9 +95,14 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     address, number = listener.getsockname()[:2]
     gate = Gate(called(host, listener), number)
     if not ipaddress.ip_address(address).is_loopback:
-        warning = f"warning: whoever can reach {gate.host} and learns the address can read and write the folder"
+        warning = (
+            f"warning: whoever can reach {gate.host} and learns the address can read and "
+            f"write the folder"
+        )
         note(warning, always=True)
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
-    note(f"studio of {shared.root}: open {gate.address}", always=True)  # without it nobody finds the page
+    note(
+        f"studio of {shared.root}: open {gate.address}", always=True
+    )  # without it nobody finds the page
     serve(Studio(shared, gate, controllers, file), listener, browse=browser, said=note)

@@ -13,8 +13,8 @@ The files are the truth. ``docs/corpus.md`` is the description.
 """
 
 from fuzz.corpus.baseline import Baseline
-from fuzz.corpus.comparing import Difference, differences
-from fuzz.corpus.entry import Entry
+from fuzz.corpus.comparing import BucketDifference, differences
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.exporting import export
 from fuzz.corpus.merging import merge, smallest
 from fuzz.corpus.pictures import contact_sheet
@@ -22,6 +22,18 @@ from fuzz.corpus.pruning import Judgement, judge_all, remove
 from fuzz.corpus.reading import Corpus, Selection, read_corpus
 
 __all__ = [
-    "Baseline", "Corpus", "Difference", "Entry", "Judgement", "Selection", "contact_sheet", "differences", "export",
-    "judge_all", "merge", "read_corpus", "remove", "smallest",
+    "Baseline",
+    "BucketDifference",
+    "Corpus",
+    "CorpusEntry",
+    "Judgement",
+    "Selection",
+    "contact_sheet",
+    "differences",
+    "export",
+    "judge_all",
+    "merge",
+    "read_corpus",
+    "remove",
+    "smallest",
 ]  # fmt: skip

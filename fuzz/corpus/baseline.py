@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.failure import Failure
 from fuzz.triage.crash_bucket import has_facts
 from fuzz.triage.judging import failure_of, oracle_of
@@ -29,20 +29,25 @@ class Baseline:
     """Failures whose classes are known.
 
     Args:
-        failures: By controller, motion model and class: the first file of it, and the failure as it is now.
+        failures: By controller, motion model and class: the first file of it, and the failure as it
+            is now.
     """
 
     failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, entries: Iterable[Entry], scenario: Scenario, say: Callable[[str], None]) -> Baseline:
-        """What a controller's failures are today: each is run again, so that no old name hides a new class.
+    def of(
+        cls, entries: Iterable[CorpusEntry], scenario: Scenario, say: Callable[[str], None]
+    ) -> Baseline:
+        """What a controller's failures are today.
+
+        Each is run again, so that no old name hides a new class.
 
         Args:
             entries: Of a corpus; those of other controllers and motion models are passed over.
             scenario: The campaign's.
-            say: Told of each failure that is none any more, or is of another class than its file says; and if there
-                are failures, but none is of this controller and motion model.
+            say: Told of each failure that is none any more, or is of another class than its file
+                says; and if there are failures, but none is of this controller and motion model.
 
         Raises:
             FormatError: If a file can no longer be read.
@@ -65,12 +70,16 @@ class Baseline:
             known = facts.kind == entry.facts.kind or _is_known(failure, now)
             if facts.kind != entry.facts.kind:
                 unknown = "" if known else ", which is not known"
-                say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now{unknown}")
+                say(
+                    f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} "
+                    f"now{unknown}"
+                )
             if known:
                 failures.setdefault(_key(facts), (entry.path, now))
         if others and not is_any_ours:
             say(
-                f"the baseline has no failure of {scenario.controller} under {scenario.motion}, only of "
+                f"the baseline has no failure of {scenario.controller} under {scenario.motion}, "
+                f"only of "
                 f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
             )
         return cls(failures)
@@ -92,9 +101,11 @@ def _key(facts: Facts) -> _Key:
 def _is_known(stored: Failure, now: Failure) -> bool:
     """Return whether a failure whose class is another today is still the one that was stored.
 
-    A robot that loops in another manner is. A controller that crashes, hangs or commands nonsense is not: that is a
-    fault of its own, which may have come into the known world with yesterday's edit. Only files from before classes
-    of crashes named a place are taken at their word, if the run is the same up to the same crash.
+    A robot that loops in another manner is. A controller that crashes, hangs or commands nonsense
+        is not: that is a
+    fault of its own, which may have come into the known world with yesterday's edit. Only files
+    from before classes of crashes named a place are taken at their word, if the run is the same up
+    to the same crash.
     """
     if now.verdict not in BY_THE_CONTROLLER:
         return True
@@ -116,7 +127,9 @@ def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
     if fault:
         return None, fault
     try:
-        now = failure_of(failure.world, failure.scenario, oracle_of(failure), steps=failure.options.steps)
+        now = failure_of(
+            failure.world, failure.scenario, oracle_of(failure), steps=failure.options.steps
+        )
     except WorldgenError as error:
         return None, f"cannot be run here ({error})"
     return now, "does not fail any more"

@@ -6,16 +6,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from fuzz.corpus.entry import Entry
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.merging import smallest
 
-__all__ = ["Change", "Difference", "differences"]
+__all__ = ["BucketDifference", "Change", "differences"]
 
 Change = Literal["new", "gone", "smaller", "larger", "same"]
 
 
 @dataclass(frozen=True)
-class Difference:
+class BucketDifference:
     """A class of failures in two corpora.
 
     Args:
@@ -25,11 +25,11 @@ class Difference:
     """
 
     change: Change
-    old: Entry | None
-    new: Entry | None
+    old: CorpusEntry | None
+    new: CorpusEntry | None
 
     @property
-    def entry(self) -> Entry:
+    def entry(self) -> CorpusEntry:
         """The failure to look at: the new one, unless it is gone.
 
         Raises:
@@ -41,18 +41,21 @@ class Difference:
         return found
 
 
-def differences(old: Iterable[Entry], new: Iterable[Entry]) -> list[Difference]:
+def differences(old: Iterable[CorpusEntry], new: Iterable[CorpusEntry]) -> list[BucketDifference]:
     """Every class of either corpus, by controller, motion model and class, the new ones first."""
-    before, now = smallest(old), smallest(new)
-    found = [_difference(before.get(key), now.get(key)) for key in sorted(before.keys() | now.keys())]
+    before = smallest(old)
+    now = smallest(new)
+    found = [
+        _difference(before.get(key), now.get(key)) for key in sorted(before.keys() | now.keys())
+    ]
     return sorted(found, key=lambda difference: difference.change != "new")
 
 
-def _difference(old: Entry | None, new: Entry | None) -> Difference:
+def _difference(old: CorpusEntry | None, new: CorpusEntry | None) -> BucketDifference:
     if old is None:
-        return Difference("new", old, new)
+        return BucketDifference("new", old, new)
     if new is None:
-        return Difference("gone", old, new)
+        return BucketDifference("gone", old, new)
     if new.facts.size == old.facts.size:
-        return Difference("same", old, new)
-    return Difference("smaller" if new.facts.size < old.facts.size else "larger", old, new)
+        return BucketDifference("same", old, new)
+    return BucketDifference("smaller" if new.facts.size < old.facts.size else "larger", old, new)

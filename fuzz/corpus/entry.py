@@ -14,7 +14,7 @@ from sim.controllers import in_plain_place
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.world import World
 
-__all__ = ["Entry", "Facts"]
+__all__ = ["CorpusEntry", "Facts"]
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,16 @@ class Facts:
         Raises:
             FormatError: If its record names options that are unknown here.
         """
-        world, record = failure.world, failure.record
+        world = failure.world
+        record = failure.record
         try:
             controller = failure.label
         except InvalidParameter as error:
             raise FormatError(
-                "invalid-record", "the failure's record does not fit: {reason}", reason=str(error), source=source
+                "invalid-record",
+                "the failure's record does not fit: {reason}",
+                reason=str(error),
+                source=source,
             ) from error
         return cls(
             controller=controller,
@@ -92,14 +96,14 @@ class Facts:
         """The smallest comes first; of equally large ones that with the lower digest."""
         return self.size, self.digest
 
-    def size_in_words(self) -> str:
+    def describe_size(self) -> str:
         """``5x8, 12 solid``, and the events if there are any."""
         changes = f", {self.events} events" if self.events else ""
         return f"{self.width}x{self.height}, {self.solid} solid{changes}"
 
 
 @dataclass(frozen=True)
-class Entry:
+class CorpusEntry:
     """A failure in a corpus.
 
     Args:

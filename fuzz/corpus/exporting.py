@@ -10,7 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.corpus.pictures import draw_failure
 from fuzz.failure import Failure
@@ -26,13 +26,13 @@ _FACTS = [field.name for field in fields(Facts) if field.name != "size"]
 _COLUMNS = ("file", *("class" if name == "kind" else name for name in _FACTS))
 
 
-def export(entries: Iterable[Entry], out: Path, *, force: bool = False) -> int:
+def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) -> int:
     """Writes failures into one file, in the order of controllers, motion models, classes and sizes.
 
     Args:
         entries: Of any number of corpora; of equal failures one is written.
-        out: Its ending says what is made: an archive with a file, a picture and a row for each failure; a table
-            as ``.csv``; or one with pictures as ``.parquet``, which needs pyarrow.
+        out: Its ending says what is made: an archive with a file, a picture and a row for each
+            failure; a table as ``.csv``; or one with pictures as ``.parquet``, which needs pyarrow.
         force: Whether a file that is there is overwritten.
 
     Returns:
@@ -55,20 +55,24 @@ def export(entries: Iterable[Entry], out: Path, *, force: bool = False) -> int:
     check_output(out, force)
     if ending == ".parquet":
         _pyarrow()  # before the pictures are drawn
-    chosen = {entry.facts.digest: entry for entry in sorted(entries, key=lambda entry: str(entry.path), reverse=True)}
+    chosen = {
+        entry.facts.digest: entry
+        for entry in sorted(entries, key=lambda entry: str(entry.path), reverse=True)
+    }
     ordered = sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
     make = _archive if is_archive(out) else _parquet if ending == ".parquet" else _bare_table
     write_bytes(out, make(ordered, out), force=force)
     return len(ordered)
 
 
-def _archive(entries: Sequence[Entry], out: Path) -> bytes:
+def _archive(entries: Sequence[CorpusEntry], out: Path) -> bytes:
     """Equal failures, equal bytes: no name, time or place of their files goes into it."""
     stream = io.BytesIO()
     archive = writer_for(out, stream)
     rows = []
     for name, entry in _named(entries):
-        failure, picture = Failure.read(entry.path), f"pictures/{name}.png"
+        failure = Failure.read(entry.path)
+        picture = f"pictures/{name}.png"
         archive.add(f"{name}.grid", failure.dumps())
         archive.add(picture, draw_failure(entry, failure))
         row = entry.as_dict() | {"file": f"{name}.grid", "picture": picture}
@@ -78,14 +82,14 @@ def _archive(entries: Sequence[Entry], out: Path) -> bytes:
     return stream.getvalue()
 
 
-def _named(entries: Sequence[Entry]) -> Iterator[tuple[str, Entry]]:
+def _named(entries: Sequence[CorpusEntry]) -> Iterator[tuple[str, CorpusEntry]]:
     met: Counter[tuple[str, str, str]] = Counter()
     for entry in entries:
         met[entry.facts.key] += 1
         yield name_of(entry.facts, met[entry.facts.key]), entry
 
 
-def _bare_table(entries: Sequence[Entry], _out: Path) -> bytes:
+def _bare_table(entries: Sequence[CorpusEntry], _out: Path) -> bytes:
     return _table([entry.as_dict() for entry in entries], (*_COLUMNS, "first_seen"))
 
 
@@ -97,14 +101,21 @@ def _table(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
     return text.getvalue().encode(errors="backslashreplace")
 
 
-def _parquet(entries: Sequence[Entry], _out: Path) -> bytes:
+def _parquet(entries: Sequence[CorpusEntry], _out: Path) -> bytes:
     """The table, and in it each failure's text and picture as bytes."""
     arrow, parquet = _pyarrow()
     rows = []
     for entry in entries:
         failure = Failure.read(entry.path)
-        rows.append(entry.as_dict() | {"grid": failure.dumps(), "picture": draw_failure(entry, failure)})
-    kinds = {"width": arrow.int64(), "height": arrow.int64(), "solid": arrow.int64(), "events": arrow.int64()}
+        rows.append(
+            entry.as_dict() | {"grid": failure.dumps(), "picture": draw_failure(entry, failure)}
+        )
+    kinds = {
+        "width": arrow.int64(),
+        "height": arrow.int64(),
+        "solid": arrow.int64(),
+        "events": arrow.int64(),
+    }
     kinds |= {"grid": arrow.binary(), "picture": arrow.binary()}
     columns = (*_COLUMNS, "first_seen", "grid", "picture")
     schema = arrow.schema([(name, kinds.get(name, arrow.string())) for name in columns])

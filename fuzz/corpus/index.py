@@ -1,4 +1,7 @@
-"""A cache of facts by the digest of a file's bytes: it can be missing, never wrong about a file that changed."""
+"""A cache of facts by the digest of a file's bytes.
+
+It can be missing, never wrong about a file that changed.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ class Index:
         self._used: dict[str, Facts | None] = {}
 
     def get(self, digest: str) -> tuple[bool, Facts | None]:
-        """Whether a file with this digest is known, and its facts; none are those of a world without failure."""
+        """Whether a file with this digest is known, and its facts.
+
+        None are those of a world without failure.
+        """
         if digest not in self._known:
             return False, None
         self._used[digest] = self._known[digest]
@@ -44,7 +50,10 @@ class Index:
         self._used[digest] = facts
 
     def save(self) -> None:
-        """Writes what was asked for or noted; where that cannot be, there is no index, which costs time only."""
+        """Writes what was asked for or noted.
+
+        Where that cannot be, there is no index, which costs time only.
+        """
         if self._used == self._known:
             return
         files = {digest: facts and asdict(facts) for digest, facts in sorted(self._used.items())}
@@ -57,7 +66,11 @@ class Index:
     def _load(self) -> dict[str, Facts | None]:
         with contextlib.suppress(FormatError, ValueError, RecursionError):
             found = json.loads(read_text(self._folder / _FILE))
-            if isinstance(found, dict) and found.get("version") == _VERSION and isinstance(found.get("files"), dict):
+            if (
+                isinstance(found, dict)
+                and found.get("version") == _VERSION
+                and isinstance(found.get("files"), dict)
+            ):
                 return {digest: _facts(values) for digest, values in found["files"].items()}
         return {}
 
@@ -70,6 +83,9 @@ def _facts(values: object) -> Facts | None:
     """
     if values is None:
         return None
-    if not isinstance(values, dict) or {name: type(value) for name, value in values.items()} != _TYPES:
+    if (
+        not isinstance(values, dict)
+        or {name: type(value) for name, value in values.items()} != _TYPES
+    ):
         raise ValueError("no facts")
     return Facts(**{**values, "size": tuple(values["size"])})

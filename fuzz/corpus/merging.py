@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from fuzz.corpus.entry import Entry
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.names import name_of
 from fuzz.failure import Failure
 from worldgen.errors import OutputError
@@ -16,15 +16,17 @@ from worldgen.files.worlds import files_in
 __all__ = ["merge", "smallest"]
 
 
-def smallest(entries: Iterable[Entry]) -> dict[tuple[str, str, str], Entry]:
+def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:
     """The smallest failure by controller, motion model and class, whatever the order in which they come."""
-    best: dict[tuple[str, str, str], Entry] = {}
+    best: dict[tuple[str, str, str], CorpusEntry] = {}
     for entry in sorted(entries, key=lambda entry: (entry.facts.order, str(entry.path))):
         best.setdefault(entry.facts.key, entry)
     return dict(sorted(best.items()))
 
 
-def merge(entries: Iterable[Entry], out: Path, *, force: bool = False) -> dict[Path, Entry]:
+def merge(
+    entries: Iterable[CorpusEntry], out: Path, *, force: bool = False
+) -> dict[Path, CorpusEntry]:
     """Writes the smallest failure of each class into a folder, dated by the first of its class.
 
     Args:
@@ -62,7 +64,8 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
-            "give --force to replace those of the same name and keep the others, or name another folder",
+            "give --force to replace those of the same name and keep the others, or name another "
+            "folder",
             at_terminal=True,
             out=out,
             first=others[0].relative_to(out),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fuzz.corpus.entry import Entry
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.failure import Failure
 from sim.controllers.programs.process import is_process_name
 from sim.drawing.picture import trail_of
@@ -18,14 +18,14 @@ _PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
 _MOST = 200  # panels: a sheet of five columns and 16,000 px height
 
 
-def draw_failure(entry: Entry, failure: Failure) -> bytes:
+def draw_failure(entry: CorpusEntry, failure: Failure) -> bytes:
     """A failure as the bytes of a PNG file."""
     facts = entry.facts
     title = f"{facts.controller}, {facts.motion}: {facts.kind}"
     return draw_png(failure.stored, trail=_trail(failure), title=title, pixels=_PIXELS)
 
 
-def contact_sheet(entries: Sequence[Entry]) -> bytes:
+def contact_sheet(entries: Sequence[CorpusEntry]) -> bytes:
     """Failures side by side, as the bytes of a PNG file.
 
     Raises:
@@ -33,7 +33,9 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
         FormatError: If a file cannot be read any more.
     """
     if not entries:
-        raise InvalidParameter("nothing-given", "there is no failure to draw", "check the path and the filters")
+        raise InvalidParameter(
+            "nothing-given", "there is no failure to draw", "check the path and the filters"
+        )
     if len(entries) > _MOST:
         raise InvalidParameter(
             "too-many",
@@ -46,9 +48,14 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
     return draw_sheet([_panel(entry) for entry in entries], ())
 
 
-def _panel(entry: Entry) -> Panel:
-    failure, facts = Failure.read(entry.path), entry.facts
-    name = facts.controller if is_process_name(facts.controller) else facts.controller.rpartition("/")[2]
+def _panel(entry: CorpusEntry) -> Panel:
+    failure = Failure.read(entry.path)
+    facts = entry.facts
+    name = (
+        facts.controller
+        if is_process_name(facts.controller)
+        else facts.controller.rpartition("/")[2]
+    )
     return Panel(failure.stored, facts.kind, (_trail(failure),), (f"{name}, {facts.motion}",))
 
 

@@ -1,4 +1,7 @@
-"""What a corpus need not hold: failures that are none any more, and all but the smallest of each class."""
+"""What a corpus need not hold.
+
+Failures that are none any more, and all but the smallest of each class.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
-from fuzz.corpus.entry import Entry
+from fuzz.corpus.entry import CorpusEntry
 from fuzz.failure import Failure
 from fuzz.triage.judging import replay
 from sim.verdict import BY_THE_CONTROLLER
@@ -23,23 +26,33 @@ class Judgement:
         entry: The failure.
         keep: Whether it stays.
         reason: Why; empty for the smallest of its class that replays.
-        judged: Whether it could be run; one that could not, for want of its controller perhaps, stays.
+        judged: Whether it could be run; one that could not, for want of its controller perhaps,
+            stays.
     """
 
-    entry: Entry
+    entry: CorpusEntry
     keep: bool
     reason: str = ""
     judged: bool = True
 
 
-def judge_all(entries: Iterable[Entry]) -> Iterator[Judgement]:
-    """Replays the failures of each class, the smallest first, until one is confirmed; those behind it may go."""
-    ordered = sorted(entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path)))
+def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
+    """Replays the failures of each class, the smallest first, until one is confirmed.
+
+    Those behind it may go.
+    """
+    ordered = sorted(
+        entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path))
+    )
     for _, group in groupby(ordered, key=lambda entry: entry.facts.key):
-        kept: Entry | None = None
+        kept: CorpusEntry | None = None
         for entry in group:
             if kept is not None:
-                what = "the same world" if kept.facts.digest == entry.facts.digest else "a smaller world"
+                what = (
+                    "the same world"
+                    if kept.facts.digest == entry.facts.digest
+                    else "a smaller world"
+                )
                 yield Judgement(entry, False, f"{kept.path} is {what} of its class")
                 continue
             judgement = _judge(entry)
@@ -48,7 +61,7 @@ def judge_all(entries: Iterable[Entry]) -> Iterator[Judgement]:
             yield judgement
 
 
-def _judge(entry: Entry) -> Judgement:
+def _judge(entry: CorpusEntry) -> Judgement:
     shown = replay(Failure.read(entry.path))
     if shown.confirmed:
         return Judgement(entry, True)
@@ -60,7 +73,7 @@ def _judge(entry: Entry) -> Judgement:
     return Judgement(entry, False, f"no longer replays: {shown.reason}")
 
 
-def remove(entry: Entry) -> None:
+def remove(entry: CorpusEntry) -> None:
     """Deletes a failure's file.
 
     Raises:
@@ -70,5 +83,8 @@ def remove(entry: Entry) -> None:
         entry.path.unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(
-            "cannot-delete", "{path}: cannot be deleted: {reason}", path=entry.path, reason=error.strerror or str(error)
+            "cannot-delete",
+            "{path}: cannot be deleted: {reason}",
+            path=entry.path,
+            reason=error.strerror or str(error),
         ) from error

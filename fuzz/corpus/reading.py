@@ -1,4 +1,7 @@
-"""Reads what a corpus holds: every file's bytes, and its text where the index does not know them."""
+"""Reads what a corpus holds.
+
+Every file's bytes, and its text where the index does not know them.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.index import Index
 from worldgen.errors import FormatError
 from worldgen.files.archives import Member, is_archive, members
@@ -35,7 +38,11 @@ class Selection:
 
     def fits(self, facts: Facts) -> bool:
         """Whether a failure is meant."""
-        wanted = ((self.controllers, facts.controller), (self.kinds, facts.kind), (self.verdicts, facts.verdict))
+        wanted = (
+            (self.controllers, facts.controller),
+            (self.kinds, facts.kind),
+            (self.verdicts, facts.verdict),
+        )
         return all(not patterns or _fits_one(text, patterns) for patterns, text in wanted)
 
 
@@ -44,11 +51,12 @@ class Corpus:
     """Failures by path.
 
     Args:
-        entries: In the order of the paths that were given, of a folder by name, of an archive as they stand there.
+        entries: In the order of the paths that were given, of a folder by name, of an archive as
+            they stand there.
         others: Worlds without a failure, which were passed over.
     """
 
-    entries: tuple[Entry, ...]
+    entries: tuple[CorpusEntry, ...]
     others: int = 0
 
 
@@ -56,20 +64,21 @@ def read_corpus(paths: Iterable[Path], selection: Selection | None = None) -> Co
     """What folders, archives and files hold.
 
     Args:
-        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below; it may hold none.
+        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below; it may hold
+            none.
         selection: Which failures are meant; all if left out.
 
     Raises:
         FormatError: If a path or a file cannot be read.
     """
-    entries: list[Entry] = []
+    entries: list[CorpusEntry] = []
     others = 0
     for path in paths:
         for place, facts, seen in _found(path):
             if facts is None:
                 others += 1
             elif selection is None or selection.fits(facts):
-                entries.append(Entry(place, facts, seen))
+                entries.append(CorpusEntry(place, facts, seen))
     return Corpus(tuple(entries), others)
 
 
@@ -98,14 +107,22 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
             seen = int(file.stat().st_mtime)
             data = stream.read(MAX_FILE_BYTES + 1)
     except FileNotFoundError as error:
-        raise FormatError("no-such-file", "there is no such file", "check the name", source=str(file)) from error
+        raise FormatError(
+            "no-such-file", "there is no such file", "check the name", source=str(file)
+        ) from error
     except (OSError, ValueError) as error:  # the latter for a name with a NUL
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=getattr(error, "strerror", None) or error, source=str(file)
+            "unreadable",
+            "cannot be read: {reason}",
+            reason=getattr(error, "strerror", None) or error,
+            source=str(file),
         ) from error
     if len(data) > MAX_FILE_BYTES:
         raise FormatError(
-            "too-large", "longer than {most} bytes, the limit of a .grid file", most=MAX_FILE_BYTES, source=str(file)
+            "too-large",
+            "longer than {most} bytes, the limit of a .grid file",
+            most=MAX_FILE_BYTES,
+            source=str(file),
         )
     digest = hashlib.sha256(data).hexdigest()
     known, facts = index.get(digest) if index is not None else (False, None)

@@ -1,7 +1,8 @@
 """Evidence checks: each confirms one verdict from a recorded trace, sharing no code with the simulator.
 
-The simulator claims; a check looks at the positions that were recorded, with shapely and plain Python, and returns
-what is wrong with the claim, or nothing. A failure is stored only when its check finds nothing.
+The simulator claims; a check looks at the positions that were recorded, with shapely and plain
+Python, and returns what is wrong with the claim, or nothing. A failure is stored only when its
+check finds nothing.
 
 Contents:
     check_evidence: what is wrong with an episode's verdict, whatever it is.
@@ -44,8 +45,12 @@ EVIDENCE_CHECKS: dict[Verdict, EvidenceCheck] = {
 }
 
 
-def check_evidence(verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion) -> str:
-    """Return why a verdict does not hold for a trace; empty if it does, or if there is no check for that verdict.
+def check_evidence(
+    verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion
+) -> str:
+    """Return why a verdict does not hold for a trace.
+
+    Empty if it does, or if there is no check for that verdict.
 
     Args:
         verdict: The claim.

@@ -1,8 +1,9 @@
 """The cause of an overlap with a wall, read off a recorded path: the thesis's motion has three.
 
-In each step of the thesis's motion the disc goes ahead pixel by pixel along its heading, a tenth of a cell each.
-The first pixel's step that a wall stops becomes a *slide* (ahead on one axis, a pixel's part back on the other),
-or a *back-off* (a pixel back on both). Where only the corner of a cell is touched the disc goes on: a *corner*.
+In each step of the thesis's motion the disc goes ahead pixel by pixel along its heading, a tenth of
+a cell each. The first pixel's step that a wall stops becomes a *slide* (ahead on one axis, a
+pixel's part back on the other), or a *back-off* (a pixel back on both). Where only the corner of a
+cell is touched the disc goes on: a *corner*.
 """
 
 from __future__ import annotations
@@ -31,8 +32,9 @@ Floats = npt.NDArray[np.float64]
 def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     """Check that the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
 
-    The states before are clear of walls, and the displacement of step ``since`` is what the cause makes. A move
-    that a wall bent or stopped where the disc had already gone past a corner, and into it, is a ``corner``.
+    The states before are clear of walls, and the displacement of step ``since`` is what the cause
+    makes. A move that a wall bent or stopped where the disc had already gone past a corner, and
+    into it, is a ``corner``.
 
     Args:
         world: Where the run was.
@@ -47,12 +49,17 @@ def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     if since is None or not 1 <= since <= step <= trace.steps:
         return f"the overlap is said to begin in step {since}, and to end in a wall in step {step}"
     states = np.arange(since - 1, step + 1)
-    depths = _depths(world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64))
+    depths = _depths(
+        world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64)
+    )
     if depths[0] > LEAST_OVERLAP + _SLACK:
         return f"the disc overlaps a wall before step {since} already"
     clear = np.flatnonzero(depths[1:] < LEAST_OVERLAP - _SLACK)
     if len(clear):
-        return f"after step {since + int(clear[0])} the disc is clear of walls, so that overlap has ended"
+        return (
+            f"after step {since + int(clear[0])} the disc is clear of walls, so that overlap "
+            f"has ended"
+        )
     moves = set(_moves(world, trace, since))
     return "" if cause in moves else f"the move of step {since} is no {cause}" + _instead(moves)
 
@@ -62,16 +69,23 @@ def _instead(moves: set[str]) -> str:
 
 
 def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
-    """How far the disc cuts into the deepest wall at each place and time, cells; the outside is solid."""
+    """How far the disc cuts into the deepest wall at each place and time, cells.
+
+    The outside is solid.
+    """
     side = world.cell_size
-    radius, x, y = world.robot_radius / side, x / side, y / side
+    radius = world.robot_radius / side
+    x = x / side
+    y = y / side
     reach = math.ceil(radius) + 1
     steady = np.pad(world.still_walls, reach, constant_values=True)
-    columns, rows = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    columns = np.floor(x).astype(np.int64)
+    rows = np.floor(y).astype(np.int64)
     deepest = np.zeros(len(x))
     for dy in range(-reach, reach + 1):
         for dx in range(-reach, reach + 1):
-            ix, iy = columns + dx, rows + dy
+            ix = columns + dx
+            iy = rows + dy
             inner_x = np.clip(ix + reach, 0, steady.shape[1] - 1)
             inner_y = np.clip(iy + reach, 0, steady.shape[0] - 1)
             depth = radius - _gap(x, y, ix, iy)
@@ -106,12 +120,11 @@ def _moves(world: World, trace: Trace, step: int) -> Iterator[str]:
     for gone in range(math.ceil(float(np.hypot(*moved))) + 3):
         before = here + gone * pixel * unit
         inside = float(_depths(world, before[:1], before[1:], time)[0])
-        free, caught = inside <= LEAST_OVERLAP + _SLACK, inside >= LEAST_OVERLAP - _SLACK
-        stays, backs, slides = (
-            _same(moved, gone * unit, loose),
-            _same(moved, (gone - 1) * unit, loose),
-            any(_slides(moved, unit, gone, axis, loose) for axis in (0, 1)),
-        )
+        free = inside <= LEAST_OVERLAP + _SLACK
+        caught = inside >= LEAST_OVERLAP - _SLACK
+        stays = _same(moved, gone * unit, loose)
+        backs = _same(moved, (gone - 1) * unit, loose)
+        slides = any(_slides(moved, unit, gone, axis, loose) for axis in (0, 1))
         if not trace.bump[step]:
             if stays and gone > 0:
                 yield "corner"
@@ -128,7 +141,9 @@ def _same(moved: Floats, wanted: Floats, loose: npt.NDArray[np.bool_]) -> bool:
     return bool(((np.abs(moved - wanted) < _SAME) | loose).all())
 
 
-def _slides(moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]) -> bool:
+def _slides(
+    moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]
+) -> bool:
     """Whether the move went ahead on the axis by the last pixel's part, with friction less, and back on the other."""
     other = 1 - axis
     back = loose[other] or abs(moved[other] - (gone - 1) * unit[other]) < _SAME
@@ -137,9 +152,15 @@ def _slides(moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArra
 
 
 def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
-    """By axis, whether the place is where the motion keeps the disc off the grid's edge: there it may be cut short."""
-    radius, side = world.robot_radius, world.cell_size
+    """By axis, whether the place is where the motion keeps the disc off the grid's edge.
+
+    There it may be cut short.
+    """
+    radius = world.robot_radius
+    side = world.cell_size
     ends = np.array([world.width, world.height]) * side
     gap = np.minimum(place, ends - place) - radius
-    loose: npt.NDArray[np.bool_] = (np.abs(gap) < _SAME * side) | (np.abs(gap - side) < _SAME * side)
+    loose: npt.NDArray[np.bool_] = (np.abs(gap) < _SAME * side) | (
+        np.abs(gap - side) < _SAME * side
+    )
     return loose

@@ -47,7 +47,10 @@ def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) 
 
 
 def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString:
-    """The path of one step, m: from the last point that was reached when its share ``since`` was over."""
+    """The path of one step, m.
+
+    From the last point that was reached when its share ``since`` was over.
+    """
     first = int(np.searchsorted(trace.path_step, step, side="left"))
     last = int(np.searchsorted(trace.path_step, step, side="right"))
     first += int(np.searchsorted(trace.path_share[first:last], since + 1e-9, side="right"))
@@ -57,18 +60,25 @@ def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString
 
 def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int] | None:
     """A cell (ix, iy) that a state of the second half enters and no state of the first half has seen."""
-    columns, rows = lattice_cell(trace.x / world.cell_size), lattice_cell(trace.y / world.cell_size)
+    columns = lattice_cell(trace.x / world.cell_size)
+    rows = lattice_cell(trace.y / world.cell_size)
     cells = columns.astype(np.int64) + rows.astype(np.int64) * (world.width + 2)
     half = trace.steps // 2
     fresh = np.setdiff1d(cells[half + 1 :], cells[: half + 1])
-    return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
+    return (
+        (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2))
+        if len(fresh)
+        else None
+    )
 
 
 def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
     """Check that ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
-    spent = trace.steps * Fraction(repr(trace.time_step)) / Fraction(repr(world.certificate.duration))
+    spent = (
+        trace.steps * Fraction(repr(trace.time_step)) / Fraction(repr(world.certificate.duration))
+    )
     claimed = evidence.witness_multiple
     if claimed is not None and abs(Fraction(claimed) - spent) <= Fraction(1, 1999):
         return ""
@@ -79,7 +89,9 @@ def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Cells of places in cells; what is a whole number but for rounding counts as one."""
     places = np.asarray(places, np.float64)
     whole = np.rint(places)
-    cells: npt.NDArray[np.float64] = np.where(np.abs(places - whole) < 1e-9, whole, np.floor(places))
+    cells: npt.NDArray[np.float64] = np.where(
+        np.abs(places - whole) < 1e-9, whole, np.floor(places)
+    )
     return cells
 
 

@@ -1,4 +1,7 @@
-"""A walled-off target that is reached: the run that went through the wall, had nobody stopped it."""
+"""A walled-off target that is reached.
+
+The run that went through the wall, had nobody stopped it.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,17 @@ def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidenc
     step = evidence.step
     reached = evidence.reached
     if reached is None or not step < reached <= whole.steps:
-        return f"the target is said to be reached in step {reached}, the wall entered in step {step}"
+        return (
+            f"the target is said to be reached in step {reached}, the wall entered in step {step}"
+        )
     if trace.steps != step or not (trace.states == whole.states[: step + 1]).all():
         return "the run that goes on is another one before the wall"
-    columns, rows = lattice_cell(whole.x / world.cell_size), lattice_cell(whole.y / world.cell_size)
-    there = (lattice_cell(world.target.x / world.cell_size), lattice_cell(world.target.y / world.cell_size))
+    columns = lattice_cell(whole.x / world.cell_size)
+    rows = lattice_cell(whole.y / world.cell_size)
+    there = (
+        lattice_cell(world.target.x / world.cell_size),
+        lattice_cell(world.target.y / world.cell_size),
+    )
     inside = (columns == there[0]) & (rows == there[1])
     if not inside[reached]:
         return f"step {reached} does not end in the target's cell"

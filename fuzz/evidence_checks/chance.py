@@ -14,15 +14,18 @@ __all__ = ["check_chance"]
 def check_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
     """Check that the states are closed, the claim follows from them, and runs keep to them.
 
-    ``trap``: no state is followed by the target, so no draw leads there. ``sure``: none is followed by another end, and
-    each by the target or by a state of lower rank, so that from wherever the robot is it arrives with some probability
-    that is bounded from below, again and again. ``part``: the start has a way down the ranks, and there is a state
+    ``trap``: no state is followed by the target, so no draw leads there. ``sure``: none is followed
+        by another end, and
+    each by the target or by a state of lower rank, so that from wherever the robot is it arrives
+    with some probability that is bounded from below, again and again. ``part``: the start has a way
+        down the ranks, and there is a state
     from which every way stays among states without one.
 
     Args:
         outcomes: States and what follows them.
         chance: The claim.
-        runs: Ordinary runs, recorded, with the same controller and options but for seed and steps; and their verdicts.
+        runs: Ordinary runs, recorded, with the same controller and options but for seed and steps;
+            and their verdicts.
     """
     wrong = _check_closure(outcomes)
     if wrong:
@@ -38,12 +41,18 @@ def _check_closure(outcomes: Outcomes) -> str:
         values = sorted(value for value, _ in entry)
         if values not in ([UNSEEN], list(range(outcomes.coin))):
             return f"state {number} says what follows the values {values}, of {outcomes.coin}"
-        if not all(after in (ARRIVED, ENDED) or 0 <= after < len(outcomes.states) for _, after in entry):
+        if not all(
+            after in (ARRIVED, ENDED) or 0 <= after < len(outcomes.states) for _, after in entry
+        ):
             return f"state {number} is followed by one that was not looked at"
         if number not in known:
             return f"no state before it leads to state {number}"
         known.update(after for _, after in entry)
-    return "" if len(outcomes.following) == len(outcomes.states) else "not all states say what follows them"
+    return (
+        ""
+        if len(outcomes.following) == len(outcomes.states)
+        else "not all states say what follows them"
+    )
 
 
 def _check_trap(outcomes: Outcomes) -> str:
@@ -65,7 +74,9 @@ def _check_sure(outcomes: Outcomes) -> str:
 def _check_part(outcomes: Outcomes) -> str:
     number = 0
     while outcomes.ranks[number] > 1:
-        lower = [after for _, after in outcomes.following[number] if _is_lower(outcomes, after, number)]
+        lower = [
+            after for _, after in outcomes.following[number] if _is_lower(outcomes, after, number)
+        ]
         if not lower:
             return f"no way leads from state {number} to one of lower rank"
         number = lower[0]
@@ -73,7 +84,10 @@ def _check_part(outcomes: Outcomes) -> str:
         return f"the target does not follow state {number}"
     lost = {number for number, rank in enumerate(outcomes.ranks) if not rank}
     for number in lost:
-        if any(after == ARRIVED or (after >= 0 and after not in lost) for _, after in outcomes.following[number]):
+        if any(
+            after == ARRIVED or (after >= 0 and after not in lost)
+            for _, after in outcomes.following[number]
+        ):
             return f"a way leads out of state {number}, where all is said to be lost"
     ends = any(after == ENDED for entry in outcomes.following for _, after in entry)
     return "" if lost or ends else "no state is lost"
@@ -104,6 +118,8 @@ def _check_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
         if not may_be:
             return f"a run is, after step {step}, in a state that does not follow"
     end = ARRIVED if verdict == Verdict.REACHED else ENDED
-    if ends and not any(after == end for number in may_be for _, after in outcomes.following[number]):
+    if ends and not any(
+        after == end for number in may_be for _, after in outcomes.following[number]
+    ):
         return f"a run ends as {verdict} in step {trace.steps}, where no state says so"
     return ""

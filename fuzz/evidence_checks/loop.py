@@ -40,7 +40,8 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
         return "the second period differs from the first"
     if evidence.state_digest != _digest(trace.states[entry].tolist()):
         return "the state at the entry is not the one of the evidence"
-    x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
+    x = trace.x[entry : entry + period + 1]
+    y = trace.y[entry : entry + period + 1]
     gap = places_gap(world, x, y)
     if motion.name == "swept":  # it looks along the path; the other models look where a step ends
         first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])

@@ -22,9 +22,11 @@ _PERIODS = 4  # periods that a drifting run must show
 def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
     """Check that each state of the second half is in a cell that a state of the first half has seen.
 
-    That the budget is the stated multiple of the witness's time is judged too; and, where the evidence says it, in what
-    manner the run stalls. ``drifting``: poses come back after ``period`` steps, from ``entry`` to the end, four times
-    at least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of the second half.
+    That the budget is the stated multiple of the witness's time is judged too; and, where the
+    evidence says it, in what manner the run stalls. ``drifting``: poses come back after ``period``
+        steps, from ``entry`` to the end, four times
+    at least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of
+        the second half.
     """
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
@@ -60,9 +62,14 @@ def _comes_back(world: World, trace: Trace, entry: int, period: int) -> bool:
 
 def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt.NDArray[np.bool_]:
     """Which poses of ``one`` are those of ``two`` but for rounding."""
-    apart = np.maximum(np.abs(trace.x[one] - trace.x[two]), np.abs(trace.y[one] - trace.y[two])) / world.cell_size
+    apart = (
+        np.maximum(np.abs(trace.x[one] - trace.x[two]), np.abs(trace.y[one] - trace.y[two]))
+        / world.cell_size
+    )
     turned = np.abs((trace.heading[one] - trace.heading[two] + np.pi) % (2 * np.pi) - np.pi)
-    near: npt.NDArray[np.bool_] = (apart < _SAME_PLACE * (1 + _ROUNDING)) & (turned < _SAME_HEADING * (1 + _ROUNDING))
+    near: npt.NDArray[np.bool_] = (apart < _SAME_PLACE * (1 + _ROUNDING)) & (
+        turned < _SAME_HEADING * (1 + _ROUNDING)
+    )
     return near
 
 
@@ -84,7 +91,8 @@ def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | Non
         return "the evidence has no box of columns and rows"
     for places, claimed in zip((trace.x, trace.y), box, strict=True):
         cells = places[half:] / world.cell_size
-        low, high = float(cells.min()), float(cells.max())
+        low = float(cells.min())
+        high = float(cells.max())
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
         if not least <= claimed <= most:

@@ -1,8 +1,10 @@
 """Seeded faults: controllers of the library with one realistic fault each, to measure fault finding by.
 
 Contents:
-    Fault: a controller that says what is wrong with it, what to expect of it, and which one is right.
-    FAULTS: all of them, by name; each is also ``fuzz.faults:NAME`` with underscores, wherever a controller is named.
+    Fault: a controller that says what is wrong with it, what to expect of it, and which one is
+        right.
+    FAULTS: all of them, by name; each is also ``fuzz.faults:NAME`` with underscores, wherever a
+        controller is named.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from fuzz.faults.planting import Fault
 __all__ = ["FAULTS", "Fault"]
 
 FAULTS: dict[str, Fault] = {
-    getattr(module, name).name: getattr(module, name) for module in (by_touch, by_sight) for name in module.__all__
+    getattr(module, name).name: getattr(module, name)
+    for module in (by_touch, by_sight)
+    for name in module.__all__
 }
 
 

@@ -1,7 +1,8 @@
-"""Compiled controllers as Python classes: how a campaign does against the same controller brought the usual way.
+"""Compiled controllers as Python classes.
 
-``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class whose ``act`` calls
-the compiled function.
+How a campaign does against the same controller brought the usual way.
+``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class
+whose ``act`` calls the compiled function.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ __all__ = ["AsClass"]
 
 @dataclass(frozen=True)
 class AsClass:
-    """A compiled controller as a Python class; it stands still in its first step, as every class does.
+    """A compiled controller as a Python class.
+
+    It stands still in its first step, as every class does.
 
     Args:
         controller: Name of the compiled controller.

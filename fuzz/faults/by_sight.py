@@ -115,7 +115,8 @@ q_learning_timer_off_by_one = planted(
     "q-learning-timer-off-by-one",
     q_learning,
     Verdict.LOOP,
-    "Waits a step longer between two decisions than it did when it was trained: an error by one in a timer.",
+    "Waits a step longer between two decisions than it did when it was trained: an error by one in "
+    "a timer.",
 )
 q_learning_last_turn_lost = planted(
     "q-learning-last-turn-lost",

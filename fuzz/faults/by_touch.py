@@ -28,7 +28,8 @@ bug1_keeps_the_last_place = planted(
     "bug1-keeps-the-last-place",
     bug1,
     Verdict.LOOP,
-    "Does not keep the nearest place of the wall but the last one: the comparison with the best so far is lost.",
+    "Does not keep the nearest place of the wall but the last one: the comparison with the best so "
+    "far is lost.",
 )
 bug1_hit_point_moves_along = planted(
     "bug1-hit-point-moves-along",
@@ -40,7 +41,8 @@ bug1_stale_round_is_over = planted(
     "bug1-stale-round-is-over",
     bug1,
     Verdict.LOOP,
-    "The flag of a finished round is not cleared at the second obstacle, which counts as seen at once.",
+    "The flag of a finished round is not cleared at the second obstacle, which counts as seen at "
+    "once.",
 )
 bug1_lost_wall_wrong_side = planted(
     "bug1-lost-wall-wrong-side",
@@ -52,7 +54,8 @@ bug1_turn_not_wrapped = planted(
     "bug1-turn-not-wrapped",
     bug1,
     Verdict.LOOP,
-    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn.",
+    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a "
+    "turn.",
 )
 bug2_leaves_by_equality = planted(
     "bug2-leaves-by-equality",
@@ -76,7 +79,8 @@ bug2_leaves_behind_the_hit_point = planted(
     "bug2-leaves-behind-the-hit-point",
     bug2,
     Verdict.LOOP,
-    "Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten.",
+    "Leaves wherever it crosses the line: that the place must be nearer than the hit point is "
+    "forgotten.",
 )
 bug2_bearing_in_degrees = planted(
     "bug2-bearing-in-degrees",
@@ -88,5 +92,6 @@ bug2_turn_not_wrapped = planted(
     "bug2-turn-not-wrapped",
     bug2,
     Verdict.LOOP,
-    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn.",
+    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a "
+    "turn.",
 )

@@ -1,4 +1,7 @@
-"""Plants a fault in a controller: the controller's own code, with one deviation around it, in the C core."""
+"""Plants a fault in a controller.
+
+The controller's own code, with one deviation around it, in the C core.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +50,9 @@ class Fault(CompiledController):
     variations: str = ""
 
 
-def planted(name: str, base: CompiledController, expected: Verdict, sentence: str, *, variations: str = "") -> Fault:
+def planted(
+    name: str, base: CompiledController, expected: Verdict, sentence: str, *, variations: str = ""
+) -> Fault:
     """Return a controller with a fault of the C core.
 
     Args:

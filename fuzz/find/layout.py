@@ -30,10 +30,11 @@ class Layout:
     Args:
         empty: The world without what the boxes cover; its border stays as it is.
         boxes: The boxes; with ``mirror`` those of one half.
-        mirror: Whether every box also stands mirrored along the diagonal from the upper left to the lower right.
+        mirror: Whether every box also stands mirrored along the diagonal from the upper left to the
+            lower right.
         fixed_target: Whether the target stays where it is.
-        leash: Cells that a box's side, or the target, may go from where it was in ``home``; then no box comes or
-            goes. -1 for no such limit.
+        leash: Cells that a box's side, or the target, may go from where it was in ``home``; then no
+            box comes or goes. -1 for no such limit.
         home: The layout's beginning, for the leash.
     """
 
@@ -45,7 +46,9 @@ class Layout:
     home: Layout | None = None
 
     @classmethod
-    def of(cls, world: World, *, mirror: bool = False, fixed_target: bool = False, leash: int = -1) -> Layout:
+    def of(
+        cls, world: World, *, mirror: bool = False, fixed_target: bool = False, leash: int = -1
+    ) -> Layout:
         """A world's inner solid cells as boxes, the largest first.
 
         Raises:
@@ -62,7 +65,9 @@ class Layout:
             )
         border = np.zeros_like(world.walls)
         border[[0, -1], :] = border[:, [0, -1]] = True
-        empty = replace(world, walls=world.walls & border, certificate=None, provenance=None, failure=None)
+        empty = replace(
+            world, walls=world.walls & border, certificate=None, provenance=None, failure=None
+        )
         inner = world.walls & ~border
         boxes = _half(inner) if mirror else _boxes(inner)
         home = cls(empty, tuple(boxes), mirror, fixed_target)
@@ -109,28 +114,47 @@ class Layout:
         """Layouts with one box less, or one row of one box less, the largest step first."""
         found = []
         if self.home is None:
-            found = [self._kept((*self.boxes[:k], *self.boxes[k + 1 :])) for k in range(len(self.boxes))]
+            found = [
+                self._kept((*self.boxes[:k], *self.boxes[k + 1 :])) for k in range(len(self.boxes))
+            ]
         for k, (x0, y0, x1, y1) in enumerate(self.boxes):
-            for box in ((x0 + 1, y0, x1, y1), (x0, y0 + 1, x1, y1), (x0, y0, x1 - 1, y1), (x0, y0, x1, y1 - 1)):
+            for box in (
+                (x0 + 1, y0, x1, y1),
+                (x0, y0 + 1, x1, y1),
+                (x0, y0, x1 - 1, y1),
+                (x0, y0, x1, y1 - 1),
+            ):
                 found.append(self._with_box(k, box))
         return [layout for layout in found if layout is not None]
 
     def _kept(self, boxes: tuple[Box, ...]) -> Layout | None:
         """The layout with other boxes, if they lie inside, on the leash, and leave start and target clear."""
-        width, height = self.empty.width, self.empty.height
-        if any(not (1 <= x0 < x1 <= width - 1 and 1 <= y0 < y1 <= height - 1) for x0, y0, x1, y1 in boxes):
+        width = self.empty.width
+        height = self.empty.height
+        if any(
+            not (1 <= x0 < x1 <= width - 1 and 1 <= y0 < y1 <= height - 1)
+            for x0, y0, x1, y1 in boxes
+        ):
             return None
         if self.home is not None:
             pairs = zip(boxes, self.home.boxes, strict=True)
             if any(
-                abs(side - before) > self.leash for box, old in pairs for side, before in zip(box, old, strict=True)
+                abs(side - before) > self.leash
+                for box, old in pairs
+                for side, before in zip(box, old, strict=True)
             ):
                 return None
         layout = replace(self, boxes=boxes)
-        side, reach = self.empty.cell_size, self.empty.robot_radius
-        places = ((self.empty.start.x, self.empty.start.y, reach), (self.empty.target.x, self.empty.target.y, 0.0))
+        side = self.empty.cell_size
+        reach = self.empty.robot_radius
+        places = (
+            (self.empty.start.x, self.empty.start.y, reach),
+            (self.empty.target.x, self.empty.target.y, 0.0),
+        )
         for x, y, clear in places:
-            at_x, at_y, room = float(in_cells(x, side)), float(in_cells(y, side)), float(in_cells(clear, side))
+            at_x = float(in_cells(x, side))
+            at_y = float(in_cells(y, side))
+            room = float(in_cells(clear, side))
             for x0, y0, x1, y1 in layout.drawn():
                 if math.hypot(max(x0 - at_x, 0, at_x - x1), max(y0 - at_y, 0, at_y - y1)) <= room:
                     return None
@@ -139,14 +163,21 @@ class Layout:
     def _with_target(self, rng: RandomStream) -> Layout | None:
         if self.fixed_target:
             return None
-        dx, dy = rng.between(-2, 2), rng.between(-2, 2)
+        dx = rng.between(-2, 2)
+        dy = rng.between(-2, 2)
         if self.mirror:
             dy = -dx
-        side, target = self.empty.cell_size, self.empty.target
-        ix, iy = math.floor(in_cells(target.x, side)) + dx, math.floor(in_cells(target.y, side)) + dy
+        side = self.empty.cell_size
+        target = self.empty.target
+        ix = math.floor(in_cells(target.x, side)) + dx
+        iy = math.floor(in_cells(target.y, side)) + dy
         if not (1 <= ix < self.empty.width - 1 and 1 <= iy < self.empty.height - 1):
             return None
-        moved = replace(target, x=lattice_to_metres(1024 * ix + 512, side), y=lattice_to_metres(1024 * iy + 512, side))
+        moved = replace(
+            target,
+            x=lattice_to_metres(1024 * ix + 512, side),
+            y=lattice_to_metres(1024 * iy + 512, side),
+        )
         if self.home is not None:
             home = self.home.empty.target
             if max(abs(moved.x - home.x), abs(moved.y - home.y)) > (self.leash + 0.5) * side:
@@ -157,9 +188,13 @@ class Layout:
             return None
 
     def _new_box(self, rng: RandomStream) -> Box:
-        x, y = 1 + rng.below(self.empty.width - 2), 1 + rng.below(self.empty.height - 2)
-        length, thickness = 1 + rng.below(_LONGEST), 1 + rng.below(2)
-        return (x, y, x + length, y + thickness) if rng.below(2) else (x, y, x + thickness, y + length)
+        x = 1 + rng.below(self.empty.width - 2)
+        y = 1 + rng.below(self.empty.height - 2)
+        length = 1 + rng.below(_LONGEST)
+        thickness = 1 + rng.below(2)
+        return (
+            (x, y, x + length, y + thickness) if rng.below(2) else (x, y, x + thickness, y + length)
+        )
 
 
 def _mirrored(box: Box, side: int) -> Box:
@@ -170,8 +205,9 @@ def _mirrored(box: Box, side: int) -> Box:
 def _half(walls: Walls) -> list[Box]:
     """Boxes that with their mirror images are all of a symmetric world's solid cells.
 
-    Boxes on the diagonal stay whole. The box of a cell's mirror image may be another than the box's mirror image, so
-    that both are left out; the cells that are missing then come in boxes of their own.
+    Boxes on the diagonal stay whole. The box of a cell's mirror image may be another than the box's
+    mirror image, so that both are left out; the cells that are missing then come in boxes of their
+    own.
     """
     side = len(walls)
     boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]
@@ -183,8 +219,12 @@ def _half(walls: Walls) -> list[Box]:
 
 
 def _boxes(walls: Walls) -> list[Box]:
-    """Solid cells as boxes that do not overlap: from the lowest left cell on, as wide and then as high as it goes."""
-    left, boxes = walls.copy(), []
+    """Solid cells as boxes that do not overlap.
+
+    From the lowest left cell on, as wide and then as high as it goes.
+    """
+    left = walls.copy()
+    boxes = []
     while left.any():
         y0, x0 = (int(k) for k in np.argwhere(left)[0])
         x1 = x0

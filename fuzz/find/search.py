@@ -1,4 +1,7 @@
-"""The search: sample many layouts, climb from the best by small edits, prove what is kept. Prints nothing."""
+"""The search: sample many layouts, climb from the best by small edits, prove what is kept.
+
+Prints nothing.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from dataclasses import dataclass, replace
 from fuzz.campaign.deadline import TO_HAND_IN, Deadline, now
 from fuzz.campaign.executors import local_executor
 from fuzz.find.layout import Layout
-from fuzz.find.targets import Result, Wish
+from fuzz.find.targets import OutcomeTarget, Result
 from fuzz.search.features import LAYOUT_BYTES, decode_world
 from sim.runners.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -21,7 +24,7 @@ from worldgen.reach import REACHABLE, decide
 from worldgen.support.workers import LISTEN
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
-__all__ = ["VERSION", "Find", "FindConfig", "Found", "draw"]
+__all__ = ["VERSION", "FindConfig", "NearestWorld", "OutcomeSearch", "draw"]
 
 VERSION = 1  # goes up whenever equal seeds find another world than before
 
@@ -29,7 +32,7 @@ _SAMPLES = 200  # layouts drawn in a unit before it climbs
 _CLIMBS = 1500  # edits tried in a unit
 _MEMORY = 40  # steps back that an edit may be compared with, instead of with the last
 
-_Work = tuple["Found | None", int]
+_Work = tuple["NearestWorld | None", int]
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,12 @@ class FindConfig:
         start: A start pose that every world gets.
         mirror: Whether worlds are symmetric about the diagonal through the upper left.
         fixed_target: Whether edits leave the target where it is.
-        leash: Cells that edits may move a wall's side, or the target, from where they were; -1 for any.
+        leash: Cells that edits may move a wall's side, or the target, from where they were; -1 for
+            any.
         edit: Whether sampled worlds are edited at all.
     """
 
-    wishes: tuple[Wish, ...]
+    wishes: tuple[OutcomeTarget, ...]
     seed: int = 0
     families: tuple[str, ...] = ()
     params: tuple[tuple[str, Value], ...] = ()
@@ -62,7 +66,7 @@ class FindConfig:
 
 
 @dataclass(frozen=True)
-class Found:
+class NearestWorld:
     """A world and how near it comes.
 
     Args:
@@ -113,11 +117,16 @@ class _Unit:
     Args:
         config: What is looked for.
         number: Decides all chance, together with the seed.
-        stopped: Asked before each world; once it says so, the unit ends with what it has, at least one world.
+        stopped: Asked before each world; once it says so, the unit ends with what it has, at least
+            one world.
     """
 
-    def __init__(self, config: FindConfig, number: int, stopped: Callable[[], bool] = _never) -> None:
-        self.config, self.number, self._stopped = config, number, stopped
+    def __init__(
+        self, config: FindConfig, number: int, stopped: Callable[[], bool] = _never
+    ) -> None:
+        self.config = config
+        self.number = number
+        self._stopped = stopped
         self.rng = RandomStream(config.seed).child("find", number)
         self.tried = 0
         self.best: _Candidate | None = None
@@ -144,7 +153,12 @@ class _Unit:
         if decision.result != REACHABLE:
             return
         results = tuple(wish.look(candidate.world, prove=True) for wish in self.config.wishes)
-        proved = replace(candidate, distance=_distance(results), results=results, certificate=decision.certificate)
+        proved = replace(
+            candidate,
+            distance=_distance(results),
+            results=results,
+            certificate=decision.certificate,
+        )
         if self.best is None or proved.rank() < self.best.rank():
             self.best = proved
 
@@ -152,8 +166,11 @@ class _Unit:
     def _done(self) -> bool:
         return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
-    def run(self) -> Found | None:
-        """Sample, climb, simplify; what a slow controller is doing when the time is over is given up."""
+    def run(self) -> NearestWorld | None:
+        """Sample, climb, simplify.
+
+        What a slow controller is doing when the time is over is given up.
+        """
         with contextlib.suppress(OutOfTime), stopping_when(self._stopped):
             self._search()
         return self.found()
@@ -174,9 +191,11 @@ class _Unit:
     def _climb(self, first: _Candidate) -> None:
         """Late acceptance: an edit is taken if it is no worse than what was held some steps ago.
 
-        Source: Edmund Burke and Yuri Bykov, "The late acceptance hill-climbing heuristic", EJOR 2017.
+        Source: Edmund Burke and Yuri Bykov, "The late acceptance hill-climbing heuristic", EJOR
+            2017.
         """
-        held, past = first, [first.distance] * _MEMORY
+        held = first
+        past = [first.distance] * _MEMORY
         for step in range(_CLIMBS):
             if self._done:
                 return
@@ -202,24 +221,31 @@ class _Unit:
                 if self._stopped():
                     return
                 world = layout.world()
-                if world.solid_cells < before.world.solid_cells and self.distance(world, 0.0) == 0.0:
+                if (
+                    world.solid_cells < before.world.solid_cells
+                    and self.distance(world, 0.0) == 0.0
+                ):
                     self.keep(_Candidate(layout, world))
                     if self.best is not before:
                         break
 
-    def found(self) -> Found | None:
+    def found(self) -> NearestWorld | None:
         """The best until now."""
         best = self.best
         if best is None:
             return None
         provenance = best.provenance or self._provenance()
-        world = replace(best.world, certificate=best.certificate, provenance=provenance, failure=None)
-        return Found(world, best.results, self.number)
+        world = replace(
+            best.world, certificate=best.certificate, provenance=provenance, failure=None
+        )
+        return NearestWorld(world, best.results, self.number)
 
     def _provenance(self) -> Provenance:
         config = self.config
         params: dict[str, Value] = {
-            "outcome": ", ".join(f"{wish.scenario.label('', 0.0)}={wish.text}" for wish in config.wishes),
+            "outcome": ", ".join(
+                f"{wish.scenario.label('', 0.0)}={wish.text}" for wish in config.wishes
+            ),
             "unit": self.number,
         }
         if config.families:
@@ -242,7 +268,8 @@ def draw(config: FindConfig) -> World:
     """A world that the search might look at first.
 
     Raises:
-        InvalidWorld, InvalidParameter: If as many draws as a unit makes come to none; that of the last.
+        InvalidWorld, InvalidParameter: If as many draws as a unit makes come to none; that of the
+            last.
     """
     rng = RandomStream(config.seed).child("draw", 0)
     for _ in range(_SAMPLES - 1):
@@ -262,10 +289,14 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
     else:
         world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
     if config.start is not None:
-        world, provenance = replace(world, start=config.start), None
-    layout = Layout.of(world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash)
+        world = replace(world, start=config.start)
+        provenance = None
+    layout = Layout.of(
+        world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash
+    )
     if config.mirror:
-        world, provenance = layout.world(), None
+        world = layout.world()
+        provenance = None
     return _Candidate(layout, world, provenance=provenance)
 
 
@@ -274,14 +305,20 @@ def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[W
     family = FAMILIES.get(name)
     own = {parameter.name for parameter in family.parameters}
     params: dict[str, Value] = {
-        parameter.name: rng.choice(parameter.choices) for parameter in family.parameters if parameter.choices
+        parameter.name: rng.choice(parameter.choices)
+        for parameter in family.parameters
+        if parameter.choices
     }
-    complete = family.complete(params | {name: value for name, value in fixed.items() if name in own})
+    complete = family.complete(
+        params | {name: value for name, value in fixed.items() if name in own}
+    )
     seed = rng.next64() >> 1
-    return family.build(stream_for(seed, family.name, 0), **complete), Provenance(name, family.version, seed, complete)
+    return family.build(stream_for(seed, family.name, 0), **complete), Provenance(
+        name, family.version, seed, complete
+    )
 
 
-class Find:
+class OutcomeSearch:
     """A search over units.
 
     Args:
@@ -290,19 +327,27 @@ class Find:
         seconds: End after this time; ignored if ``units`` is given.
         workers: Processes; 1 works in this one.
 
-    Iterating over :meth:`run` does the work and yields each better world; ``best`` keeps the last of them.
+    Iterating over :meth:`run` does the work and yields each better world; ``best`` keeps the last
+    of them.
     """
 
     def __init__(
-        self, config: FindConfig, *, units: int | None = None, seconds: float | None = None, workers: int = 1
+        self,
+        config: FindConfig,
+        *,
+        units: int | None = None,
+        seconds: float | None = None,
+        workers: int = 1,
     ) -> None:
-        self.config, self.units, self.workers = config, units, workers
+        self.config = config
+        self.units = units
+        self.workers = workers
         self._seconds = float("inf") if units is not None or seconds is None else seconds
-        self.best: Found | None = None
+        self.best: NearestWorld | None = None
         self.done = 0
         self.tried = 0
 
-    def run(self) -> Iterator[Found]:
+    def run(self) -> Iterator[NearestWorld]:
         """Search until a world has every outcome exactly, or the budget is spent.
 
         Raises:
@@ -338,7 +383,7 @@ class Find:
                 # Nobody waits for units whose world is not needed any more.
                 executor.stop()
 
-    def _take(self, unit: Future[_Work]) -> Iterator[Found]:
+    def _take(self, unit: Future[_Work]) -> Iterator[NearestWorld]:
         """Keep what a unit found, and yield it if it is better than all before."""
         found, tried = unit.result()
         self.done += 1

@@ -1,4 +1,7 @@
-"""What somebody wants of a world: for each of some controllers an outcome, and how far a run is from it."""
+"""What somebody wants of a world.
+
+For each of some controllers an outcome, and how far a run is from it.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,14 @@ from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["SEEDS", "Result", "Wish", "parse_wishes"]
+__all__ = ["SEEDS", "OutcomeTarget", "Result", "parse_targets"]
 
 SEEDS = 20  # runs of a controller with chance
 _SHARE = 0.05  # of the seeds that may do otherwise: one of twenty
 _OTHERWISE = 2.0  # distance of a run that ends in another way altogether
-_BROKEN = 3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
+_BROKEN = (
+    3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
+)
 _UNTIMED_STEPS = 20_000
 _TIMED_STEPS = 1_000  # at least, where a latest arrival is wanted
 _LATE = 3  # times the steps that are wanted: so long a run may take
@@ -44,8 +49,8 @@ class Result:
 
     Args:
         verdict: The run's; of several runs the most frequent.
-        steps: Until the run's end, of a ``loop`` its period; over seeds the median until the target, ``inf`` where
-            most do not arrive.
+        steps: Until the run's end, of a ``loop`` its period; over seeds the median until the
+            target, ``inf`` where most do not arrive.
         share: Of the runs that arrived.
         distance: From what was wanted, 0 if it is that.
         seeds: How many runs it tells of.
@@ -67,7 +72,7 @@ class _Run:
 
 
 @dataclass(frozen=True)
-class Wish:
+class OutcomeTarget:
     """One controller's outcome.
 
     Args:
@@ -93,7 +98,10 @@ class Wish:
 
     @property
     def cost(self) -> int:
-        """The larger the longer a look takes: one compiled run, many, or those of a controller in Python."""
+        """The larger the longer a look takes.
+
+        One compiled run, many, or those of a controller in Python.
+        """
         if not isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController):
             return 2
         return int(self.says_chance)
@@ -102,29 +110,39 @@ class Wish:
     def steps(self) -> int:
         """Budget of a run, in steps."""
         latest = int(_LATE * (self.high or self.low or 0))
-        return max(latest, _TIMED_STEPS if self._timed and self.high is not None else _UNTIMED_STEPS)
+        return max(
+            latest, _TIMED_STEPS if self._timed and self.high is not None else _UNTIMED_STEPS
+        )
 
     @property
     def _timed(self) -> bool:
-        return self.verdicts == (Verdict.REACHED,) and (self.low is not None or self.high is not None)
+        return self.verdicts == (Verdict.REACHED,) and (
+            self.low is not None or self.high is not None
+        )
 
     def look(self, world: World, *, prove: bool = False) -> Result:
-        """Runs the controller in a world; one that draws random numbers there, with :data:`SEEDS` seeds.
+        """Runs the controller in a world.
+
+        One that draws random numbers there, with :data:`SEEDS` seeds.
 
         Args:
             world: Where.
-            prove: Whether to prove a loop that the kernel claims. Only a controller that hides memory can come out
-                otherwise, but the proof records the run.
+            prove: Whether to prove a loop that the kernel claims. Only a controller that hides
+                memory can come out otherwise, but the proof records the run.
 
         Raises:
             InvalidWorld: If the robot cannot stand at the start.
         """
         first = self._run(world, 0, prove)
         if first.chance:
-            return self._over_seeds([first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))])
+            return self._over_seeds(
+                [first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))]
+            )
         if self.says_chance:  # but drew nothing, so that every seed does the same
             return self._over_seeds([first] * SEEDS)
-        return Result(first.verdict, first.steps, float(first.verdict == Verdict.REACHED), first.distance)
+        return Result(
+            first.verdict, first.steps, float(first.verdict == Verdict.REACHED), first.distance
+        )
 
     def _run(self, world: World, seed: int, prove: bool) -> _Run:
         scenario = self.scenario.with_seed(seed)
@@ -133,22 +151,34 @@ class Wish:
             options.steps, find_loop=True, record=False, digest=False
         )
         chance = outcome.random_draws > 0 or scenario.random
-        verdict, steps = outcome.verdict, outcome.steps
+        verdict = outcome.verdict
+        steps = outcome.steps
         if verdict == Verdict.LOOP:
-            verdict, steps = self._proved(world, options) if prove else (Verdict.LOOP, outcome.period)
-        return _Run(verdict, steps, self._distance(verdict, steps, chance or self.says_chance), chance)
+            verdict, steps = (
+                self._proved(world, options) if prove else (Verdict.LOOP, outcome.period)
+            )
+        return _Run(
+            verdict, steps, self._distance(verdict, steps, chance or self.says_chance), chance
+        )
 
     def _proved(self, world: World, options: RunOptions) -> tuple[Verdict, int]:
         episode = simulate(world, self.scenario.controller, options)
         evidence = episode.evidence
-        return episode.verdict, evidence.period if isinstance(evidence, LoopEvidence) else episode.steps
+        return episode.verdict, evidence.period if isinstance(
+            evidence, LoopEvidence
+        ) else episode.steps
 
     def _over_seeds(self, runs: list[_Run]) -> Result:
-        """The outcome of many runs: nearly all as wanted and none through walls, or the median time as wanted."""
+        """The outcome of many runs.
+
+        Nearly all as wanted and none through walls, or the median time as wanted.
+        """
         verdicts = [run.verdict for run in runs]
         verdict = max(Verdict, key=verdicts.count)
         share = verdicts.count(Verdict.REACHED) / len(runs)
-        steps = statistics.median(run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs)
+        steps = statistics.median(
+            run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs
+        )
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:
@@ -158,8 +188,13 @@ class Wish:
         return Result(verdict, steps, share, distance, len(runs))
 
     def _distance(self, verdict: str, number: int, chance: bool) -> float:
-        """Of one run; where there is chance, no state need come back, and never means only: not in the budget."""
-        if verdict in self.verdicts or (chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]):
+        """Of one run; where there is chance, no state need come back, and never means only.
+
+        Not in the budget.
+        """
+        if verdict in self.verdicts or (
+            chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]
+        ):
             return self._off(number)
         if verdict not in (Verdict.REACHED, *UNENDED):
             return _BROKEN
@@ -176,13 +211,16 @@ class Wish:
         return 0.0
 
 
-def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenario.time_step) -> tuple[Wish, ...]:
+def parse_targets(
+    text: str, *, motion: str = "swept", time_step: float = Scenario.time_step
+) -> tuple[OutcomeTarget, ...]:
     """Reads ``CONTROLLER=OUTCOME, ...``.
 
     Args:
-        text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or ``fails`` (anything
-            but reached); behind ``reached`` or ``loop`` an ``@`` and steps (of a loop: its period): ``330``,
-            ``300..400``, ``<400``, ``>400``; an ``s`` behind a number makes it seconds.
+        text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or
+            ``fails`` (anything but reached); behind ``reached`` or ``loop`` an ``@`` and steps (of
+            a loop: its period): ``330``, ``300..400``, ``<400``, ``>400``; an ``s`` behind a number
+                makes it seconds.
         motion: Motion model of controllers that do not name one.
         time_step: s, likewise.
 
@@ -193,11 +231,14 @@ def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenari
     return tuple(_parse_wish(part, motion, time_step) for part in parts)
 
 
-def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
+def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
     name, equals, outcome = part.rpartition("=")
     if not equals or not name:
         raise InvalidParameter(
-            "not-an-outcome", "outcome {outcome!r} is not CONTROLLER=OUTCOME", _EXAMPLE, outcome=part[:80]
+            "not-an-outcome",
+            "outcome {outcome!r} is not CONTROLLER=OUTCOME",
+            _EXAMPLE,
+            outcome=part[:80],
         )
     scenario = Scenario.parse(name, motion=motion, time_step=time_step)
     CONTROLLERS.get(scenario.controller)
@@ -214,7 +255,7 @@ def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
         )
     verdicts = _GROUPS.get(match["word"], (match["word"],))
     if match["range"] is None:
-        return Wish(scenario, outcome.strip(), verdicts)
+        return OutcomeTarget(scenario, outcome.strip(), verdicts)
     if match["word"] not in (Verdict.REACHED, Verdict.LOOP):
         raise InvalidParameter(
             "takes-no-steps",
@@ -223,19 +264,31 @@ def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
             outcome=outcome[:80],
         )
     low, high = _parse_range(match["range"].strip(), scenario.time_step)
-    return Wish(scenario, outcome.strip(), verdicts, low, high)
+    return OutcomeTarget(scenario, outcome.strip(), verdicts, low, high)
 
 
 def _parse_range(text: str, time_step: float) -> tuple[float | None, float | None]:
     match = _RANGE.fullmatch(text)
     if match is None:
         raise InvalidParameter(
-            "not-steps", "steps {steps!r} are not like 330, 300..400, <400, >400 or 4.95s", steps=text[:40]
+            "not-steps",
+            "steps {steps!r} are not like 330, 300..400, <400, >400 or 4.95s",
+            steps=text[:40],
         )
-    bounds = {name: _steps(word, time_step) for name, word in match.groupdict().items() if word is not None}
+    bounds = {
+        name: _steps(word, time_step)
+        for name, word in match.groupdict().items()
+        if word is not None
+    }
     low = bounds.get("exact", bounds.get("low", bounds["above"] + 1 if "above" in bounds else None))
-    high = bounds.get("exact", bounds.get("high", bounds["below"] - 1 if "below" in bounds else None))
-    if (low is not None and low < 1) or (high is not None and high < 1) or (low and high and low > high):
+    high = bounds.get(
+        "exact", bounds.get("high", bounds["below"] - 1 if "below" in bounds else None)
+    )
+    if (
+        (low is not None and low < 1)
+        or (high is not None and high < 1)
+        or (low and high and low > high)
+    ):
         raise InvalidParameter(
             "no-steps-left",
             "steps {steps!r} leave none that could be",

@@ -1,4 +1,7 @@
-"""The oracles that every run meets: a robot arrives where it can, and stays out where its target is walled off."""
+"""The oracles that every run meets.
+
+A robot arrives where it can, and stays out where its target is walled off.
+"""
 
 from __future__ import annotations
 
@@ -35,13 +38,18 @@ class BreachOracle(Oracle):
     """Objects to a robot that goes through a wall and, where walls end nothing, on to its walled-off target."""
 
     def prove(self, world: World) -> World | None:
-        """Return the world with a cut around its target; ``None`` if it is not provably walled off."""
+        """Return the world with a cut around its target.
+
+        ``None`` if it is not provably walled off.
+        """
         return walled_off(world)
 
     def check(self, trial: Trial) -> Violation | None:
         """Return the breach; its evidence names the step in which the robot arrives if walls end nothing."""
         wall = trial.episode.evidence
-        is_through_a_wall = trial.episode.verdict == Verdict.TUNNEL and isinstance(trial.world.certificate, Cut)
+        is_through_a_wall = trial.episode.verdict == Verdict.TUNNEL and isinstance(
+            trial.world.certificate, Cut
+        )
         if not is_through_a_wall or not isinstance(wall, WallEvidence) or trial.trace is None:
             return None
         if trial.options.motion_model().kernel != THESIS:
@@ -61,5 +69,8 @@ BREACH = BreachOracle()
 
 
 def verdict_oracle(world: World) -> Oracle:
-    """Return the oracle that judges runs in a world by their verdict, as its certificate says what is right there."""
+    """Return the oracle that judges runs in a world by their verdict.
+
+    As its certificate says what is right there.
+    """
     return BREACH if isinstance(world.certificate, Cut) else VERDICT

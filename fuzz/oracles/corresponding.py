@@ -1,10 +1,11 @@
 """Metamorphic oracles: in a world that corresponds to another one, the outcome corresponds too.
 
-Each runs the controller once more where it ought to fare alike, and objects if the robot arrives in one of the two
-runs and not in the other; with a number, also if one run takes more than that many times the other's steps. ``wall``
-asks for the very same run.
+Each runs the controller once more where it ought to fare alike, and objects if the robot arrives in
+one of the two runs and not in the other; with a number, also if one run takes more than that many
+times the other's steps. ``wall`` asks for the very same run.
 
-Source: Tsong Yueh Chen, Shing-Chi Cheung and Siu-Ming Yiu, "Metamorphic testing: a new approach for generating next
+Source: Tsong Yueh Chen, Shing-Chi Cheung and Siu-Ming Yiu, "Metamorphic testing: a new approach for
+    generating next
 test cases", Hong Kong University of Science and Technology, 1998.
 """
 
@@ -27,12 +28,18 @@ _SHORTEST_STEP = 0.001  # s: what the simulator takes
 
 
 def turn(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """The world turned by a quarter, counter-clockwise. Exact for who steers by angles to its heading or the target."""
+    """The world turned by a quarter, counter-clockwise.
+
+    Exact for who steers by angles to its heading or the target.
+    """
     return _objection(trial, factor, turned(trial.world))
 
 
 def shift(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Three more columns and five more rows of wall on the left and below: the same place, elsewhere."""
+    """Three more columns and five more rows of wall on the left and below.
+
+    The same place, elsewhere.
+    """
     return _objection(trial, factor, shifted(trial.world))
 
 
@@ -48,7 +55,8 @@ def mirror(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
 
 def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
     """Steps of half the duration, of which two count as one."""
-    step, steps = trial.options.time_step / 2, min(2 * trial.options.steps, MAX_STEPS)
+    step = trial.options.time_step / 2
+    steps = min(2 * trial.options.steps, MAX_STEPS)
     if step < _SHORTEST_STEP:
         raise InvalidParameter(
             "below-minimum",
@@ -60,9 +68,10 @@ def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
 
 
 def wall(trial: Trial) -> dict[str, Value] | None:
-    """Walls where neither the witness passes nor the robot, in its run, could touch or sense them: the same run.
+    """Walls where neither the witness passes nor the robot, in its run, could touch or sense them.
 
-    What a controller does hangs on what it senses; who objects to this one has seen it look elsewhere.
+    The same run. What a controller does hangs on what it senses; who objects to this one has seen
+    it look elsewhere.
 
     Returns:
         ``kind``; ``walls``: how many cells were added; ``verdicts`` and ``steps`` of both runs.
@@ -70,8 +79,13 @@ def wall(trial: Trial) -> dict[str, Value] | None:
     walled = walled_where_unnoticed(trial)
     if walled is None:
         return None
-    here, there = trial.episode, trial.again(walled)
-    if (here.verdict, here.steps, here.trace_digest) == (there.verdict, there.steps, there.trace_digest):
+    here = trial.episode
+    there = trial.again(walled)
+    if (here.verdict, here.steps, here.trace_digest) == (
+        there.verdict,
+        there.steps,
+        there.trace_digest,
+    ):
         return None
     return {
         "kind": "otherwise" if here.verdict == there.verdict else f"then-{there.verdict}",
@@ -82,7 +96,10 @@ def wall(trial: Trial) -> dict[str, Value] | None:
 
 
 def block(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """One cell of wall more, beside a wall and the robot's way, that the witness does not need: perhaps another way."""
+    """One cell of wall more, beside a wall and the robot's way, that the witness does not need.
+
+    Perhaps another way.
+    """
     blocked = with_a_block_beside_the_way(trial)
     return None if blocked is None else _objection(trial, factor, blocked)
 
@@ -101,7 +118,10 @@ def _objection(
     """
     if factor < 1.0:
         raise InvalidParameter(
-            "below-minimum", "a factor of {factor:g} is below 1, and equal runs have 1", "give 1 or more", factor=factor
+            "below-minimum",
+            "a factor of {factor:g} is below 1, and equal runs have 1",
+            "give 1 or more",
+            factor=factor,
         )
     try:
         there = trial.again(world, **changes)
@@ -109,7 +129,8 @@ def _objection(
         return None
     here = trial.episode
     arrived = (here.verdict == Verdict.REACHED, there.verdict == Verdict.REACHED)
-    slow, fast = max(here.steps, there.steps * each), min(here.steps, there.steps * each)
+    slow = max(here.steps, there.steps * each)
+    fast = min(here.steps, there.steps * each)
     if not any(arrived) or (all(arrived) and slow <= factor * max(fast, 1)):
         return None
     return {

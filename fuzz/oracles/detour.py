@@ -15,7 +15,9 @@ from worldgen.world import Value
 __all__ = ["detour"]
 
 _DIGITS = 9  # of lengths in evidence, m
-_RELATIVE = 1e-6  # by which the recorded path may differ from the length that the simulator summed up
+_RELATIVE = (
+    1e-6  # by which the recorded path may differ from the length that the simulator summed up
+)
 
 
 def detour(trial: Trial, bound: float) -> dict[str, Value] | None:

@@ -1,4 +1,7 @@
-"""Oracles that ``--oracle`` names: a function, perhaps its number, and the check of what it returns."""
+"""Oracles that ``--oracle`` names.
+
+A function, perhaps its number, and the check of what it returns.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +40,19 @@ def _accept(name: str, thing: Any) -> OracleFunction:
     """
     if not callable(thing):
         raise InvalidParameter(
-            "not-a-function", "oracle {name!r} is no function but {kind}", _HOW, name=name, kind=type(thing).__name__
+            "not-a-function",
+            "oracle {name!r} is no function but {kind}",
+            _HOW,
+            name=name,
+            kind=type(thing).__name__,
         )
     if not 1 <= len(_places(thing)) <= 2:
         raise InvalidParameter(
-            "wrong-signature", "oracle {name!r} takes {signature}", _HOW, name=name, signature=inspect.signature(thing)
+            "wrong-signature",
+            "oracle {name!r} takes {signature}",
+            _HOW,
+            name=name,
+            signature=inspect.signature(thing),
         )
     found: OracleFunction = thing
     return found
@@ -84,13 +95,20 @@ class NamedOracle(Oracle):
         parts = _WRITTEN.fullmatch(text.strip())
         if parts is None:
             raise InvalidParameter(
-                "empty-name", "an empty text names no oracle", "give one of {oracles!l}", oracles=list(ORACLES)
+                "empty-name",
+                "an empty text names no oracle",
+                "give one of {oracles!l}",
+                oracles=list(ORACLES),
             )
-        name, number = parts["name"], parts["number"]
+        name = parts["name"]
+        number = parts["number"]
         function = ORACLES.get(name)
         if _plain(name) in _TAKEN:
             raise InvalidParameter(
-                "name-is-a-verdict", "oracle {name!r} is called like a verdict", "give it another name", name=name
+                "name-is-a-verdict",
+                "oracle {name!r} is called like a verdict",
+                "give it another name",
+                name=name,
             )
         second = _places(function)[1:]
         if number is None:
@@ -119,7 +137,10 @@ class NamedOracle(Oracle):
         return self.text.rpartition("=")[0] if self.numbers else self.text
 
     def bucket_of(self, facts: Mapping[str, Value]) -> str:
-        """Return the bucket of what it found: its name, and the ``kind`` among the facts, fit for a file name."""
+        """Return the bucket of what it found.
+
+        Its name, and the ``kind`` among the facts, fit for a file name.
+        """
         own_name = self.text.partition("=")[0] if ":" not in self.text else self.text
         words = [own_name, str(facts.get("kind", ""))]
         return "-".join(plain for plain in map(_plain, words) if plain)
@@ -128,7 +149,8 @@ class NamedOracle(Oracle):
         """Return what the function finds in a run; ``None`` if nothing.
 
         Raises:
-            InvalidParameter: If the function fails, or returns what is not a table that a file could hold.
+            InvalidParameter: If the function fails, or returns what is not a table that a file
+                could hold.
         """
         facts = self._facts(trial)
         if facts is None:

@@ -14,13 +14,19 @@ __all__ = ["Oracle"]
 
 
 class Oracle(ABC):
-    """Judges runs. It returns what it finds; it raises only if it is misused, or is itself at fault."""
+    """Judges runs. It returns what it finds.
+
+    It raises only if it is misused, or is itself at fault.
+    """
 
     by_verdict: ClassVar[bool] = True
     """Whether the run's verdict itself is the violation."""
 
     def prove(self, world: World) -> World | None:
-        """Return the world with the certificate that a violation needs, here a witness; ``None`` if it has none."""
+        """Return the world with the certificate that a violation needs, here a witness.
+
+        ``None`` if it has none.
+        """
         return certified(world)
 
     @abstractmethod

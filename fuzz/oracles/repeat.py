@@ -15,19 +15,26 @@ _MOST = 1000
 
 
 def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
-    """Objects if the same scenario, run again, goes another way: hidden memory, or chance without a seed.
+    """Objects if the same scenario, run again, goes another way.
+
+    Hidden memory, or chance without a seed.
 
     Args:
         trial: The run.
         times: How often to run it again at most, 1 to 1,000.
 
     Returns:
-        ``step``: the first that ends in another pose; ``poses``: x m, y m and heading rad after it in both runs,
+        ``step``: the first that ends in another pose; ``poses``: x m, y m and heading rad after it
+            in both runs,
         empty for a run that is over; ``verdicts``; and that none of it is ``repeatable``.
     """
     if not 1 <= times <= _MOST or times % 1:
         raise InvalidParameter(
-            "out-of-range", "repeat={times:g} is no whole number from 1 to {most}", "give one", times=times, most=_MOST
+            "out-of-range",
+            "repeat={times:g} is no whole number from 1 to {most}",
+            "give one",
+            times=times,
+            most=_MOST,
         )
     first = trial.trace
     for _ in range(int(times)):
@@ -45,7 +52,10 @@ def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
 
 
 def _first_difference(one: Trace | None, other: Trace | None) -> int:
-    """First step that ends in another pose, or after which only one run goes on; -1 if there is none."""
+    """First step that ends in another pose, or after which only one run goes on.
+
+    -1 if there is none.
+    """
     if one is None or other is None:
         return -1 if one is other else 0
     both = min(one.steps, other.steps) + 1

@@ -39,10 +39,13 @@ class Trial:
         """Run a controller now, recorded.
 
         Raises:
-            InvalidParameter: If a name or an option is unknown, or the run is too long to be recorded.
+            InvalidParameter: If a name or an option is unknown, or the run is too long to be
+                recorded.
             InvalidWorld: If the robot cannot stand at the start.
         """
-        return cls(world, controller, options, simulate(world, _begun(controller), options, record=True))
+        return cls(
+            world, controller, options, simulate(world, _begun(controller), options, record=True)
+        )
 
     @cached_property
     def episode(self) -> Episode:
@@ -55,7 +58,10 @@ class Trial:
 
     @cached_property
     def trace(self) -> Trace | None:
-        """Every state of the run; ``None`` of one that failed before its first step, or is too long to be recorded."""
+        """Every state of the run.
+
+        ``None`` of one that failed before its first step, or is too long to be recorded.
+        """
         is_final = self.known is not None or self.episode.steps > MAX_RECORDED
         if is_final or self.episode.trace is not None:
             return self.episode.trace
@@ -68,8 +74,12 @@ class Trial:
 
     @cached_property
     def flaw(self) -> str:
-        """Why the evidence for the run's verdict does not hold, by what was recorded; empty if it holds."""
-        episode, trace = self.episode, self.trace
+        """Why the evidence for the run's verdict does not hold, by what was recorded.
+
+        Empty if it holds.
+        """
+        episode = self.episode
+        trace = self.trace
         if isinstance(episode.evidence, LoopEvidence):
             # A loop shows itself only in a second period, where the episode has ended.
             longer = episode.steps + episode.evidence.period
@@ -77,7 +87,9 @@ class Trial:
             trace = run.run(longer, find_loop=False, record=True).trace
         if trace is None:
             return "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
-        return check_evidence(episode.verdict, self.world, trace, episode.evidence, self.options.motion_model())
+        return check_evidence(
+            episode.verdict, self.world, trace, episode.evidence, self.options.motion_model()
+        )
 
     def again(self, world: World | None = None, *, record: bool = False, **changes: Any) -> Episode:
         """Run the same controller once more.
@@ -96,7 +108,10 @@ class Trial:
 
 
 def _begun(controller: str) -> Controller:
-    """Return the controller; a program is started anew, so that a run does not depend on what no file holds."""
+    """Return the controller.
+
+    A program is started anew, so that a run does not depend on what no file holds.
+    """
     found = CONTROLLERS.get(controller)
     if isinstance(found, ProcessController):
         found.close()

@@ -1,4 +1,7 @@
-"""Worlds that correspond to another one: turned, shifted, scaled, mirrored. Exact; without certificate."""
+"""Worlds that correspond to another one: turned, shifted, scaled, mirrored.
+
+Exact; without certificate.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,16 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["mirrored", "scaled", "shifted", "turned"]
 
-_COLUMNS, _ROWS = 3, 5  # of a shift: unlike, so that no mix-up of the axes goes unseen
+# of a shift: unlike, so that no mix-up of the axes goes unseen
+_COLUMNS = 3
+_ROWS = 5
 
 
 def turned(world: World) -> World:
     """Turned by a quarter, counter-clockwise."""
-    start, target, line = world.start, world.target, world.timeline
+    start = world.start
+    target = world.target
+    line = world.timeline
     return replace(
         _bare(world),
         walls=world.walls.T[:, ::-1].copy(),
@@ -29,7 +36,9 @@ def turned(world: World) -> World:
 
 def mirrored(world: World) -> World:
     """Left and right swapped."""
-    start, target, line = world.start, world.target, world.timeline
+    start = world.start
+    target = world.target
+    line = world.timeline
     return replace(
         _bare(world),
         walls=world.walls[:, ::-1].copy(),
@@ -41,8 +50,12 @@ def mirrored(world: World) -> World:
 
 def shifted(world: World) -> World:
     """With three solid columns more on the left and five solid rows more below."""
-    side, start, target, line = exact(world.cell_size), world.start, world.target, world.timeline
-    right, up = _COLUMNS * side, _ROWS * side
+    side = exact(world.cell_size)
+    start = world.start
+    target = world.target
+    line = world.timeline
+    right = _COLUMNS * side
+    up = _ROWS * side
     return replace(
         _bare(world),
         walls=np.pad(world.walls, ((_ROWS, 0), (_COLUMNS, 0)), constant_values=True),
@@ -54,7 +67,8 @@ def shifted(world: World) -> World:
 
 def scaled(world: World) -> World:
     """Every length and the top speed doubled, times as they are."""
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     return replace(
         _bare(world),
         cell_size=2 * world.cell_size,

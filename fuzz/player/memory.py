@@ -1,7 +1,8 @@
-"""What a controller's memory says, as the page draws it: named numbers by row, and a map that changes.
+"""What a controller's memory says, as the page draws it.
 
-The map is a list of shapes, each with the steps from which and until which it is there; so a map that grows is held
-once, and what the page draws at a step needs no more than a look at each.
+Named numbers by row, and a map that changes. The map is a list of shapes, each with the steps from
+which and until which it is there; so a map that grows is held once, and what the page draws at a
+step needs no more than a look at each.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ BLOCKED, CELL, PLAN, PLACE = range(4)
 """Kinds of shapes: a line that is closed, an occupied rectangle, a piece of the plan, a remembered point."""
 
 _SCALE = 1000  # a named number is shown to thousandths
-_MOST_MAPS = 400  # times at which a map is read; of one that changes more often it is every second, fourth, ... change
+# Times at which a map is read; of one that changes more often it is every second, fourth, ...
+# change.
+_MOST_MAPS = 400
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -46,9 +49,11 @@ def drawn_memory(
         most: Shapes at most; of a map that needs more, fewer changes are held.
 
     Returns:
-        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths; ``map``: columns
-        ``kind``, ``x0``, ``y0``, ``x1``, ``y1`` (lattice units of the world; of a point ``x1`` is the number of its
-        name), ``since`` and ``until`` (steps), and ``names``; null without one; ``fault``: why there is none, or "".
+        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths;
+            ``map``: columns
+        ``kind``, ``x0``, ``y0``, ``x1``, ``y1`` (lattice units of the world; of a point ``x1`` is
+        the number of its name), ``since`` and ``until`` (steps), and ``names``; null without one;
+        ``fault``: why there is none, or "".
     """
     read = getattr(controller, "memory_map", None)
     fields = getattr(controller, "memory_fields", ())
@@ -58,7 +63,9 @@ def drawn_memory(
         check_fields(type(controller).__name__, fields)
         watched = _Watched(trace, controller, fields, len(kept))
         trace.show_memory(kept, watched.take)
-        shown = [watched.field(column, np.searchsorted(kept, rows)) for column in range(len(fields))]
+        shown = [
+            watched.field(column, np.searchsorted(kept, rows)) for column in range(len(fields))
+        ]
         drawn = None if read is None else _map(watched, read, trace.steps + 1, cell_size, most)
     except Exception as error:  # noqa: BLE001 - a controller's own code and places, which only this picture hangs on
         return {
@@ -70,9 +77,14 @@ def drawn_memory(
 
 
 class _Watched:
-    """What is kept of a memory that goes by: its named numbers, and it as a whole at a few changes of its map."""
+    """What is kept of a memory that goes by.
 
-    def __init__(self, trace: Trace, controller: Controller, fields: Sequence[MemoryField], rows: int) -> None:
+    Its named numbers, and it as a whole at a few changes of its map.
+    """
+
+    def __init__(
+        self, trace: Trace, controller: Controller, fields: Sequence[MemoryField], rows: int
+    ) -> None:
         for field in fields:
             if not 0 <= field.place < trace.memory_size:
                 raise InvalidParameter(
@@ -83,12 +95,16 @@ class _Watched:
                     memory_size=trace.memory_size,
                 )
         places = tuple(getattr(controller, "memory_map_on", ())) or range(trace.memory_size)
-        self.fields, self.values = fields, np.zeros((rows, len(fields)))
+        self.fields = fields
+        self.values = np.zeros((rows, len(fields)))
         self.at: list[int] = []
         self.memories: list[Floats] = []
         self._named = np.array([field.place for field in fields], np.int64)
         self._columns = np.array(places, np.int64)
-        self._seen, self._row, self._changes, self._each = np.zeros(0, np.int64), 0, 0, 1
+        self._seen = np.zeros(0, np.int64)
+        self._row = 0
+        self._changes = 0
+        self._each = 1
         self._reads = getattr(controller, "memory_map", None) is not None
         self._last: tuple[int, Floats] | None = None
 
@@ -99,7 +115,8 @@ class _Watched:
         now = memory.view(np.int64)[self._columns] if self._reads else self._seen
         if np.array_equal(now, self._seen):
             return
-        self._seen, self._last = now, (step, memory.copy())
+        self._seen = now
+        self._last = (step, memory.copy())
         if self._changes % self._each == 0:
             self._keep(*self._last)
         self._changes += 1
@@ -109,25 +126,34 @@ class _Watched:
         self.at.append(step)
         self.memories.append(memory)
         if len(self.at) == _MOST_MAPS:
-            self.at, self.memories, self._each = self.at[::2], self.memories[::2], 2 * self._each
+            self.at = self.at[::2]
+            self.memories = self.memories[::2]
+            self._each = 2 * self._each
 
     def maps(self) -> list[tuple[int, Floats]]:
         """Those that were kept, and the last, which is the fullest."""
         found = list(zip(self.at, self.memories, strict=True))
-        return found if self._last is None or self._last[0] in self.at[-1:] else [*found, self._last]
+        return (
+            found if self._last is None or self._last[0] in self.at[-1:] else [*found, self._last]
+        )
 
     def field(self, column: int, rows: Ints) -> dict[str, Any]:
         """One named number by row; what is not finite becomes a number that no memory has."""
         name, _, words, least = self.fields[column]
         values = self.values[rows, column]
-        whole = np.where(np.isfinite(values), np.rint(np.clip(values, -1e11, 1e11) * _SCALE), 2.0**50)
+        whole = np.where(
+            np.isfinite(values), np.rint(np.clip(values, -1e11, 1e11) * _SCALE), 2.0**50
+        )
         return {"name": name, "words": list(words), "least": least, "values": numbers(whole)}
 
 
 def _map(
     watched: _Watched, read: Callable[[Floats], MemoryMap], end: int, cell_size: float, most: int
 ) -> dict[str, Any] | None:
-    """The shapes of a map with the steps between which they are there; ``None`` if it is too large to draw."""
+    """The shapes of a map with the steps between which they are there.
+
+    ``None`` if it is too large to draw.
+    """
     names: dict[str, int] = {}
     maps = watched.maps()
     at = np.array([step for step, _ in maps], np.int64)
@@ -139,19 +165,29 @@ def _map(
         if len(seen) == 1:
             return None
         last = seen[-1], at[-1:]  # the map at the end is the fullest, and is kept
-        seen, at = [*seen[:-1:2], last[0]], np.concatenate((at[:-1:2], last[1]))
+        seen = [*seen[:-1:2], last[0]]
+        at = np.concatenate((at[:-1:2], last[1]))
     columns = np.array(lives, np.int64).reshape(-1, 7).T
     keys = ("kind", "x0", "y0", "x1", "y1", "since", "until")
-    return {**{key: numbers(column) for key, column in zip(keys, columns, strict=True)}, "names": list(names)}
+    return {
+        **{key: numbers(column) for key, column in zip(keys, columns, strict=True)},
+        "names": list(names),
+    }
 
 
 def _shapes(read: MemoryMap, cell_size: float, names: dict[str, int]) -> set[Shape]:
     """One map as shapes in lattice units."""
     plan = np.asarray(read.plan, np.float64).reshape(-1, 2)
-    lines = ((BLOCKED, read.blocked), (CELL, read.cells), (PLAN, np.column_stack((plan[:-1], plan[1:]))))
+    lines = (
+        (BLOCKED, read.blocked),
+        (CELL, read.cells),
+        (PLAN, np.column_stack((plan[:-1], plan[1:]))),
+    )
     found: set[Shape] = set()
     for kind, ends in lines:
-        units = np.rint(np.asarray(ends, np.float64).reshape(-1, 4) / cell_size * UNIT).astype(np.int64)
+        units = np.rint(np.asarray(ends, np.float64).reshape(-1, 4) / cell_size * UNIT).astype(
+            np.int64
+        )
         found.update((kind, x0, y0, x1, y1) for x0, y0, x1, y1 in units.tolist())
     for name, place in read.places.items():
         x, y = (round(value / cell_size * UNIT) for value in place)

@@ -1,7 +1,8 @@
 """A page in one file: text, style, scripts and data, and nothing that a browser could load from elsewhere.
 
-The scripts are ES modules. Each is a ``data:`` URL, and an import map gives it the name by which the others import it.
-A module under a ``data:`` URL has no folder, so imports name modules as ``#player/dom.js``, never as ``./dom.js``.
+The scripts are ES modules. Each is a ``data:`` URL, and an import map gives it the name by which
+the others import it. A module under a ``data:`` URL has no folder, so imports name modules as
+``#player/dom.js``, never as ``./dom.js``.
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ def one_file(
         "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     }
 
-    # What a module imports may run if its importer has the policy's nonce. No text in the page can hold a nonce that
-    # is a digest of that text, so nothing that a failure's file says can run, and equal pages get equal bytes.
+    # What a module imports may run if its importer has the policy's nonce. No text in the page can
+    # hold a nonce that is a digest of that text, so nothing that a failure's file says can run, and
+    # equal pages get equal bytes.
     nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
     filled["NONCE"] = nonce
     filled["POLICY"] = (

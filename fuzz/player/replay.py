@@ -12,18 +12,22 @@ from fuzz.player.sources import modules
 __all__ = ["replay_page"]
 
 
-def replay_page(title: str, world: dict[str, Any] | None, robots: Sequence[dict[str, Any]]) -> bytes:
+def replay_page(
+    title: str, world: dict[str, Any] | None, robots: Sequence[dict[str, Any]]
+) -> bytes:
     """The page, which needs no network and no other file.
 
     Args:
         title: Its heading.
         world: Of ``drawn_world``.
-        robots: Each with ``name``, ``verdict``, ``why``, ``steps``, ``time``, ``path``, ``collisions``, ``digest``,
-            and ``run`` and ``sensors`` as the player draws them.
+        robots: Each with ``name``, ``verdict``, ``why``, ``steps``, ``time``, ``path``,
+            ``collisions``, ``digest``, and ``run`` and ``sensors`` as the player draws them.
     """
     folder = files("fuzz.player") / "replay_page"
     body = (folder / "body.html").read_text("utf-8")
     styles = (folder / "style.css").read_text("utf-8")
     scripts = modules(folder, "#replay/")
     data = {"title": title, "world": world, "robots": list(robots)}
-    return one_file(body, title, styles=styles, scripts=scripts, start="#replay/start.js", data=data)
+    return one_file(
+        body, title, styles=styles, scripts=scripts, start="#replay/start.js", data=data
+    )

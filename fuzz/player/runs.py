@@ -21,7 +21,8 @@ __all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
 
 Ints = npt.NDArray[np.int64]
 
-MOST_STEPS = 4_000  # of a run that the page holds; 10 to 25 kB. Of a longer one it has every second, third, ... step
+# Of a run that the page holds; 10 to 25 kB. Of a longer one it has every second, third, ... step.
+MOST_STEPS = 4_000
 SHARE = 256  # parts of a step: when in it a corner is reached
 
 _BREACHES = {
@@ -50,11 +51,12 @@ def drawn_run(
         controller: Who drove, if its memory is to be shown.
 
     Returns:
-        ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice units of the world),
-        ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, of a robot that has behaviours, ``active``
-        (which of ``behaviours`` acted; -1 none), one row a state or corner; ``thinned`` (one in
-        how many steps is there, at the coarsest); ``loop`` (entry and period), ``marks``, ``memory``
-        (``drawn_memory``), and whether it has ``breached`` a wall.
+        ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice
+        units of the world), ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, of a
+        robot that has behaviours, ``active`` (which of ``behaviours`` acted; -1 none), one row a
+        state or corner; ``thinned`` (one in how many steps is there, at the coarsest); ``loop``
+        (entry and period), ``marks``, ``memory`` (``drawn_memory``), and whether it has
+        ``breached`` a wall.
     """
     trace = episode.trace
     if trace is None:
@@ -81,8 +83,12 @@ def drawn_run(
 def _columns(
     trace: Trace, kept: npt.NDArray[np.int64], cell_size: float
 ) -> tuple[dict[str, Any], npt.NDArray[np.int64]]:
-    """The states of the steps that are kept, and in between the corners of their paths; and the step of each row."""
-    step, share = trace.path_step, np.rint(trace.path_share * SHARE).astype(np.int64)
+    """The states of the steps that are kept, and in between the corners of their paths.
+
+    And the step of each row.
+    """
+    step = trace.path_step
+    share = np.rint(trace.path_share * SHARE).astype(np.int64)
     corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
     at = np.concatenate([kept * SHARE, (step[corner] - 1) * SHARE + share[corner]])
     order = np.argsort(at, kind="stable")
@@ -96,17 +102,28 @@ def _columns(
         "y": numbers(np.rint(y / cell_size * UNIT)),
         "heading": numbers(np.rint(turns * TURN)),
         "bump": bits(trace.bump[whose]),
-        **({} if trace.active is None else {"active": numbers(trace.active[whose]), "behaviours": list(BEHAVIOURS)}),
+        **(
+            {}
+            if trace.active is None
+            else {"active": numbers(trace.active[whose]), "behaviours": list(BEHAVIOURS)}
+        ),
     }
     return columns, whose
 
 
 def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:
-    """Which states are kept, at most about ``most``: densely in the span of interest, the others evenly."""
+    """Which states are kept, at most about ``most``.
+
+    Densely in the span of interest, the others evenly.
+    """
     inside = span[1] - span[0]
     near = _stride(inside, most // 2)
     far = _stride(steps - inside, most - inside // near)
-    parts = [np.arange(0, steps + 1, far), np.arange(span[0], span[1] + 1, near), np.array([*span, steps])]
+    parts = [
+        np.arange(0, steps + 1, far),
+        np.arange(span[0], span[1] + 1, near),
+        np.array([*span, steps]),
+    ]
     return np.unique(np.concatenate(parts)).astype(np.int64), max(near, far)
 
 
@@ -114,7 +131,9 @@ def _stride(count: int, room: int) -> int:
     return max(1, -(-count // room))
 
 
-def _span_of_interest(steps: int, loop: list[int] | None, marks: list[dict[str, Any]]) -> tuple[int, int]:
+def _span_of_interest(
+    steps: int, loop: list[int] | None, marks: list[dict[str, Any]]
+) -> tuple[int, int]:
     """From which step to which a reader looks most closely."""
     if loop is not None:
         return min(loop[0], steps), min(loop[0] + loop[1], steps)
@@ -128,17 +147,26 @@ def _loop(episode: Episode) -> list[int] | None:
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
-    """The steps that the evidence names: their name, what is said of them and, where it names one, the cell."""
+    """The steps that the evidence names.
+
+    Their name, what is said of them and, where it names one, the cell.
+    """
     match episode.evidence:
         case LoopEvidence(entry=entry):
             return [_mark(entry, "entry", "Entry", "the loop is entered")]
         case WallEvidence() as wall:
             found = []
             if wall.since is not None:
-                found.append(_mark(wall.since, "cause", "Cause", f"a {wall.cause} lets it into the wall"))
-            found.append(_mark(wall.step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(wall.cell)})
+                found.append(
+                    _mark(wall.since, "cause", "Cause", f"a {wall.cause} lets it into the wall")
+                )
+            found.append(
+                _mark(wall.step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(wall.cell)}
+            )
             if wall.reached is not None:
-                found.append(_mark(wall.reached, "last", "Arrives", "enters the target that walls shut off"))
+                found.append(
+                    _mark(wall.reached, "last", "Arrives", "enters the target that walls shut off")
+                )
             return found
         case BurnedEvidence(step=step, cell=cell):
             return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]

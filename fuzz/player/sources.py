@@ -15,7 +15,9 @@ def modules(folder: Traversable, prefix: str) -> dict[str, str]:
         folder: Where the ``.js`` files are.
         prefix: What stands before a file's name in an import, such as ``#report/``.
     """
-    parts = sorted((part for part in folder.iterdir() if part.name.endswith(".js")), key=lambda part: part.name)
+    parts = sorted(
+        (part for part in folder.iterdir() if part.name.endswith(".js")), key=lambda part: part.name
+    )
     return {f"{prefix}{part.name}": part.read_text("utf-8") for part in parts}
 
 

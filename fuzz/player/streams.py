@@ -1,6 +1,7 @@
 """Columns of whole numbers and of bits as short text, which ``page/decode.js`` reads back.
 
-A robot drives straight most of the time, so the second differences of its poses are mostly 0 or near it: a byte each.
+A robot drives straight most of the time, so the second differences of its poses are mostly 0 or
+    near it: a byte each.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ def numbers(values: npt.ArrayLike) -> str:
     """Whole numbers as base64 of their second differences, each zigzag and in groups of seven bits, the lowest first.
 
     Args:
-        values: (n,) whole numbers; what is beyond 2**50 either way becomes that, which a browser still counts exactly.
+        values: (n,) whole numbers; what is beyond 2**50 either way becomes that, which a browser
+            still counts exactly.
     """
     column = np.clip(np.asarray(values), -_MOST, _MOST).astype(np.int64)
     twice = np.diff(np.diff(column, prepend=np.int64(0)), prepend=np.int64(0))

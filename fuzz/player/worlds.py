@@ -19,13 +19,14 @@ def drawn_world(world: World) -> dict[str, Any] | None:
     """A world's cells, changes, start, target and certificate; ``None`` if it is too large to draw.
 
     Returns:
-        ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad) and ``target``
-        (x, y, radius in cells); ``events`` in columns, their times in ms rounded; ``witness`` in columns, ms and
-        lattice units; ``cut``, a chain of cells.
+        ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
+        and ``target`` (x, y, radius in cells); ``events`` in columns, their times in ms rounded;
+        ``witness`` in columns, ms and lattice units; ``cut``, a chain of cells.
     """
     if world.width * world.height > MOST_CELLS:
         return None
-    side, line = world.cell_size, world.timeline
+    side = world.cell_size
+    line = world.timeline
     return {
         "width": world.width,
         "height": world.height,
@@ -47,11 +48,20 @@ def drawn_world(world: World) -> dict[str, Any] | None:
 
 
 def drawn_certificate(world: World) -> dict[str, Any]:
-    """A world's witness in columns, ms and lattice units, or its cut; nothing where it has neither."""
+    """A world's witness in columns, ms and lattice units, or its cut.
+
+    Nothing where it has neither.
+    """
     proof = world.certificate
     if isinstance(proof, Witness):
         across, up = (np.rint(values / world.cell_size * UNIT) for values in (proof.x, proof.y))
-        return {"witness": {"ms": numbers(np.rint(proof.times * 1000.0)), "x": numbers(across), "y": numbers(up)}}
+        return {
+            "witness": {
+                "ms": numbers(np.rint(proof.times * 1000.0)),
+                "x": numbers(across),
+                "y": numbers(up),
+            }
+        }
     if isinstance(proof, Cut):
         return {"cut": proof.cells.tolist()}
     return {}

@@ -14,7 +14,7 @@ from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, 
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 
-__all__ = ["Answer", "State", "answer", "summary_in_words"]
+__all__ = ["ReplayAnswer", "State", "answer", "describe_summary"]
 
 
 class State(StrEnum):
@@ -34,7 +34,7 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True)
-class Answer:
+class ReplayAnswer:
     """The answer to "what about this failure now?".
 
     Args:
@@ -50,10 +50,11 @@ class Answer:
     episode: Episode | None
 
 
-def answer(failure: Failure, controller: str | None = None) -> Answer:
+def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
     """Run a stored failure again and say how it stands.
 
-    A run that is not as it was stored gets the budget of the failure or that of the witness, whichever is longer: a
+    A run that is not as it was stored gets the budget of the failure or that of the witness,
+        whichever is longer: a
     robot that is merely late with the stored steps arrives.
 
     Args:
@@ -66,25 +67,38 @@ def answer(failure: Failure, controller: str | None = None) -> Answer:
     outcome = replay(failure, controller)
     record = failure.record
     if outcome.episode is None:
-        return Answer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
+        return ReplayAnswer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
     was = _in_short(record.verdict, failure.evidence) + failure.violation.in_words
     if outcome.confirmed:
-        same = "the same, bit for bit" if outcome.episode.trace_digest == record.trace_digest else "still fails alike"
-        return Answer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
+        same = (
+            "the same, bit for bit"
+            if outcome.episode.trace_digest == record.trace_digest
+            else "still fails alike"
+        )
+        return ReplayAnswer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
     fault = certificate_fault(failure.world)
     if fault:
-        return Answer(State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode)
+        return ReplayAnswer(
+            State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode
+        )
     try:
         now = is_fixed(failure, controller)
     except WorldgenError as error:
-        return Answer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
+        return ReplayAnswer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
     episode = now.seen.episode or outcome.episode
     if not now.reason:
-        return Answer(State.ARRIVES, f"{_mended(failure, episode)} (was: {was})", outcome, episode)
-    return Answer(State.FAILS, f"still fails: {_how(failure, episode, was, now.reason, outcome)}", outcome, episode)
+        return ReplayAnswer(
+            State.ARRIVES, f"{_mended(failure, episode)} (was: {was})", outcome, episode
+        )
+    return ReplayAnswer(
+        State.FAILS,
+        f"still fails: {_how(failure, episode, was, now.reason, outcome)}",
+        outcome,
+        episode,
+    )
 
 
-def summary_in_words(states: list[State]) -> str:
+def describe_summary(states: list[State]) -> str:
     """Return ``3 of 5 confirmed; 1 still fails, 1 arrives now``."""
     counts = {state: states.count(state) for state in State}
     others = [
@@ -96,7 +110,9 @@ def summary_in_words(states: list[State]) -> str:
         )
         if counts[state]
     ]
-    return f"{counts[State.SAME]} of {len(states)} confirmed" + (f"; {', '.join(others)}" if others else "")
+    return f"{counts[State.SAME]} of {len(states)} confirmed" + (
+        f"; {', '.join(others)}" if others else ""
+    )
 
 
 def _mended(failure: Failure, episode: Episode) -> str:

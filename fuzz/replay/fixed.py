@@ -9,7 +9,7 @@ from fuzz.oracles import Oracle, Trial, verdict_oracle
 from fuzz.triage.judging import oracle_of, violation_in
 from fuzz.triage.proofs import certificate_fault, certified
 from sim.controllers.contract import check_contract
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.episode import Episode
 from sim.options.run import RunOptions, step_budget
 from sim.scenario import Scenario
@@ -17,11 +17,11 @@ from sim.verdict import UNENDED, Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.world import Cut, World
 
-__all__ = ["Checked", "Seen", "arrives", "is_fixed", "who_drives"]
+__all__ = ["Checked", "RegressionRun", "arrives", "is_fixed", "who_drives"]
 
 
 @dataclass(frozen=True)
-class Seen:
+class RegressionRun:
     """What a test looked at.
 
     Args:
@@ -49,7 +49,7 @@ class Checked:
     """
 
     reason: str
-    seen: Seen
+    seen: RegressionRun
 
 
 def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
@@ -63,7 +63,8 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
         InvalidParameter: If a name is unknown.
     """
     failure = failure.driven_by(controller)
-    world, stored = failure.world, failure.options
+    world = failure.world
+    stored = failure.options
     options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
     return _checked(world, failure.scenario, options, oracle_of(failure))
 
@@ -91,12 +92,14 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
     """Run a scenario, and hold its verdict and what the oracle finds against what is right in such a world."""
     fault = certificate_fault(world)
     if fault:
-        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
+        return Checked(
+            f"the file proves nothing: {fault}; make the failure again", RegressionRun(world)
+        )
     trial = Trial.recorded(world, scenario.controller, options)
     episode = trial.episode
     check_contract(scenario.controller, episode.evidence, episode.steps)
-    seen = Seen(world, scenario, options, episode)
-    ended = f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
+    seen = RegressionRun(world, scenario, options, episode)
+    ended = f"{who_drives(scenario)}: {episode.verdict}{describe_evidence(episode)}"
 
     # Where the target is walled off, the robot only has to stay out.
     if isinstance(world.certificate, Cut):

@@ -1,4 +1,7 @@
-"""Worlds as regression tests: is a stored failure fixed, or still as it was; what to show and keep if not."""
+"""Worlds as regression tests: is a stored failure fixed, or still as it was.
+
+What to show and keep if not.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,10 @@ from pathlib import Path
 
 from fuzz.failure import Failure
 from fuzz.replay.answer import State, answer
-from fuzz.replay.fixed import Checked, Seen, arrives, is_fixed, who_drives
+from fuzz.replay.fixed import Checked, RegressionRun, arrives, is_fixed, who_drives
 from fuzz.triage.judging import failure_of
 from sim.controllers.contract import check_contract
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.drawing.picture import trail_of
 from sim.episode import Episode, simulate
 from sim.options.run import RunOptions
@@ -23,13 +26,24 @@ from worldgen.render import draw_terminal
 from worldgen.support.plain_text import shown_lines
 from worldgen.world import World
 
-__all__ = ["CONFIRMED", "FIXED", "Checked", "Seen", "Told", "check", "fixed", "run", "tell"]
+__all__ = [
+    "CONFIRMED",
+    "FIXED",
+    "Checked",
+    "FailingWorld",
+    "RegressionRun",
+    "check",
+    "fixed",
+    "run",
+    "tell",
+]
 
-FIXED, CONFIRMED = "fixed", "confirmed"
+FIXED = "fixed"
+CONFIRMED = "confirmed"
 
 
 @dataclass(frozen=True)
-class Told:
+class FailingWorld:
     """A failing test's world, for a report.
 
     Args:
@@ -46,15 +60,17 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
 
     Args:
         path: A ``.grid`` file.
-        expect: ``fixed``: the robot now arrives, within the failure's budget or the witness's, whichever is longer;
-            where the target is walled off, it goes through no wall; and the oracle that the failure names, if it
-            names one, does not object. ``confirmed``: verdict, evidence, digest and
+        expect: ``fixed``: the robot now arrives, within the failure's budget or the witness's,
+            whichever is longer; where the target is walled off, it goes through no wall; and the
+            oracle that the failure names, if it names one, does not object. ``confirmed``: verdict,
+                evidence, digest and
             certificate are as stored.
         controller: Instead of the one that the file names; a world without a failure needs one.
 
     Raises:
         FormatError: If the file cannot be read.
-        InvalidParameter: If a name is unknown, or the file holds no failure and no controller is named.
+        InvalidParameter: If a name is unknown, or the file holds no failure and no controller is
+            named.
         InvalidWorld: If it holds no failure and its target cannot be reached.
     """
     world = read_world(path)
@@ -80,7 +96,8 @@ def fixed(world: World, controller: str | None = None) -> Checked:
         controller: Instead of the one that the record names; a world without a failure needs one.
 
     Raises:
-        InvalidParameter: If a name is unknown, or the world holds no failure and no controller is named.
+        InvalidParameter: If a name is unknown, or the world holds no failure and no controller is
+            named.
         InvalidWorld: If it holds no failure and its target cannot be reached.
     """
     failure = Failure.found_in(world)
@@ -100,7 +117,7 @@ def _confirmed(path: Path, failure: Failure, controller: str | None) -> Checked:
     now = answer(failure, controller)
     again = failure.replay_command(Path(_near(path)), controller)
     driven = failure.driven_by(controller)
-    seen = Seen(failure.world, driven.scenario, failure.options, now.episode, again)
+    seen = RegressionRun(failure.world, driven.scenario, failure.options, now.episode, again)
     if now.state is State.SAME:
         return Checked("", seen)
     hint = "; expect it to be fixed" if now.state is State.ARRIVES else ""
@@ -108,7 +125,7 @@ def _confirmed(path: Path, failure: Failure, controller: str | None) -> Checked:
     return Checked(f"{name} under {failure.record.motion}: not confirmed: {now.words}{hint}", seen)
 
 
-def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
+def run(world: World, controller: str, seed: int = 0) -> tuple[RegressionRun, Episode]:
     """Runs a controller, with variations as the command line takes them, and records it.
 
     Raises:
@@ -119,19 +136,22 @@ def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
     options = scenario.options(world)
     episode = simulate(world, scenario.controller, options, record=True)
     check_contract(scenario.controller, episode.evidence, episode.steps)
-    return Seen(world, scenario, options, episode), episode
+    return RegressionRun(world, scenario, options, episode), episode
 
 
-def tell(seen: Seen, path: Path | None) -> Told:
+def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
     """Draws a failing test's world in plain text, and keeps it.
 
     Args:
         seen: What the test looked at.
         path: The file to keep it in, overwritten; ``None`` to keep nothing.
     """
-    lines, properties = [], {}
+    lines = []
+    properties = {}
     if seen.scenario is not None and seen.episode is not None:
-        lines.append(f"{who_drives(seen.scenario)}: {seen.episode.verdict}{evidence_in_words(seen.episode)}")
+        lines.append(
+            f"{who_drives(seen.scenario)}: {seen.episode.verdict}{describe_evidence(seen.episode)}"
+        )
     trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
     replayed_by = seen.stored
@@ -145,10 +165,10 @@ def tell(seen: Seen, path: Path | None) -> Told:
     if replayed_by:
         properties["replay"] = replayed_by
         lines.append(f"replay: {replayed_by}")
-    return Told(shown_lines("\n".join(lines)), properties)
+    return FailingWorld(shown_lines("\n".join(lines)), properties)
 
 
-def _keep(seen: Seen, path: Path) -> str:
+def _keep(seen: RegressionRun, path: Path) -> str:
     """Writes the world, as a failure if it is one; returns the command that shows it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     file = shlex.quote(_near(path))

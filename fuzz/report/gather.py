@@ -1,4 +1,7 @@
-"""What a report is about: failures from folders, archives and files, run again, and their campaigns."""
+"""What a report is about.
+
+Failures from folders, archives and files, run again, and their campaigns.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.campaign.store import MEMORY, Summary, read_summary
-from fuzz.corpus import Entry, read_corpus
+from fuzz.corpus import CorpusEntry, read_corpus
 from fuzz.describe import run_to_draw
 from fuzz.failure import Failure
 from fuzz.triage.judging import Replay, replay
@@ -17,13 +20,13 @@ from worldgen.files.archives import Member, archive_in, members
 from worldgen.files.grid.disk import expansion_limit, unpack_world
 from worldgen.files.grid.schema import MAX_FILE_BYTES
 
-__all__ = ["MOST_FAILURES", "Reported", "Seen", "Subject", "gather", "look_at"]
+__all__ = ["MOST_FAILURES", "ReplayedFailure", "ReportSubject", "Reported", "gather", "look_at"]
 
 MOST_FAILURES = 1_000  # of a report: 10 to 50 MB, about what a browser opens without complaint
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class ReplayedFailure:
     """A failure's file and what running it again showed.
 
     Args:
@@ -31,7 +34,8 @@ class Seen:
         data: Its bytes, as they are.
         failure: What it holds.
         replay: Whether verdict, evidence and certificate are as recorded.
-        shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot be run.
+        shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot
+            be run.
         words: What happened, to stand behind the verdict; empty where the replay is not confirmed.
     """
 
@@ -54,26 +58,30 @@ class Reported:
         campaign: Which campaign found it, as an index; -1 where that is not known.
     """
 
-    entry: Entry
-    seen: Seen
-    original: Seen | None
+    entry: CorpusEntry
+    seen: ReplayedFailure
+    original: ReplayedFailure | None
     campaign: int
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
-    """What a report is about; ``others`` counts worlds without a failure, which were passed over."""
+class ReportSubject:
+    """What a report is about.
 
-    entries: list[Entry]
+    ``others`` counts worlds without a failure, which were passed over.
+    """
+
+    entries: list[CorpusEntry]
     campaigns: list[Summary]
     others: int
 
 
-def gather(paths: Sequence[Path]) -> Subject:
+def gather(paths: Sequence[Path]) -> ReportSubject:
     """Reads what failures and campaigns there are.
 
     Args:
-        paths: Folders, archives and files. What campaigns remember in hidden folders is read for what it is.
+        paths: Folders, archives and files. What campaigns remember in hidden folders is read for
+            what it is.
 
     Raises:
         InvalidParameter: If there is nothing to report on, or more than ``MOST_FAILURES``.
@@ -81,7 +89,11 @@ def gather(paths: Sequence[Path]) -> Subject:
     """
     corpus = read_corpus(paths)
     folders = [folder for path in paths for folder in _campaign_folders(path)]
-    campaigns = [summary for folder in dict.fromkeys(folders) if (summary := read_summary(folder)) is not None]
+    campaigns = [
+        summary
+        for folder in dict.fromkeys(folders)
+        if (summary := read_summary(folder)) is not None
+    ]
     entries = _distinct(corpus.entries)
     if not entries and not campaigns:
         raise InvalidParameter(
@@ -100,23 +112,28 @@ def gather(paths: Sequence[Path]) -> Subject:
             count=len(entries),
             most=MOST_FAILURES,
         )
-    return Subject(entries, campaigns, corpus.others)
+    return ReportSubject(entries, campaigns, corpus.others)
 
 
 def _campaign_folders(path: Path) -> Iterable[Path]:
-    """The folder, and those below it, that campaigns may have written; of a file the folder that it is in."""
-    return sorted(memory.parent for memory in path.rglob(MEMORY)) if path.is_dir() else (path.parent,)
+    """The folder, and those below it, that campaigns may have written.
+
+    Of a file the folder that it is in.
+    """
+    return (
+        sorted(memory.parent for memory in path.rglob(MEMORY)) if path.is_dir() else (path.parent,)
+    )
 
 
-def _distinct(entries: Iterable[Entry]) -> list[Entry]:
+def _distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
     """Of equal failures the one whose path comes first."""
-    chosen: dict[str, Entry] = {}
+    chosen: dict[str, CorpusEntry] = {}
     for entry in sorted(entries, key=lambda entry: str(entry.path)):
         chosen.setdefault(entry.facts.digest, entry)
     return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
 
 
-def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Reported:
+def look_at(entry: CorpusEntry, campaigns: Sequence[Summary]) -> Reported:
     """Reads a failure, and what it was before shrinking, and runs both again.
 
     Raises:
@@ -129,7 +146,7 @@ def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Reported:
     return Reported(entry, seen, original, campaign)
 
 
-def _original(failure: Failure, folder: Path) -> Seen | None:
+def _original(failure: Failure, folder: Path) -> ReplayedFailure | None:
     """The failure as found, where the record names it and the campaign still has it."""
     if failure.original is None:
         return None
@@ -137,18 +154,23 @@ def _original(failure: Failure, folder: Path) -> Seen | None:
     return _seen(path) if path.is_file() else None
 
 
-def _seen(path: Path) -> Seen:
+def _seen(path: Path) -> ReplayedFailure:
     data = _bytes_of(path)
     packed = Member(path.name, len(data), lambda limit: data if len(data) <= limit else None)
     failure = Failure.found_in(unpack_world(packed, str(path)))
     if failure is None:
-        raise FormatError("file-changed", "held a failure a moment ago", "do not change it meanwhile", source=str(path))
+        raise FormatError(
+            "file-changed",
+            "held a failure a moment ago",
+            "do not change it meanwhile",
+            source=str(path),
+        )
     found = replay(failure)
     try:
         shown, words = run_to_draw(failure)
     except WorldgenError:
-        return Seen(path.name, data, failure, found, None, "")
-    return Seen(path.name, data, failure, found, shown, words if found.confirmed else "")
+        return ReplayedFailure(path.name, data, failure, found, None, "")
+    return ReplayedFailure(path.name, data, failure, found, shown, words if found.confirmed else "")
 
 
 def _bytes_of(path: Path) -> bytes:
@@ -161,4 +183,9 @@ def _bytes_of(path: Path) -> bytes:
         data = member.read(expansion_limit(member.packed)) if member.name == place[1] else None
         if data is not None:
             return data
-    raise FormatError("file-changed", "is not there any more", "do not change the archive meanwhile", source=str(path))
+    raise FormatError(
+        "file-changed",
+        "is not there any more",
+        "do not change the archive meanwhile",
+        source=str(path),
+    )

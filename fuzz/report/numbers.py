@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeAlias
 
-from fuzz.boundary import boundaries_in_words
+from fuzz.boundary import describe_boundaries
 from fuzz.campaign.store import Summary
-from fuzz.describe import seeds_in_words
-from fuzz.report.gather import Reported, Seen
+from fuzz.describe import describe_seeds
+from fuzz.report.gather import ReplayedFailure, Reported
 from sim.evidence import LoopEvidence
-from worldgen.support.plain_text import counted, value_in_words
+from worldgen.support.plain_text import counted, describe_value
 from worldgen.world import Cut, Value, Witness, World
 
 __all__ = ["Group", "groups"]
@@ -34,32 +34,44 @@ def groups(reported: Reported, campaigns: list[Summary]) -> list[Group]:
         ("Run", _of_the_run(reported.seen)),
         ("World", _of_the_world(reported.seen.failure.world)),
         ("Search", _of_the_search(reported, campaign)),
-        ("Options", [(name, value_in_words(value)) for name, value in record.parameters.items()]),
-        ("Evidence", [(name, value_in_words(value)) for name, value in record.evidence.items()]),
+        ("Options", [(name, describe_value(value)) for name, value in record.parameters.items()]),
+        ("Evidence", [(name, describe_value(value)) for name, value in record.evidence.items()]),
     ]
     return [group for group in found if group[1]]
 
 
 def _of_the_failure(reported: Reported) -> list[Row]:
-    facts, seen = reported.entry.facts, reported.seen
+    facts = reported.entry.facts
+    seen = reported.seen
     record = seen.failure.record
     rows = [
         ("verdict", record.verdict),
         ("class", facts.kind),
         ("controller", facts.controller),
-        ("motion model", f"{facts.motion}, version {record.details.get('motion_version', 'unknown')}"),
+        (
+            "motion model",
+            f"{facts.motion}, version {record.details.get('motion_version', 'unknown')}",
+        ),
         ("seed of the run", str(record.seed)),
         ("replayed for this report", _replayed(seen)),
     ]
-    seeds = seeds_in_words(seen.failure)
+    seeds = describe_seeds(seen.failure)
     if seeds:
         least = record.details.get("failing_share_at_least")
-        bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
+        bound = (
+            f"; with 95 % confidence at least {least:.1%} of all"
+            if isinstance(least, float)
+            else ""
+        )
         rows.append(("chance", f"{seeds}{bound}"))
     if "chance" in record.details:
-        states = f", over {value_in_words(record.details['states'])} states" if "states" in record.details else ""
-        rows.append(("exact answer", f"{value_in_words(record.details['chance'])}{states}"))
-    begins = boundaries_in_words(seen.failure)
+        states = (
+            f", over {describe_value(record.details['states'])} states"
+            if "states" in record.details
+            else ""
+        )
+        rows.append(("exact answer", f"{describe_value(record.details['chance'])}{states}"))
+    begins = describe_boundaries(seen.failure)
     if begins:
         rows.append(("boundary", begins))
     minimal = record.details.get("one_minimal")
@@ -68,14 +80,15 @@ def _of_the_failure(reported: Reported) -> list[Row]:
     return rows
 
 
-def _replayed(seen: Seen) -> str:
+def _replayed(seen: ReplayedFailure) -> str:
     if seen.replay.confirmed:
         return "confirmed: same verdict, evidence and digest"
     return f"not confirmed: {seen.replay.reason}"
 
 
-def _of_the_run(seen: Seen) -> list[Row]:
-    episode, rows = seen.replay.episode, []
+def _of_the_run(seen: ReplayedFailure) -> list[Row]:
+    episode = seen.replay.episode
+    rows = []
     if episode is not None:
         rows += [
             ("steps", f"{episode.steps:,} ({episode.time:.6g} s)"),
@@ -94,7 +107,8 @@ def _of_the_run(seen: Seen) -> list[Row]:
 
 
 def _of_the_world(world: World) -> list[Row]:
-    side, line = world.cell_size, world.timeline
+    side = world.cell_size
+    line = world.timeline
     rows = [
         ("cells", f"{world.width} x {world.height}, {world.solid_cells:,} solid"),
         ("size", f"{world.width * side:.4g} x {world.height * side:.4g} m, cells of {side:.4g} m"),
@@ -105,9 +119,13 @@ def _of_the_world(world: World) -> list[Row]:
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))
-        rows.append(("clearance", f"{proof.clearance:.4g} m, the largest disc that it lets through"))
+        rows.append(
+            ("clearance", f"{proof.clearance:.4g} m, the largest disc that it lets through")
+        )
     elif isinstance(proof, Cut):
-        rows.append(("cut", f"{len(proof.cells)} cells stop every disc above {proof.clearance:.4g} m"))
+        rows.append(
+            ("cut", f"{len(proof.cells)} cells stop every disc above {proof.clearance:.4g} m")
+        )
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))
@@ -118,7 +136,7 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
     details = reported.seen.failure.record.details
     rows = []
     if "found_by" in details:
-        rows.append(("found by lane", value_in_words(details["found_by"])))
+        rows.append(("found by lane", describe_value(details["found_by"])))
     if campaign is not None:
         kind = reported.entry.facts.kind
         if kind in campaign.met:
@@ -130,10 +148,18 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
     if "shrunk_from" in details:
         kept = _KEPT.get(str(details.get("kept")), "")
         rows.append(
-            ("shrunk from", f"{value_in_words(details['shrunk_from'])} solid cells" + (f", {kept}" if kept else ""))
+            (
+                "shrunk from",
+                f"{describe_value(details['shrunk_from'])} solid cells"
+                + (f", {kept}" if kept else ""),
+            )
         )
     return rows + _others(details)
 
 
 def _others(details: Mapping[str, Value]) -> list[Row]:
-    return [(name.replace("_", " "), value_in_words(value)) for name, value in details.items() if name not in _SAID]
+    return [
+        (name.replace("_", " "), describe_value(value))
+        for name, value in details.items()
+        if name not in _SAID
+    ]

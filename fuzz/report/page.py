@@ -1,4 +1,7 @@
-"""Puts the page together: its text, style and script from ``page/``, the player's, and the data as JSON."""
+"""Puts the page together.
+
+Its text, style and script from ``page/``, the player's, and the data as JSON.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.campaign.store import Summary
-from fuzz.corpus import Entry
+from fuzz.corpus import CorpusEntry
 from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
 from fuzz.player.sources import modules
-from fuzz.report.gather import Seen, Subject, gather, look_at
+from fuzz.report.gather import ReplayedFailure, ReportSubject, gather, look_at
 from fuzz.report.numbers import groups
 from sim.controllers import CONTROLLERS
 from worldgen.files.whole import check_output, write_bytes
@@ -32,12 +35,13 @@ def write_report(
     force: bool = False,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
-    """Writes failures and their campaigns as one HTML page; equal files by equal names give equal bytes.
+    """Writes failures and their campaigns as one HTML page.
 
-    Runs the controllers that the files name.
+    Equal files by equal names give equal bytes. Runs the controllers that the files name.
 
     Args:
-        paths: Folders, archives and files of failures; of a campaign's folder its summary is shown, too.
+        paths: Folders, archives and files of failures; of a campaign's folder its summary is shown,
+            too.
         out: The page.
         title: Its heading; without one, who fails under which motion model.
         force: Whether a file that is there is overwritten.
@@ -68,20 +72,23 @@ def write_report(
     return len(failures)
 
 
-def _heading(subject: Subject) -> str:
+def _heading(subject: ReportSubject) -> str:
     """``turn-right under stepped``, or how many controllers there are."""
     names = {(entry.facts.controller, entry.facts.motion) for entry in subject.entries}
-    names |= {(summary.controller, summary.motion) for summary in subject.campaigns if not subject.entries}
+    names |= {
+        (summary.controller, summary.motion) for summary in subject.campaigns if not subject.entries
+    }
     if len(names) == 1:
         ((controller, motion),) = names
         return f"{controller} under {motion}"
     return f"Failures of {counted(len({controller for controller, _ in names}), 'controller')}"
 
 
-def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
+def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
     """A failure as the page's script wants it."""
     reported = look_at(entry, campaigns)
-    seen, facts = reported.seen, entry.facts
+    seen = reported.seen
+    facts = entry.facts
     record = seen.failure.record
     met = campaigns[reported.campaign].met.get(facts.kind) if reported.campaign >= 0 else None
     return {
@@ -107,9 +114,10 @@ def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
     }
 
 
-def _drawn(seen: Seen) -> dict[str, Any]:
+def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
     """A world with its run and its file."""
-    failure, world = seen.failure, seen.failure.world
+    failure = seen.failure
+    world = seen.failure.world
     run = sensors = None
     if seen.shown is not None:
         controller = CONTROLLERS.get(failure.record.controller)
@@ -129,7 +137,10 @@ def _drawn(seen: Seen) -> dict[str, Any]:
 
 
 def _campaign(summary: Summary) -> dict[str, Any]:
-    """As the page's script wants it: a seed of 64 bits as text, which JavaScript's numbers cannot hold."""
+    """As the page's script wants it.
+
+    A seed of 64 bits as text, which JavaScript's numbers cannot hold.
+    """
     return asdict(summary) | {"folder": str(summary.folder), "seed": str(summary.seed)}
 
 
@@ -139,4 +150,6 @@ def _page(title: str, data: dict[str, Any]) -> bytes:
     body = (folder / "body.html").read_text("utf-8")
     styles = (folder / "style.css").read_text("utf-8")
     scripts = modules(folder, "#report/")
-    return one_file(body, title, styles=styles, scripts=scripts, start="#report/start.js", data=data)
+    return one_file(
+        body, title, styles=styles, scripts=scripts, start="#report/start.js", data=data
+    )

@@ -7,6 +7,6 @@ Contents:
 
 from __future__ import annotations
 
-from fuzz.screening.evaluation import Looks, can_look, evaluate
+from fuzz.screening.evaluation import Screening, can_screen, evaluate
 
-__all__ = ["Looks", "can_look", "evaluate"]
+__all__ = ["Screening", "can_screen", "evaluate"]

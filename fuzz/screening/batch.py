@@ -15,13 +15,24 @@ from fuzz._core import ffi, lib
 from fuzz.search import layout_bytes
 from fuzz.search.features import TARGET_RADII, decode_world
 from sim._core import ffi as sim_ffi
-from sim.controllers.shared.guarded import PRIVATE, Memory
+from sim.controllers.shared.guarded import PRIVATE, CoreMemory
 from sim.runners.core_calls import Driver, headings, ray_table
 from sim.runners.packing import disc_numbers
 from worldgen.lattice import UNIT, in_cells
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["CRASH", "HANG", "LOOK", "NOT_RUN", "REPORT_FIELDS", "Batch", "Patience", "Seat", "ffi", "lib"]
+__all__ = [
+    "CRASH",
+    "HANG",
+    "LOOK",
+    "NOT_RUN",
+    "REPORT_FIELDS",
+    "Batch",
+    "Patience",
+    "Seat",
+    "ffi",
+    "lib",
+]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -54,7 +65,9 @@ def _numbers_of(name: str) -> list[tuple[str, str, int]]:
 
 def _type_of(name: str) -> np.dtype[Any]:
     names, formats, offsets = zip(*_numbers_of(name), strict=True)
-    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof(name)})
+    return np.dtype(
+        {"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof(name)}
+    )
 
 
 LOOK = _type_of("WgLook")
@@ -105,7 +118,7 @@ class Batch:
         settings: Sequence[Any],
         radii: tuple[float, ...],
         patience: Patience,
-        memory: Memory = PRIVATE,
+        memory: CoreMemory = PRIVATE,
     ) -> None:
         self.memory = memory
         self.deaths = 0
@@ -167,7 +180,9 @@ class Batch:
         """Return what came of the runs, in memory of this process."""
         if not self.memory.is_shared:
             return self.looks
-        return self.looks.view(np.uint8).copy().view(LOOK)  # also what lies between the columns, so that bytes compare
+        return (
+            self.looks.view(np.uint8).copy().view(LOOK)
+        )  # also what lies between the columns, so that bytes compare
 
     def leave_out(self, runs: Any) -> None:
         """Mark runs as not run."""
@@ -180,12 +195,16 @@ class Seat:
 
     Args:
         batch: The runs.
-        memory: The controller's at reset; write into :attr:`memory` before a run begins to change it.
-        driver: A controller that is a function of a core; without one the core stops wherever it is to act.
+        memory: The controller's at reset; write into :attr:`memory` before a run begins to change
+            it.
+        driver: A controller that is a function of a core; without one the core stops wherever it is
+            to act.
         number: For the owner of many seats.
     """
 
-    def __init__(self, batch: Batch, memory: Sequence[float], driver: Driver | None = None, number: int = 0) -> None:
+    def __init__(
+        self, batch: Batch, memory: Sequence[float], driver: Driver | None = None, number: int = 0
+    ) -> None:
         room = batch.memory
         self.memory = room.own(np.array(memory, np.float64))
         controller = room.new("WgController *", ffi=ffi)
@@ -212,7 +231,11 @@ class Seat:
         check(lib.wg_seat_sizes(batch.c, controller, sizes))
         seat, episode, log = sizes
         memory = batch.memory
-        self._blocks = (memory.new("char[]", seat), memory.new("char[]", episode), memory.new("char[]", log))
+        self._blocks = (
+            memory.new("char[]", seat),
+            memory.new("char[]", episode),
+            memory.new("char[]", log),
+        )
         blocks = ffi.new("void *[3]", [ffi.cast("void *", block) for block in self._blocks])
         self.c = lib.wg_seat_place(blocks, batch.c, controller)
 

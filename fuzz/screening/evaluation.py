@@ -11,11 +11,17 @@ import numpy.typing as npt
 
 from fuzz.screening.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat, lib
 from fuzz.screening.guarded import look_guarded
-from fuzz.screening.in_lockstep import look_in_batch, look_in_lockstep
+from fuzz.screening.in_lockstep import screen_in_batch, screen_in_lockstep
 from fuzz.screening.one_by_one import OneByOne
 from fuzz.search import layout_bytes
 from fuzz.search.features import RADII, decode_scene, decode_world
-from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
+from sim.controllers import (
+    CONTROLLERS,
+    CompiledController,
+    Controller,
+    ProcessController,
+    VectorController,
+)
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
 from sim.options.run import MAX_STEPS
@@ -28,7 +34,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
-__all__ = ["Looks", "can_look", "evaluate"]
+__all__ = ["Screening", "can_screen", "evaluate"]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -38,19 +44,24 @@ Flags = npt.NDArray[np.bool_]
 _KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
 _FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
 _MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
-_PORTION = 1 << 20  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
+_PORTION = (
+    1 << 20
+)  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
 
-# Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for the longest ways.
+# Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for
+# the longest ways.
 _PATIENT = Patience(50, 4_000, 8_000, 600)
-# Where each step takes microseconds, runs that fail take most of the time: they are shorter, and proved all the same.
+# Where each step takes microseconds, runs that fail take most of the time: they are shorter, and
+# proved all the same.
 _BRISK = Patience(15, 800, 2_400, 150)
 
 
 @dataclass(frozen=True, eq=False)
-class Looks:
+class Screening:
     """First looks at many worlds; every array is of shape (n,).
 
-    Where the flood found no way to the target nothing was simulated: ``ran`` is false there, and the rest but for
+    Where the flood found no way to the target nothing was simulated: ``ran`` is false there, and
+        the rest but for
     ``layout`` means nothing.
 
     Args:
@@ -88,7 +99,8 @@ class Looks:
     @property
     def verdict(self) -> npt.NDArray[np.str_]:
         """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
-        ending, overlaps = self.ending, self.raw["overlap_step"] >= 0
+        ending = self.ending
+        overlaps = self.raw["overlap_step"] >= 0
         covered = overlaps & np.isin(ending, (lib.WG_LIMIT, lib.WG_REACHED, lib.WG_LOOP))
         return np.where(covered, Verdict.OVERLAP.value, _FIRST_LOOKS[ending + 1])
 
@@ -165,12 +177,18 @@ class Looks:
 
     @property
     def revisits(self) -> Floats:
-        """Driven cells for each cell that the centre was in: about 1 for a robot that is nowhere twice."""
+        """Driven cells for each cell that the centre was in.
+
+        About 1 for a robot that is nowhere twice.
+        """
         return self.driven / np.maximum(self.visited, 1)
 
     @property
     def least_clearance(self) -> Ints:
-        """Distance of the cell nearest to a wall among those that the centre was in: 1, 2, or 3 for more."""
+        """Distance of the cell nearest to a wall among those that the centre was in.
+
+        1, 2, or 3 for more.
+        """
         return self.raw["least_clearance"]
 
     @property
@@ -182,11 +200,13 @@ class Looks:
     def key(self) -> Ints:
         """A coarse signature of what went wrong, the same in a mirrored, turned or shifted world.
 
-        It is made of the ending; of touches, kind of contact, turning, extent and progress in one period of a loop, or
-        in a few more steps of a run that spent its budget; of the kind of wall that a robot went through or into. It
-        comes near to the failure's class (docs/failures.md), without a recording. 0 where it arrived or nothing ran.
+        It is made of the ending; of touches, kind of contact, turning, extent and progress in one
+        period of a loop, or in a few more steps of a run that spent its budget; of the kind of wall
+        that a robot went through or into. It comes near to the failure's class (docs/failures.md),
+        without a recording. 0 where it arrived or nothing ran.
         """
-        raw, made = self.raw, self.ending + 1
+        raw = self.raw
+        made = self.ending + 1
         facts = (
             (raw["overlap_step"] >= 0, 2),
             (np.minimum(raw["bumps"], 3), 4),
@@ -220,8 +240,11 @@ class Looks:
         return replace(self.scenario, seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
 
 
-def can_look(scenario: Scenario) -> bool:
-    """Return True if native search can run a scenario: any controller, under a motion model on the pose lattice."""
+def can_screen(scenario: Scenario) -> bool:
+    """Return True if native search can run a scenario.
+
+    Any controller, under a motion model on the pose lattice.
+    """
     return MOTIONS.get(scenario.motion).kernel == LATTICE
 
 
@@ -232,25 +255,28 @@ def evaluate(
     time_steps: float | npt.ArrayLike,
     budget: int | npt.ArrayLike | None = None,
     **robot: float,
-) -> Looks:
+) -> Screening:
     """Run a controller once in the world of each layout, and look at what happens; prove nothing.
 
-    Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the scenario's options, the
-    run's seed and time step, and the same budget. Where no way is sure to be wide enough for the robot nothing is run.
-    The result depends on the arguments alone. Threads may call it with a compiled controller at the same time. Of a
-    program or a shared library that hangs no run after the second hang is done.
+    Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the
+    scenario's options, the run's seed and time step, and the same budget. Where no way is sure to
+    be wide enough for the robot nothing is run. The result depends on the arguments alone. Threads
+    may call it with a compiled controller at the same time. Of a program or a shared library that
+    hangs no run after the second hang is done.
 
     Args:
         layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
         scenario: What runs; its seed and time step count for nothing.
         seeds: (n,) uint64.
         time_steps: s; (n,), or one for all.
-        budget: Steps, (n,) or one for all; without it what the way to the target suggests: 4,000 to 8,000 of a compiled
-            controller, 800 to 2,400 of another.
-        **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds, whatever their bytes say.
+        budget: Steps, (n,) or one for all; without it what the way to the target suggests: 4,000 to
+            8,000 of a compiled controller, 800 to 2,400 of another.
+        **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds,
+            whatever their bytes say.
 
     Raises:
-        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit each other.
+        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit
+            each other.
     """
     _check(layouts, scenario, budget, robot)
     count = len(layouts)
@@ -261,7 +287,7 @@ def evaluate(
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
     packed.run(batch, lambda n: _world_of(layouts, n, robot))
-    return Looks(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
+    return Screening(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
@@ -277,7 +303,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             narrow=widths[0],
             wide=widths[1],
         )
-    if not can_look(scenario):
+    if not can_screen(scenario):
         raise InvalidParameter(
             "not-native",
             "{controller} under {motion} does not run natively",
@@ -286,7 +312,11 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             controller=scenario.label(),
             motion=scenario.motion,
         )
-    if budget is not None and np.size(budget) and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS):
+    if (
+        budget is not None
+        and np.size(budget)
+        and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS)
+    ):
         raise InvalidParameter(
             "out-of-range",
             "budget={budget!r} is outside 1 to {most} steps",
@@ -332,15 +362,22 @@ class _Packed:
     radii: tuple[float, ...]
 
     @classmethod
-    def of(cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]) -> _Packed:
-        """Packs the simplest layout for each time step; the core puts in what other layouts have instead."""
+    def of(
+        cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]
+    ) -> _Packed:
+        """Packs the simplest layout for each time step.
+
+        The core puts in what other layouts have instead.
+        """
         controller = CONTROLLERS.get(scenario.controller)
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
         each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
         runs = tuple(LatticeRun(world, controller, options) for options in each)
         return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
 
-    def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
+    def batch(
+        self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints
+    ) -> Batch:
         """The runs of one call."""
         finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
         for run in self.runs:
@@ -370,11 +407,11 @@ class _Packed:
             if self.controller.offer is None:
                 alone.run(1)  # its first answer may make an offer
             begun = batch.at
-            if look_in_batch(self.controller, batch):
+            if screen_in_batch(self.controller, batch):
                 return
             batch.at = begun
         elif isinstance(self.controller, VectorController):
-            if look_in_lockstep(self.controller, batch):
+            if screen_in_lockstep(self.controller, batch):
                 return
             batch.at = 0
         alone.run(len(batch))

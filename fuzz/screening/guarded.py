@@ -1,4 +1,7 @@
-"""First looks at runs of a controller in a shared library: whole batches in another process, which may die."""
+"""First looks at runs of a controller in a shared library.
+
+Whole batches in another process, which may die.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import replace
 
 from fuzz.screening.batch import CRASH, HANG, Batch, Seat, ffi, lib
 from fuzz.triage.crash_bucket import crash_bucket
-from sim.controllers.core_act import misbehaviour_of
+from sim.controllers.core_act import controller_error_of
 from sim.controllers.shared.guarded import ControllerDied, call
 from worldgen.errors import WorldgenError
 
@@ -23,7 +26,9 @@ _PORTION = 1 << 24  # steps of a call, about a second
 
 
 def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
-    """Run a controller in the worlds of a batch. After a death the next run is the one after that in which it came.
+    """Run a controller in the worlds of a batch.
+
+    After a death the next run is the one after that in which it came.
 
     Args:
         batch: The runs; their results are filled in.
@@ -35,7 +40,10 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
     hangs = 0
     while hangs < MOST_HANGS:
         try:
-            if call(work, act, (seat.c,), _PORTION, report=report, progress=(batch.c,)).result == lib.WG_OVER:
+            if (
+                call(work, act, (seat.c,), _PORTION, report=report, progress=(batch.c,)).result
+                == lib.WG_OVER
+            ):
                 return
         except ControllerDied as death:
             n = batch.at
@@ -53,12 +61,15 @@ def look_guarded(batch: Batch, seat: Seat, act: int) -> None:
 
 
 def _note(batch: Batch, n: int, death: ControllerDied) -> None:
-    """Note how a run ended, crashes of one kind with one number: a frequent one is not to hide the others."""
+    """Note how a run ended, crashes of one kind with one number.
+
+    A frequent one is not to hide the others.
+    """
     ended = batch.looks[n : n + 1]
     if death.is_hang:
         ended["ending"] = HANG
         return
-    fault = misbehaviour_of(death.error)
+    fault = controller_error_of(death.error)
     bucket = crash_bucket(replace(fault.evidence, step=int(ended["steps"][0])))
     ended["ending"] = CRASH
     ended["hit_ix"] = zlib.crc32(bucket.encode()) & CRASH_NUMBERS

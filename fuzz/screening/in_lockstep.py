@@ -1,4 +1,7 @@
-"""First looks in lockstep: as many robots as there are places act at once, each in a world of its own."""
+"""First looks in lockstep.
+
+As many robots as there are places act at once, each in a world of its own.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ import numpy.typing as npt
 from fuzz.screening.batch import Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.contract import flat_memory
-from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.programs.program import ControllerError
 from sim.controllers.vector import Asker
 from sim.runners.core_calls import SENSES
 from sim.runners.lockstep import ControllerRaised, its_own_fault
@@ -20,7 +23,7 @@ from sim.runners.python_loop import hidden_state
 from sim.runners.stopping import OutOfTime, check_time
 from worldgen.support.ccall import writable
 
-__all__ = ["look_in_batch", "look_in_lockstep"]
+__all__ = ["screen_in_batch", "screen_in_lockstep"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -31,7 +34,7 @@ A call of NumPy for 512 took 10 % more for each, and the worlds of 2,048 do not 
 """
 
 
-class _Places:
+class _Seats:
     """Robots that act at once; those whose controller is to act come first in every array.
 
     Args:
@@ -66,7 +69,11 @@ class _Places:
     def act(self) -> None:
         """Let the robots continue, each up to where its controller is to act again."""
         commands = writable(ffi, self.command, np.float64)
-        self.taken = int(lib.wg_seats_act(self._seats, self.taken, commands, writable(ffi, self.after, np.float64)))
+        self.taken = int(
+            lib.wg_seats_act(
+                self._seats, self.taken, commands, writable(ffi, self.after, np.float64)
+            )
+        )
 
     def runs(self) -> list[int]:
         """Return the runs that are under way."""
@@ -77,7 +84,7 @@ Ask = Callable[[], None]
 """Fills in commands and memories of the places that are taken."""
 
 
-def look_in_lockstep(controller: VectorController, batch: Batch) -> bool:
+def screen_in_lockstep(controller: VectorController, batch: Batch) -> bool:
     """Run a vector class in the worlds of a batch.
 
     Args:
@@ -85,15 +92,18 @@ def look_in_lockstep(controller: VectorController, batch: Batch) -> bool:
         batch: The runs; their results are filled in.
 
     Returns:
-        False if the controller raised, or changed what is outside its memory: then no run can be trusted to be its own,
+        False if the controller raised, or changed what is outside its memory: then no run can be
+            trusted to be its own,
         and each must be run alone.
     """
     before = hidden_state(controller)
     if before is None:
         return False
 
-    def asker(places: _Places) -> Ask:
-        ask = its_own_fault()(Asker(controller, places.observation, places.memory, places.command).ask)
+    def asker(places: _Seats) -> Ask:
+        ask = its_own_fault()(
+            Asker(controller, places.observation, places.memory, places.command).ask
+        )
         return lambda: ask(places.taken, places.after[: places.taken])
 
     with contextlib.redirect_stdout(sys.stderr):
@@ -106,7 +116,7 @@ def look_in_lockstep(controller: VectorController, batch: Batch) -> bool:
     return hidden_state(controller) == before
 
 
-def look_in_batch(controller: ProcessController, batch: Batch) -> bool:
+def screen_in_batch(controller: ProcessController, batch: Batch) -> bool:
     """Run a program that offers it in the worlds of a batch, many at a time.
 
     Args:
@@ -114,32 +124,35 @@ def look_in_batch(controller: ProcessController, batch: Batch) -> bool:
         batch: The runs from ``at`` on; their results are filled in.
 
     Returns:
-        False if the program offers nothing, or does anything wrong: then it must be seen alone in each world.
+        False if the program offers nothing, or does anything wrong: then it must be seen alone in
+            each world.
     """
     offer = controller.offer
     if offer is None:
         return False
 
-    def asker(places: _Places) -> Ask:
+    def asker(places: _Seats) -> Ask:
         def ask() -> None:
             robots = places.numbers[: places.taken]
             fresh = robots[places.fresh[: places.taken] != 0]
             observation = places.observation[: places.taken]
-            controller.act_in_batch(offer, robots, fresh, observation, places.command[: places.taken])
+            controller.act_in_batch(
+                offer, robots, fresh, observation, places.command[: places.taken]
+            )
 
         return ask
 
     controller.begin_batch(offer.robots)
     try:
         _run(asker, np.zeros(0), batch, offer.robots)
-    except Misbehaviour:
+    except ControllerError:
         return False
     return True
 
 
-def _run(asker: Callable[[_Places], Ask], memory: Floats, batch: Batch, most: int) -> None:
+def _run(asker: Callable[[_Seats], Ask], memory: Floats, batch: Batch, most: int) -> None:
     """Run all while there is time; a place whose robot is done takes the next world."""
-    places = _Places(batch, memory, min(most, len(batch)))
+    places = _Seats(batch, memory, min(most, len(batch)))
     ask = asker(places)
     while places.taken:
         places.sense()

@@ -1,4 +1,7 @@
-"""First looks at runs of a Python class or a program: one world after the other, the core stopping in each step."""
+"""First looks at runs of a Python class or a program.
+
+One world after the other, the core stopping in each step.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from fuzz.screening.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, l
 from fuzz.screening.guarded import CRASH_NUMBERS, MOST_HANGS
 from fuzz.triage.crash_bucket import crash_bucket
 from sim.controllers import ProcessController, PythonController, VectorController
-from sim.controllers.programs.program import Misbehaviour, WantsMemory
+from sim.controllers.programs.program import ControllerError, WantsMemory
 from sim.runners.python_act import Stops
 from sim.runners.python_loop import crash_of, driver_of, memory_at_start, plans
 from sim.runners.stopping import OutOfTime, is_out_of_time
@@ -21,7 +24,11 @@ from worldgen.world import World
 
 __all__ = ["OneByOne"]
 
-_ENDINGS = {Verdict.CRASH: CRASH, Verdict.HANG: HANG, Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND)}
+_ENDINGS = {
+    Verdict.CRASH: CRASH,
+    Verdict.HANG: HANG,
+    Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND),
+}
 
 
 class OneByOne:
@@ -34,9 +41,13 @@ class OneByOne:
     """
 
     def __init__(
-        self, controller: PythonController | VectorController, batch: Batch, world: Callable[[int], World]
+        self,
+        controller: PythonController | VectorController,
+        batch: Batch,
+        world: Callable[[int], World],
     ) -> None:
-        self._controller, self._batch = controller, batch
+        self._controller = controller
+        self._batch = batch
         self._world = world if plans(controller) else None
         self._drive = driver_of(controller)
         self._by_memory: dict[int, Seat] = {}
@@ -44,9 +55,10 @@ class OneByOne:
         self._hangs = 0
 
     def run(self, worlds: int) -> None:
-        """Run in the next worlds; what the controller prints goes to stderr, and what it raises ends a run as a crash.
+        """Run in the next worlds.
 
-        Once the time is over (:mod:`sim.runners.stopping`), the rest is not run.
+        What the controller prints goes to stderr, and what it raises ends a run as a crash. Once
+        the time is over (:mod:`sim.runners.stopping`), the rest is not run.
 
         Args:
             worlds: How many, at most; what is left of the batch is marked as not run.
@@ -66,7 +78,8 @@ class OneByOne:
     def _look(self, n: int) -> None:
         """Run the controller in a world, and watch it for a while where that says more."""
         if isinstance(self._controller, ProcessController):
-            self._controller.start()  # outside the guard: a program that is not there is nobody's crash
+            # Outside the guard: a program that is not there is nobody's crash.
+            self._controller.start()
         seat = None
         try:
             memory = memory_at_start(self._controller, self._world(n) if self._world else None)
@@ -113,11 +126,14 @@ class OneByOne:
             ended["hit_ix"] = self._number_of(error, int(ended["steps"][0]))
 
     def _number_of(self, error: BaseException, step: int) -> int:
-        """Return a number for what crashed, so that a frequent one does not keep others from being proved."""
-        fault = error if isinstance(error, Misbehaviour) else crash_of(error, self._controller)
+        """Return a number for what crashed.
+
+        So that a frequent one does not keep others from being proved.
+        """
+        fault = error if isinstance(error, ControllerError) else crash_of(error, self._controller)
         bucket = crash_bucket(replace(fault.evidence, step=step))
         return zlib.crc32(bucket.encode()) & CRASH_NUMBERS
 
 
 def _ending_of(error: BaseException) -> int:
-    return _ENDINGS[error.verdict if isinstance(error, Misbehaviour) else Verdict.CRASH]
+    return _ENDINGS[error.verdict if isinstance(error, ControllerError) else Verdict.CRASH]

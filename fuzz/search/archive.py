@@ -1,9 +1,10 @@
 """The archive lane: scenes are changed bit by bit, and an archive keeps the simplest of each kind of behaviour.
 
-Random scenes mostly show a robot that drives straight to its target. The archive's cells are kinds of runs that
-arrive: by what detour, how dense the world, how often the robot comes to the same place, how near to walls. Children of
-what fills them fill others, and now and then fail. A scene in which the robot fails has no children; the archive has a
-map of its own for them.
+Random scenes mostly show a robot that drives straight to its target. The archive's cells are kinds
+of runs that arrive: by what detour, how dense the world, how often the robot comes to the same
+    place, how near to walls. Children of
+what fills them fill others, and now and then fail. A scene in which the robot fails has no
+children; the archive has a map of its own for them.
 
 Source: Jean-Baptiste Mouret and Jeff Clune, "Illuminating search spaces by mapping elites", 2015.
 """
@@ -18,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.campaign.result import Elite
-from fuzz.screening import Looks
+from fuzz.screening import Screening
 from fuzz.search.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.search.native import look_through, pace_of, scenes
 from fuzz.search.task import Task
@@ -31,7 +32,9 @@ ARCHIVE = "archive"
 
 _AFRESH = 10  # one scene in so many of a generation has no parents
 _EDITS = 3  # bytes of a child that are changed, at most; one is always
-_SMALL = np.array([-3, -1, 1, 3])  # changes of a byte: moves by a cell or three, another kind, a feature more or less
+_SMALL = np.array(
+    [-3, -1, 1, 3]
+)  # changes of a byte: moves by a cell or three, another kind, a feature more or less
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -66,7 +69,8 @@ _MAP = (_DETOUR, _DENSITY)
 
 def search(task: Task) -> None:
     """Looks at children of the archive's elites, and hands on the smallest failures of each key."""
-    elites, brought = dict(task.memory.elites), task.door.result.elites
+    elites = dict(task.memory.elites)
+    brought = task.door.result.elites
     count = pace_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
@@ -77,7 +81,7 @@ def search(task: Task) -> None:
         afresh = count // _AFRESH
         return np.concatenate([_children(pool, stream, count - afresh), scenes(stream, afresh)])
 
-    def seen(looks: Looks) -> None:
+    def seen(looks: Screening) -> None:
         for cell, elite in _best(looks).items():
             if cell not in elites or elite.quality > elites[cell].quality:
                 elites[cell] = brought[cell] = elite
@@ -85,29 +89,46 @@ def search(task: Task) -> None:
     look_through(task, draw, seen)
 
 
-def _best(looks: Looks) -> dict[Cell, Elite]:
-    """The runs with the fewest solid cells of each cell: of four numbers if they arrived, of two if not."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # where nothing ran, or the target is where the robot starts
+def _best(looks: Screening) -> dict[Cell, Elite]:
+    """The runs with the fewest solid cells of each cell.
+
+    Of four numbers if they arrived, of two if not.
+    """
+    with np.errstate(
+        divide="ignore", invalid="ignore"
+    ):  # where nothing ran, or the target is where the robot starts
         detour = looks.driven / looks.straight
     numbers = ((_DETOUR, detour), (_DENSITY, looks.density), (_REVISITS, looks.revisits))
-    indices = [axis.cells(values) for axis, values in (*numbers, (_CLEARANCE, looks.mean_clearance))]
-    cells, solid, verdicts = np.stack(indices, axis=1), looks.solid, looks.verdict
+    indices = [
+        axis.cells(values) for axis, values in (*numbers, (_CLEARANCE, looks.mean_clearance))
+    ]
+    cells = np.stack(indices, axis=1)
+    solid = looks.solid
+    verdicts = looks.verdict
     best: dict[Cell, Elite] = {}
     for n in np.flatnonzero(looks.ran)[np.argsort(solid[looks.ran], kind="stable")].tolist():
         verdict = str(verdicts[n])
-        cell = tuple(cells[n].tolist() if verdict == Verdict.REACHED else cells[n, : len(_MAP)].tolist())
+        cell = tuple(
+            cells[n].tolist() if verdict == Verdict.REACHED else cells[n, : len(_MAP)].tolist()
+        )
         best.setdefault(cell, Elite(looks.layouts[n].tobytes(), -float(solid[n]), verdict))
     return best
 
 
 def _children(pool: Bytes, stream: RandomStream, count: int) -> Bytes:
-    """(count, SCENE_BYTES) children of scenes: one in three has a feature of another, each a few other bytes."""
+    """(count, SCENE_BYTES) children of scenes.
+
+    One in three has a feature of another, each a few other bytes.
+    """
     child, other = (pool[_below(stream, count, len(pool))].copy() for _ in range(2))
-    rows, crossed = np.arange(count), np.flatnonzero(_below(stream, count, 3) == 0)
+    rows = np.arange(count)
+    crossed = np.flatnonzero(_below(stream, count, 3) == 0)
     to, by = (_feature(_below(stream, count, MAX_FEATURES)) for _ in range(2))
     child[crossed[:, None], to[crossed]] = other[crossed[:, None], by[crossed]]
     for edit in range(_EDITS):
-        at, small, byte = (_below(stream, count, bound) for bound in (SCENE_BYTES, len(_SMALL), 256))
+        at, small, byte = (
+            _below(stream, count, bound) for bound in (SCENE_BYTES, len(_SMALL), 256)
+        )
         way = _below(stream, count, 4)
         value = np.where(way == 0, byte, (child[rows, at] + _SMALL[small]) % 256)
         left = (way == 3) & (edit > 0)
@@ -126,13 +147,17 @@ def _below(stream: RandomStream, count: int, bound: int) -> Ints:
 
 
 def archive_table(elites: Mapping[Cell, Elite]) -> dict[str, Any] | None:
-    """What a campaign's summary says of the archive: by detour and density the simplest run, a failure before others.
+    """What a campaign's summary says of the archive.
+
+    By detour and density the simplest run, a failure before others.
 
     Args:
         elites: Of the memory.
     """
     cells: dict[Cell, Elite] = {}
-    for cell, elite in sorted(elites.items(), key=lambda one: (len(one[0]), -one[1].quality, one[0])):
+    for cell, elite in sorted(
+        elites.items(), key=lambda one: (len(one[0]), -one[1].quality, one[0])
+    ):
         cells.setdefault(cell[: len(_MAP)], elite)
     axes = [{"name": axis.name, "edges": list(axis.edges)} for axis in _MAP]
     shown = [[*cell, elite.quality, elite.verdict] for cell, elite in sorted(cells.items())]

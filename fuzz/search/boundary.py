@@ -1,14 +1,23 @@
 """The boundary lane: from a scenario along one axis to where the controller begins, or ceases, to fail.
 
-Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures that the campaign
-knows, in which the nearest values are looked for at which the robot arrives; half are drawn, for the nearest at which
-it does not. Two neighbouring values with different outcomes bring one failure, and its record says where it begins.
-A drawn scenario that fails and of which no such values are found brings the failure that it is.
+Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures
+that the campaign knows, in which the nearest values are looked for at which the robot arrives; half
+are drawn, for the nearest at which it does not. Two neighbouring values with different outcomes
+bring one failure, and its record says where it begins. A drawn scenario that fails and of which no
+such values are found brings the failure that it is.
 """
 
 from __future__ import annotations
 
-from fuzz.boundary import AXES, Axis, Look, Looks, Subject, nearest_boundary, subject_of
+from fuzz.boundary import (
+    AXES,
+    Axis,
+    BoundaryRun,
+    BoundaryRuns,
+    Subject,
+    nearest_boundary,
+    subject_of,
+)
 from fuzz.search.features import LAYOUT_BYTES, decode_world
 from fuzz.search.task import Task
 from fuzz.triage.proofs import certified
@@ -21,8 +30,12 @@ __all__ = ["BOUNDARY", "search"]
 
 BOUNDARY = "boundary"
 
-_SPARE = 0.05  # complete controllers, too, fail in gaps as wide as the robot, mapper with 2 % to spare; with 5 % none
-_DEARER = 16  # how many feature layouts are drawn in the time of one boundary: about 20 runs, few of them with a proof
+# Complete controllers, too, fail in gaps as wide as the robot, mapper with 2 % to spare; with 5 %
+# none.
+_SPARE = 0.05
+# How many feature layouts are drawn in the time of one boundary: about 20 runs, few of them with a
+# proof.
+_DEARER = 16
 
 
 def search(task: Task) -> None:
@@ -31,7 +44,7 @@ def search(task: Task) -> None:
     failures = [subject_of(failure) for _, failure in sorted(task.memory.failures.items())]
     known = [subject for subject in failures if subject is not None]
 
-    def count(look: Look) -> None:
+    def count(look: BoundaryRun) -> None:
         task.door.count(look.outcome.verdict, look.outcome.steps)
         check_time()
 
@@ -41,10 +54,15 @@ def search(task: Task) -> None:
         start = None if subject is None else axis.index(subject)
         if subject is None or start is None:
             continue
-        _bring(task, Looks(subject, axis, count, _SPARE), start, is_known=any(subject is one for one in known))
+        _bring(
+            task,
+            BoundaryRuns(subject, axis, count, _SPARE),
+            start,
+            is_known=any(subject is one for one in known),
+        )
 
 
-def _bring(task: Task, looks: Looks, start: int, *, is_known: bool) -> None:
+def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
     """Hand in the failing end of the nearest boundary, or what fails at all values that were tried."""
     try:
         found = nearest_boundary(looks, start)
@@ -53,16 +71,20 @@ def _bring(task: Task, looks: Looks, start: int, *, is_known: bool) -> None:
             _bring_whole(task, looks.seen_at(start))
         raise
     if found is not None:
-        fails, outcome = found.fails.subject, found.fails.outcome
-        task.door.enter(fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
+        fails = found.fails.subject
+        outcome = found.fails.outcome
+        task.door.enter(
+            fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()]
+        )
     elif not is_known:
         _bring_whole(task, looks.seen_at(start))
 
 
-def _bring_whole(task: Task, look: Look | None) -> None:
+def _bring_whole(task: Task, look: BoundaryRun | None) -> None:
     """Hand in a run if it failed."""
     if look is not None and not look.arrives:
-        subject, outcome = look.subject, look.outcome
+        subject = look.subject
+        outcome = look.outcome
         task.door.enter(subject.world, subject.scenario, outcome.verdict, outcome.cause)
 
 

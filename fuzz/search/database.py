@@ -38,11 +38,15 @@ def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
 
 
 class _Keyed(ExampleDatabase):
-    """A database under a key of ours: Hypothesis's own is a digest of the source, so any edit would orphan it."""
+    """A database under a key of ours.
+
+    Hypothesis's own is a digest of the source, so any edit would orphan it.
+    """
 
     def __init__(self, inner: ExampleDatabase, key: bytes) -> None:
         super().__init__()
-        self._inner, self._key = inner, key
+        self._inner = inner
+        self._key = key
 
     def _own(self, key: bytes) -> bytes:
         _, dot, kind = key.rpartition(b".")  # ".secondary", ".pareto"

@@ -1,4 +1,7 @@
-"""Lanes in which Hypothesis draws scenarios one by one: feature layouts, families, poses on a map, sealed targets."""
+"""Lanes in which Hypothesis draws scenarios one by one.
+
+Feature layouts, families, poses on a map, sealed targets.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,9 @@ _EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
 Visit = Callable[[World, Scenario], str]
 """Runs one scenario; the class of the failure, empty if there is none."""
 
-_SETTINGS = settings(database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
+_SETTINGS = settings(
+    database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck)
+)
 
 
 def search(task: Task) -> None:
@@ -64,14 +69,26 @@ def search(task: Task) -> None:
 def search_again(task: Task, lanes: Iterable[str]) -> None:
     """Runs what failed before in these lanes, as the campaign's Hypothesis database has it."""
     for lane in lanes:
-        _repeat(lane_scenarios(task.config, lane), visit_of(task, lane), remembered(task.config, lane))
+        _repeat(
+            lane_scenarios(task.config, lane), visit_of(task, lane), remembered(task.config, lane)
+        )
 
 
-def _repeat(strategy: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase) -> None:
-    """Visits every example of a database; deletes none, as Hypothesis would if it did not fail any more."""
+def _repeat(
+    strategy: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase
+) -> None:
+    """Visits every example of a database.
+
+    Deletes none, as Hypothesis would if it did not fail any more.
+    """
     ended: list[BaseException] = []
 
-    @settings(_SETTINGS, database=ReadOnlyDatabase(database), phases=[Phase.reuse], max_examples=_MOST_AGAIN)
+    @settings(
+        _SETTINGS,
+        database=ReadOnlyDatabase(database),
+        phases=[Phase.reuse],
+        max_examples=_MOST_AGAIN,
+    )
     @given(strategy)
     def example(draw: tuple[World, Scenario]) -> None:
         try:
@@ -103,7 +120,8 @@ def _visit(task: Task, world: World, scenario: Scenario) -> str:
 
 def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
     """All that counts where the target is walled off is a robot that gets there."""
-    verdict, options = "sealed", scenario.options(world)
+    verdict = "sealed"
+    options = scenario.options(world)
     run = prepare(world, task.controller, options)
     outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
     if outcome.ending == Verdict.TUNNEL:
@@ -121,13 +139,15 @@ def explore(
     visit: Visit,
     database: ExampleDatabase | None = None,
 ) -> None:
-    """Lets Hypothesis turn our own random bytes into examples, so that a unit depends on its seed alone.
+    """Lets Hypothesis turn our own random bytes into examples.
 
-    Left to itself, Hypothesis mixes constants of every loaded module into its draws, and with ``CI`` set it
-    would derandomise. A failure is raised only for Hypothesis to keep it, so a round goes through all its examples.
+    So that a unit depends on its seed alone. Left to itself, Hypothesis mixes constants of every
+    loaded module into its draws, and with ``CI`` set it would derandomise. A failure is raised only
+    for Hypothesis to keep it, so a round goes through all its examples.
 
     Raises:
-        OutOfTime: As ``visit`` does, but not through Hypothesis, which would keep that for a failure.
+        OutOfTime: As ``visit`` does, but not through Hypothesis, which would keep that for a
+            failure.
     """
     ended: list[BaseException] = []
 
@@ -154,11 +174,16 @@ def explore(
 
 def lane_scenarios(config: CampaignConfig, lane: str) -> st.SearchStrategy[tuple[World, Scenario]]:
     """What a lane draws from."""
-    return scenarios_in(lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary)
+    return scenarios_in(
+        lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary
+    )
 
 
 def lane_worlds(lane: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:
-    """The worlds of a lane: ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name."""
+    """The worlds of a lane.
+
+    ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name.
+    """
     if lane == "map" and fixed_map is not None:
         return poses_on(fixed_map)
     if lane == "features":
@@ -174,10 +199,13 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
     if not len(free):
         raise InvalidWorld("no-free-cell", "the map has no free cell to start from")
     plain = replace(world, certificate=None, provenance=map_provenance(world), failure=None)
-    radii = sorted({round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True)
+    radii = sorted(
+        {round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True
+    )
 
     def place(start: int, heading: int, target: int, radius: float) -> World:
-        at, to = free[start], free[target]
+        at = free[start]
+        to = free[target]
         side = world.cell_size
         return replace(
             plain,

@@ -1,8 +1,10 @@
 """Worlds from a few bytes: structured features, rasterised.
 
-A fuzzer that draws raw cells finds noise and shrinks badly. Here a short byte string of fixed length
-describes an arena, a start, a target, and up to eight features: boxes, U and L shapes, walls with a gap,
-diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypothesis shrinks towards it.
+A fuzzer that draws raw cells finds noise and shrinks badly. Here a short byte string of fixed
+length describes an arena, a start, a target, and up to eight features: boxes, U and L shapes, walls
+    with a gap,
+diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypothesis shrinks
+towards it.
 """
 
 from __future__ import annotations
@@ -30,7 +32,14 @@ from fuzz.search.layout_bytes import (
 )
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
-from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Pose, Target, World
+from worldgen.world import (
+    DEFAULT_CELL_SIZE,
+    DEFAULT_ROBOT_RADIUS,
+    DEFAULT_ROBOT_SPEED,
+    Pose,
+    Target,
+    World,
+)
 
 __all__ = [
     "FEATURE_BYTES",
@@ -44,7 +53,9 @@ __all__ = [
 ]
 
 RADII = (DEFAULT_ROBOT_RADIUS, 0.06, 0.08, 0.09)
-"""Radii of a scene's robot, m; all fit where a layout leaves room for the default one, and none is as wide as a gap of
+"""Radii of a scene's robot, m.
+
+All fit where a layout leaves room for the default one, and none is as wide as a gap of
 one cell or two, where even controllers that are complete fail."""
 
 TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
@@ -63,7 +74,8 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
     Returns:
         An arena of 8 to 28 cells a side inside a border of solid cells, without certificate.
     """
-    width, height = SMALLEST_SIDE + data[0] % SPREAD_OF_SIDES, SMALLEST_SIDE + data[1] % SPREAD_OF_SIDES
+    width = SMALLEST_SIDE + data[0] % SPREAD_OF_SIDES
+    height = SMALLEST_SIDE + data[1] % SPREAD_OF_SIDES
     walls = np.zeros((height, width), bool)
     for k in range(data[7] % (MAX_FEATURES + 1)):
         feature = data[HEAD_BYTES + k * FEATURE_BYTES : HEAD_BYTES + (k + 1) * FEATURE_BYTES]
@@ -76,7 +88,9 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
     walls[:, [0, -1]] = True
     return World(
         walls,
-        start=Pose(_centre(start[0]), _centre(start[1]), data[4] % HEADINGS * (2 * math.pi / HEADINGS)),
+        start=Pose(
+            _centre(start[0]), _centre(start[1]), data[4] % HEADINGS * (2 * math.pi / HEADINGS)
+        ),
         target=Target(_centre(target[0]), _centre(target[1]), DEFAULT_CELL_SIZE / 2),
         cell_size=DEFAULT_CELL_SIZE,
         robot_radius=robot_radius,
@@ -85,9 +99,10 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
 
 
 def decode_scene(data: bytes) -> World:
-    """The world that a scene describes: a layout, and three bytes for the robot's radius, the target's and the heading.
+    """The world that a scene describes.
 
-    Three zeros change nothing, and neither do three bytes that are not there.
+    A layout, and three bytes for the robot's radius, the target's and the heading. Three zeros
+    change nothing, and neither do three bytes that are not there.
 
     Args:
         data: ``SCENE_BYTES`` or ``LAYOUT_BYTES`` bytes.
@@ -123,9 +138,12 @@ def _draw(walls: Walls, feature: bytes) -> None:
     """Draws one feature; what falls outside the arena is cut off."""
     kind, x, y, length, depth, form = feature
     height, width = walls.shape
-    x, y = 1 + x % (width - 2), 1 + y % (height - 2)
-    length, depth = 1 + length % 12, 1 + depth % 8
-    turn, thickness = form % 4, 1 + form // 4 % 2
+    x = 1 + x % (width - 2)
+    y = 1 + y % (height - 2)
+    length = 1 + length % 12
+    depth = 1 + depth % 8
+    turn = form % 4
+    thickness = 1 + form // 4 % 2
     stamp = _SHAPES[kind % len(_SHAPES)](length, depth, thickness)
     stamp = np.rot90(stamp, turn)
     stamp = stamp[: height - y, : width - x]

@@ -21,5 +21,8 @@ TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spin
 
 
 def can_breach(scenario: Scenario) -> bool:
-    """Whether a run can show what it does past a wall that it goes through, so that a target walled off is of use."""
+    """Whether a run can show what it does past a wall that it goes through.
+
+    So that a target walled off is of use.
+    """
     return MOTIONS.get(scenario.motion).kernel == THESIS and not scenario.thesis.keep_going

@@ -1,6 +1,6 @@
-"""Lanes: where a campaign's scenarios come from. Each looks for runs that fail and brings them to the one door.
+"""Lanes: where a campaign's scenarios come from.
 
-Contents:
+Each looks for runs that fail and brings them to the one door. Contents:
     lane_of: the lane of a name.
     check_lane: refuses a name, or a lane that does not fit a campaign.
     Task: what a lane gets.
@@ -13,7 +13,7 @@ import difflib
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
-from fuzz.screening import can_look
+from fuzz.screening import can_screen
 from fuzz.search import archive, boundary, native
 from fuzz.search.names import DATABASE, LAYOUT_LANES, SEALED, can_breach
 from fuzz.search.plan import lanes_for
@@ -28,7 +28,8 @@ Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
 
 
-# The import of Hypothesis takes a third of a campaign's start, so it waits for the first lane that draws with it.
+# The import of Hypothesis takes a third of a campaign's start, so it waits for the first lane that
+# draws with it.
 
 
 def _search(task: Task) -> None:
@@ -85,12 +86,13 @@ def check_lane(name: str, scenario: Scenario) -> None:
     if name == SEALED and not can_breach(scenario):
         raise InvalidParameter(
             "lane-needs-keep-going",
-            "family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall",
+            "family {name!r} has walled-off targets, which only a robot reaches that goes on past "
+            "a wall",
             "take --motion stepped without +keep_going, or another family",
             at_terminal=True,
             name=name,
         )
-    if name in (native.NATIVE, archive.ARCHIVE) and not can_look(scenario):
+    if name in (native.NATIVE, archive.ARCHIVE) and not can_screen(scenario):
         raise InvalidParameter(
             "lane-needs-other-motion",
             "lane {lane!r} runs under swept or endpoint",

@@ -1,4 +1,7 @@
-"""Worlds from a few bytes whose target is walled off: only a robot that goes through a wall gets there."""
+"""Worlds from a few bytes whose target is walled off.
+
+Only a robot that goes through a wall gets there.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,19 @@ from worldgen.world import World
 
 __all__ = ["SEALED_BYTES", "decode_sealed"]
 
-# Width, height, form, wall, bend; start and target across and along the wall; heading; how many features.
+# Width, height, form, wall, bend; start and target across and along the wall; heading; how many
+# features.
 _HEAD_BYTES = 11
 _MOST_FEATURES = 3  # more of them keep the robot away from the wall
 SEALED_BYTES = _HEAD_BYTES + _MOST_FEATURES * FEATURE_BYTES
 
-_SMALLEST, _SPREAD = 10, 11  # arena sides, cells: 10 to 20; in smaller ones the wall is met more often
+# arena sides, cells: 10 to 20; in smaller ones the wall is met more often
+_SMALLEST = 10
+_SPREAD = 11
 _ARENA = 8  # side, cells, that `decode_world` makes of a byte 0
-_INNER = 2  # first cell on an axis, and last but this, where the default disc has room beside the border
+_INNER = (
+    2  # first cell on an axis, and last but this, where the default disc has room beside the border
+)
 _ROOM = 2  # cells from start or target to the wall
 _EDGE = _INNER + _ROOM
 
@@ -27,8 +35,9 @@ Cells = list[tuple[int, int]]
 def decode_sealed(data: bytes) -> World:
     """The world that a layout string describes; any string of ``SEALED_BYTES`` bytes describes one.
 
-    A wall of one cell, straight from side to side or bent round the target's corner, parts the target from the
-    start. Boxes, cups and the other features of :mod:`fuzz.search.features` stand about.
+    A wall of one cell, straight from side to side or bent round the target's corner, parts the
+    target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` stand
+    about.
 
     Returns:
         An arena of 10 to 20 cells a side inside a border of solid cells, without certificate.
@@ -36,7 +45,8 @@ def decode_sealed(data: bytes) -> World:
     size = [_SMALLEST + data[k] % _SPREAD for k in (0, 1)]
     form = data[2]
     axis = form % 2  # that the wall stops; it runs along the other one
-    across, along = size[axis], size[1 - axis]
+    across = size[axis]
+    along = size[1 - axis]
     wall = _EDGE + data[3] % (across - 2 * _EDGE)
     bend = _EDGE + data[4] % (along - 2 * _EDGE) if form // 8 % 3 == 0 else 0
     solid: Cells = [(wall, k) for k in range(bend, along)]
@@ -60,16 +70,22 @@ def _beyond(wall: int, length: int, draw: int) -> int:
     return first + draw % (length - _INNER - first)
 
 
-def _build(size: list[int], solid: Cells, start: tuple[int, int], target: tuple[int, int], data: bytes) -> World:
+def _build(
+    size: list[int], solid: Cells, start: tuple[int, int], target: tuple[int, int], data: bytes
+) -> World:
     """The arena, its features, then the wall through them."""
     bytes_of_arena = [side - _ARENA for side in size]
     bytes_of_start = [place - _INNER for place in start]
     bytes_of_target = [side - 1 - _INNER - place for side, place in zip(size, target, strict=True)]
-    head = bytes([*bytes_of_arena, *bytes_of_start, 0, *bytes_of_target, data[10] % (_MOST_FEATURES + 1)])
+    head = bytes(
+        [*bytes_of_arena, *bytes_of_start, 0, *bytes_of_target, data[10] % (_MOST_FEATURES + 1)]
+    )
     world = decode_world(head + data[_HEAD_BYTES:])
     walls = world.walls.copy()
     for ix, iy in solid:
         walls[iy, ix] = True
-    # With headings in eighths of a turn the thesis's robot meets walls in few ways only: of 4,000 draws each, rules
-    # 1 and 2 came through to the target in none; with these in 5 and 4.
-    return replace(world, walls=walls, start=replace(world.start, heading=data[9] * (math.pi / 128)))
+    # With headings in eighths of a turn the thesis's robot meets walls in few ways only: of 4,000
+    # draws each, rules 1 and 2 came through to the target in none; with these in 5 and 4.
+    return replace(
+        world, walls=walls, start=replace(world.start, heading=data[9] * (math.pi / 128))
+    )

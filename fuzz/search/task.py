@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Memory
-from fuzz.triage.triage import Door
+from fuzz.campaign.result import SearchState
+from fuzz.triage.triage import Triage
 from sim.controllers import CONTROLLERS, Controller
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
@@ -30,8 +30,8 @@ class Task:
     lane: str
     config: CampaignConfig
     unit: int
-    memory: Memory
-    door: Door
+    memory: SearchState
+    door: Triage
 
     @cached_property
     def controller(self) -> Controller:

@@ -1,4 +1,7 @@
-"""Single edits of a world: free cells, drop rows and columns, move the start, round a number. Pure geometry."""
+"""Single edits of a world: free cells, drop rows and columns, move the start, round a number.
+
+Pure geometry.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,16 @@ from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["bare", "changed", "drop_columns", "drop_events", "drop_rows", "edited", "free_cells", "with_time"]
+__all__ = [
+    "bare",
+    "changed",
+    "drop_columns",
+    "drop_events",
+    "drop_rows",
+    "edited",
+    "free_cells",
+    "with_time",
+]
 
 _SMALLEST_SIDE = 1  # cells
 
@@ -72,11 +84,16 @@ def drop_events(world: World, first: int, count: int) -> World | None:
 
 
 def with_time(world: World, event: int, time: float) -> World | None:
-    """The world in which an event happens at another time, s; ``None`` if it would then not keep its place in line."""
+    """The world in which an event happens at another time, s.
+
+    ``None`` if it would then not keep its place in line.
+    """
     times = world.timeline.times.copy()
     times[event] = time
     line = world.timeline
-    return None if (np.diff(times) < 0).any() else replace(world, timeline=replace(line, times=times))
+    return (
+        None if (np.diff(times) < 0).any() else replace(world, timeline=replace(line, times=times))
+    )
 
 
 def changed(world: World, **parts: Any) -> World | None:
@@ -98,7 +115,9 @@ def edited(world: World, edit: CellEdit) -> World | None:
     solid = np.argwhere(world.walls)
     iy, ix = solid.T
     if edit.kind == EditKind.FREE_BOX:
-        solid = solid[(ix >= edit.a) & (ix < edit.a + edit.c) & (iy >= edit.b) & (iy < edit.b + edit.d)]
+        solid = solid[
+            (ix >= edit.a) & (ix < edit.a + edit.c) & (iy >= edit.b) & (iy < edit.b + edit.d)
+        ]
     elif edit.kind == EditKind.FREE_RUN:
         solid = solid[edit.a : edit.a + edit.b]
     else:
@@ -107,6 +126,9 @@ def edited(world: World, edit: CellEdit) -> World | None:
 
 
 def _moved(world: World, metres: float, edge: int, count: int) -> float:
-    """A coordinate after ``count`` cells below ``edge`` are gone; one among those stays where it is."""
+    """A coordinate after ``count`` cells below ``edge`` are gone.
+
+    One among those stays where it is.
+    """
     side = exact(world.cell_size)
     return float(exact(metres) - count * side) if exact(metres) >= edge * side else metres

@@ -1,4 +1,7 @@
-"""The independent check that a shrunk world is 1-minimal: its own loops, no pass of the shrinker."""
+"""The independent check that a shrunk world is 1-minimal.
+
+Its own loops, no pass of the shrinker.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,9 @@ def removable(world: World, still_fails: Callable[[World], World | None]) -> lis
     return [name for name, _ in removed(world, still_fails)]
 
 
-def removed(world: World, still_fails: Callable[[World], World | None]) -> Iterator[tuple[str, World]]:
+def removed(
+    world: World, still_fails: Callable[[World], World | None]
+) -> Iterator[tuple[str, World]]:
     """What :func:`removable` lists, one after the other, with the world that is left, certified."""
     for name, candidate in _neighbours(bare(world)):
         left = None if candidate is None else still_fails(candidate)

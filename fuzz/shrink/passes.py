@@ -1,4 +1,7 @@
-"""The ways in which a failure can get simpler, as a list; each proposes edits, most daring first."""
+"""The ways in which a failure can get simpler, as a list.
+
+Each proposes edits, most daring first.
+"""
 
 from __future__ import annotations
 
@@ -42,17 +45,26 @@ class Pass(NamedTuple):
 def _drop_rows(case: Case) -> Iterator[Edit]:
     world = case.world
     places = (world.start.y, world.target.y)
-    yield from (CellEdit(EditKind.DROP_ROWS, first, count) for first, count in _runs(world, places, world.height))
+    yield from (
+        CellEdit(EditKind.DROP_ROWS, first, count)
+        for first, count in _runs(world, places, world.height)
+    )
 
 
 def _drop_columns(case: Case) -> Iterator[Edit]:
     world = case.world
     places = (world.start.x, world.target.x)
-    yield from (CellEdit(EditKind.DROP_COLUMNS, first, count) for first, count in _runs(world, places, world.width))
+    yield from (
+        CellEdit(EditKind.DROP_COLUMNS, first, count)
+        for first, count in _runs(world, places, world.width)
+    )
 
 
 def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tuple[int, int]]:
-    """All that lies beyond or between start and target, each at once; then halves of the grid, quarters, ... one."""
+    """All that lies beyond or between start and target, each at once.
+
+    Then halves of the grid, quarters, ... one.
+    """
     low, high = sorted(math.floor(in_cells(place, world.cell_size)) for place in places)
     spans = ((high + 1, size), (low + 1, high), (0, low))
     yield from ((first, end - first) for first, end in spans if end - first > 1)
@@ -69,7 +81,8 @@ def _free_rim(case: Case) -> Iterator[Edit]:
 
 
 def _free_blocks(case: Case) -> Iterator[Edit]:
-    walls, side = case.world.walls, 1
+    walls = case.world.walls
+    side = 1
     while side * 2 <= max(walls.shape):
         side *= 2
     while side > 1:
@@ -102,13 +115,16 @@ def _centre(case: Case) -> Iterator[Edit]:
     world = case.world
     for name in ("start", "target"):
         point = getattr(world, name)
-        x, y = _middle(point.x, world.cell_size), _middle(point.y, world.cell_size)
+        x = _middle(point.x, world.cell_size)
+        y = _middle(point.y, world.cell_size)
         for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
             yield partial(_part, case, **{name: replace(point, **where)})
 
 
 def _approach(case: Case) -> Iterator[Edit]:
-    world, start, target = case.world, case.world.start, case.world.target
+    world = case.world
+    start = case.world.start
+    target = case.world.target
     side = world.cell_size
     across, up = (
         math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
@@ -116,7 +132,8 @@ def _approach(case: Case) -> Iterator[Edit]:
     )
     ways = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
     for dx, dy in dict.fromkeys(way for way in ways if way != (0, 0)):
-        x, y = _shifted(start.x, dx, side), _shifted(start.y, dy, side)
+        x = _shifted(start.x, dx, side)
+        y = _shifted(start.y, dy, side)
         yield partial(_part, case, start=replace(start, x=x, y=y))
 
 
@@ -155,22 +172,42 @@ def _round_times(case: Case) -> Iterator[Edit]:
 
 
 PASSES: tuple[Pass, ...] = (
-    Pass("drop-rows", "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... one",
-         _drop_rows),
+    Pass(
+        "drop-rows",
+        "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... "
+        "one",
+        _drop_rows,
+    ),
     Pass("drop-columns", "drop columns, likewise", _drop_columns),
     Pass("free-all", "free every solid cell", _free_all),
-    Pass("free-rim", "free the outermost ring of cells: what lies outside the grid is solid anyway", _free_rim),
+    Pass(
+        "free-rim",
+        "free the outermost ring of cells: what lies outside the grid is solid anyway",
+        _free_rim,
+    ),
     Pass("free-blocks", "free square blocks of cells, from the largest to 2 x 2", _free_blocks),
     Pass("drop-events", "drop events: all, half, ... one", _drop_events),
     Pass("free-cells", "free one solid cell at a time", _free_cells),
-    Pass("straighten", "turn the start's heading to a quarter turn, an eighth, a sixteenth", _straighten),
+    Pass(
+        "straighten",
+        "turn the start's heading to a quarter turn, an eighth, a sixteenth",
+        _straighten,
+    ),
     Pass("centre", "put start and target in the middle of their cells", _centre),
     Pass("approach", "move the start nearer to the target", _approach),
-    Pass("simplify-robot", "give the robot the usual radius and speed, or ones of few digits", _simplify_robot),
-    Pass("simplify-target", "give the target half a cell as radius, or one of few digits", _simplify_target),
+    Pass(
+        "simplify-robot",
+        "give the robot the usual radius and speed, or ones of few digits",
+        _simplify_robot,
+    ),
+    Pass(
+        "simplify-target",
+        "give the target half a cell as radius, or one of few digits",
+        _simplify_target,
+    ),
     Pass("simplify-run", "give the time step and the options numbers of few digits", _simplify_run),
     Pass("round-times", "move events to earlier times of few digits, 0 at best", _round_times),
-)  # fmt: skip
+)
 """In the order in which they run; once more from the first, until a whole round changes nothing."""
 
 

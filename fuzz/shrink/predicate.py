@@ -44,12 +44,13 @@ class StillFails:
     Args:
         scenario: What runs.
         verdict: The verdict to keep.
-        budget: Steps for verdicts that the run itself proves; others get the budget of their own witness.
+        budget: Steps for verdicts that the run itself proves; others get the budget of their own
+            witness.
         oracle: The oracle that is to object still.
-        manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind of a stalled run,
-            the bucket of a crash; empty for any.
-        bucket: The bucket to keep, if that is to stay as well, as it always is if a user's oracle objects; empty for
-            any.
+        manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind
+            of a stalled run, the bucket of a crash; empty for any.
+        bucket: The bucket to keep, if that is to stay as well, as it always is if a user's oracle
+            objects; empty for any.
     """
 
     scenario: Scenario
@@ -61,7 +62,9 @@ class StillFails:
     simulations: int = 0
 
     @classmethod
-    def of(cls, failure: Failure, budget: int | None = None, *, bucket: str | None = None) -> StillFails:
+    def of(
+        cls, failure: Failure, budget: int | None = None, *, bucket: str | None = None
+    ) -> StillFails:
         """Return the predicate that keeps what a failure's record says.
 
         Args:
@@ -123,10 +126,15 @@ class StillFails:
             return None
 
     def seems_to_fail(self, candidate: World, scenario: Scenario) -> bool:
-        """Whether one unrecorded run of the least budget ends as it should; without proof, and without certificate."""
+        """Whether one unrecorded run of the least budget ends as it should.
+
+        Without proof, and without certificate.
+        """
         try:
             self.simulations += 1
-            return self._ends_so(self._run(candidate, scenario.options(candidate, self.least_budget)))
+            return self._ends_so(
+                self._run(candidate, scenario.options(candidate, self.least_budget))
+            )
         except (InvalidWorld, InvalidParameter):
             return False
 
@@ -147,7 +155,11 @@ class StillFails:
                 return None
         if proved is None or not self.bucket:
             return proved
-        return proved if self._is_in_bucket(Trial.recorded(proved, scenario.controller, options)) else None
+        return (
+            proved
+            if self._is_in_bucket(Trial.recorded(proved, scenario.controller, options))
+            else None
+        )
 
     def _objected_to(self, candidate: World, scenario: Scenario) -> World | None:
         """Return the candidate with a fresh witness if a user's oracle objects in the same manner."""
@@ -191,7 +203,9 @@ class StillFails:
         return outcome.ending == Verdict.LOOP or self.verdict != Verdict.LOOP
 
     def _run(self, world: World, options: RunOptions) -> Outcome:
-        return prepare(world, self.controller, options).run(options.steps, find_loop=True, record=False, digest=False)
+        return prepare(world, self.controller, options).run(
+            options.steps, find_loop=True, record=False, digest=False
+        )
 
     def _is_same_crash(self, outcome: Outcome) -> bool:
         if not self.manner:
@@ -204,4 +218,7 @@ class StillFails:
 
     def _arrives(self, world: World, options: RunOptions) -> bool:
         """For a breach, whether the robot arrives regardless of walls; else nothing is asked."""
-        return not self.breach or self._run(world, regardless_of_walls(options)).ending == Verdict.REACHED
+        return (
+            not self.breach
+            or self._run(world, regardless_of_walls(options)).ending == Verdict.REACHED
+        )

@@ -33,9 +33,17 @@ KEEP = ("verdict", "class")
 """What a shrunk failure has in common with the one that it came from."""
 
 # A simpler world may need longer until it fails than the one that it came from.
-_MORE_STEPS, _FEWEST_STEPS = 4, 2_000
+_MORE_STEPS = 4
+_FEWEST_STEPS = 2_000
 # Details that do not hold of the new world.
-_OF_THE_OLD_WORLD = ("boundaries", "chance", "states", "failing_seeds", "failing_share_at_least", HAZARD)
+_OF_THE_OLD_WORLD = (
+    "boundaries",
+    "chance",
+    "states",
+    "failing_seeds",
+    "failing_share_at_least",
+    HAZARD,
+)
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
 
 Progress = Callable[[World], None]
@@ -86,8 +94,8 @@ def shrink(
         seconds: Stop after this time with the best so far; a fixed amount of work without it.
         progress: Called with each simpler world.
         keep_on_interrupt: Let Ctrl-C end shrinking with the best so far, instead of raising.
-        keep: ``verdict``: the verdict, and the cause of a tunnel or overlap, the kind of a stalled run or of an
-            oracle's objection. ``class``: the whole class of the failure as well.
+        keep: ``verdict``: the verdict, and the cause of a tunnel or overlap, the kind of a stalled
+            run or of an oracle's objection. ``class``: the whole class of the failure as well.
 
     Returns:
         The shrunk failure.
@@ -97,9 +105,15 @@ def shrink(
     """
     if keep not in KEEP:
         raise InvalidParameter(
-            "unknown-name", "keep={keep!r} is not one of {known!l}", "give one", keep=keep, known=list(KEEP)
+            "unknown-name",
+            "keep={keep!r} is not one of {known!l}",
+            "give one",
+            keep=keep,
+            known=list(KEEP),
         )
-    reducer = _Reducer(failure, keep, None if seconds is None else time.monotonic() + seconds, progress)
+    reducer = _Reducer(
+        failure, keep, None if seconds is None else time.monotonic() + seconds, progress
+    )
     try:
         reducer.run()
     except KeyboardInterrupt:
@@ -117,7 +131,9 @@ def shrink_class(
     keep_on_interrupt: bool = False,
     keep: str = "verdict",
 ) -> Shrunk:
-    """The simplest world that shrinking any of several failures leads to: minima differ, and starts find them.
+    """The simplest world that shrinking any of several failures leads to.
+
+    Minima differ, and starts find them.
 
     Args:
         failures: At least one; the smallest are shrunk first.
@@ -131,14 +147,24 @@ def shrink_class(
     """
     waiting = sorted(failures, key=lambda one: (one.size, world_digest(one.world)))
     if not waiting:
-        raise InvalidParameter("nothing-given", "no failure was given, so there is none to shrink", "give at least one")
+        raise InvalidParameter(
+            "nothing-given", "no failure was given, so there is none to shrink", "give at least one"
+        )
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []
     for done, failure in enumerate(waiting):
         left = None if deadline is None else (deadline - time.monotonic()) / (len(waiting) - done)
         if results and left is not None and left <= 0.0:
             break
-        results.append(shrink(failure, seconds=left, progress=progress, keep_on_interrupt=keep_on_interrupt, keep=keep))
+        results.append(
+            shrink(
+                failure,
+                seconds=left,
+                progress=progress,
+                keep_on_interrupt=keep_on_interrupt,
+                keep=keep,
+            )
+        )
         if results[-1].interrupted:
             break
     return min(results, key=lambda one: one.simplicity)
@@ -147,29 +173,48 @@ def shrink_class(
 class _Reducer:
     """Holds the simplest case so far, so that the clock or Ctrl-C can stop it at any time."""
 
-    def __init__(self, failure: Failure, keep: str, deadline: float | None, progress: Progress | None) -> None:
-        self._failure, self._keep, self._deadline, self._progress = failure, keep, deadline, progress
+    def __init__(
+        self, failure: Failure, keep: str, deadline: float | None, progress: Progress | None
+    ) -> None:
+        self._failure = failure
+        self._keep = keep
+        self._deadline = deadline
+        self._progress = progress
         self._still_fails = _judge(failure, keep)
         self._best = self._begin = Case(bare(failure.world), self._still_fails.scenario)
         self._trying = Trying(self._still_fails, deadline)
-        self._made: tuple[Case, Failure] | None = None  # the last case that was found to hold, and its failure
-        self._left, self._complete = _NOT_CHECKED, False
+        self._made: tuple[Case, Failure] | None = (
+            None  # the last case that was found to hold, and its failure
+        )
+        self._left = _NOT_CHECKED
+        self._complete = False
 
     def run(self) -> None:
-        """Passes, and the check of what they left; once more with care, should what was judged quickly not hold."""
+        """Passes, and the check of what they left.
+
+        Once more with care, should what was judged quickly not hold.
+        """
         with contextlib.suppress(TimeoutError, OutOfTime), self._stopping():
             for careful in (False, True):
                 self._trying.careful = careful
                 self._reduce()
                 if self._holds():
-                    self._complete, self._left = True, ()
+                    self._complete = True
+                    self._left = ()
                     return
                 self._best = self._begin
 
     def _stopping(self) -> contextlib.AbstractContextManager[None]:
-        """Let the clock end even the trial under way, which may take long where the controller is slow."""
+        """Let the clock end even the trial under way.
+
+        It may take long where the controller is slow.
+        """
         end = self._deadline
-        return contextlib.nullcontext() if end is None else stopping_when(lambda: time.monotonic() > end)
+        return (
+            contextlib.nullcontext()
+            if end is None
+            else stopping_when(lambda: time.monotonic() > end)
+        )
 
     def _reduce(self) -> None:
         """Passes until none makes the failure simpler, nor the check finds what could go."""
@@ -187,7 +232,9 @@ class _Reducer:
             InvalidParameter: If the oracle objects to all of them.
         """
         if not self._holds():
-            self._best, self._left, self._complete = self._begin, _NOT_CHECKED, False
+            self._best = self._begin
+            self._left = _NOT_CHECKED
+            self._complete = False
         if not self._holds() or self._made is None:
             raise InvalidParameter(
                 "not-confirmed",
@@ -237,7 +284,10 @@ class _Reducer:
                 self._exhaust(simplify)
 
     def _exhaust(self, simplify: Pass) -> None:
-        """Takes every edit that still fails; after one is taken the pass goes on from there, not afresh."""
+        """Takes every edit that still fails.
+
+        After one is taken the pass goes on from there, not afresh.
+        """
         taken = self._trying.first(self._best, [*simplify.propose(self._best)], 0)
         while taken is not None:
             index, simpler = taken
@@ -250,7 +300,10 @@ class _Reducer:
             self._progress(simpler.world)
 
     def _holds(self) -> bool:
-        """Whether the exact judge and the oracle agree to the simplest case so far; then its failure is kept."""
+        """Whether the exact judge and the oracle agree to the simplest case so far.
+
+        Then its failure is kept.
+        """
         if self._made is not None and self._made[0] is self._best:
             return True
         proved = self._still_fails(*self._best)
@@ -261,7 +314,8 @@ class _Reducer:
 
     def _recorded(self, proved: World) -> Failure | None:
         """The failure with its record, or ``None`` if its oracle objects."""
-        oracle, budget = self._still_fails.oracle, self._still_fails.proof_budget
+        oracle = self._still_fails.oracle
+        budget = self._still_fails.proof_budget
         return failure_of(proved, self._best.scenario, oracle, steps=budget)
 
 
@@ -271,20 +325,25 @@ def _judge(failure: Failure, keep: str) -> StillFails:
     Raises:
         InvalidParameter: If it does not fail.
     """
-    record, options = failure.record, failure.options
+    record = failure.record
+    options = failure.options
     bucket = ""
     if keep == "class":
         found = oracle_of(failure).check(Trial.recorded(failure.world, record.controller, options))
         bucket = "" if found is None else found.bucket
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
-    for budget in (min(more, MAX_STEPS), options.steps):  # with more steps, what overlaps may tunnel in the end
+    for budget in (
+        min(more, MAX_STEPS),
+        options.steps,
+    ):  # with more steps, what overlaps may tunnel in the end
         still_fails = StillFails.of(failure, budget, bucket=bucket)
         if still_fails(bare(failure.world)) is not None:
             return still_fails
     by = "" if failure.oracle is None else f" with an objection of oracle {failure.oracle}"
     raise InvalidParameter(
         "does-not-fail-so",
-        "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target is not {reach}",
+        "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target "
+        "is not {reach}",
         "replay the file first: worldgen replay",
         at_terminal=True,
         controller=record.controller,

@@ -55,22 +55,39 @@ _LONGEST = 40  # characters of a test's name that come from the controller's
 def snippet(failure: Failure) -> str:
     """A module with a test that fails until the failure is fixed, and one for Hypothesis with the world as example.
 
-    The second is left out where not to arrive is not the failure: where an oracle objects, and where the target is
+    The second is left out where not to arrive is not the failure: where an oracle objects, and
+        where the target is
     walled off.
 
     Args:
         failure: What the test is about.
     """
-    record, options = failure.record, failure.options
+    record = failure.record
+    options = failure.options
     world = replace(failure.stored, provenance=None, failure=replace(record, details={}))
-    name = re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower()[:_LONGEST] or "controller"
+    name = (
+        re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower()[:_LONGEST]
+        or "controller"
+    )
     title = f"{record.controller} under {record.motion}: {record.outcome}"
     text = dumps(world).decode("utf-8")
     has_example = failure.oracle is None and isinstance(failure.world.certificate, Witness)
     imports = (_EXAMPLE_IMPORTS if has_example else _IMPORTS).rstrip()
-    comment = _RELATIVE.format(controller=shown(record.controller)) if _is_relative(record.controller) else ""
-    said = {"title": _quoted(shown(title)), "imports": imports, "comment": comment, "text": _quoted(text), "name": name}
-    return _MODULE.format(**said) + (_EXAMPLE.format(name=name, call=_call(record, options)) if has_example else "")
+    comment = (
+        _RELATIVE.format(controller=shown(record.controller))
+        if _is_relative(record.controller)
+        else ""
+    )
+    said = {
+        "title": _quoted(shown(title)),
+        "imports": imports,
+        "comment": comment,
+        "text": _quoted(text),
+        "name": name,
+    }
+    return _MODULE.format(**said) + (
+        _EXAMPLE.format(name=name, call=_call(record, options)) if has_example else ""
+    )
 
 
 def _is_relative(controller: str) -> bool:
@@ -84,12 +101,19 @@ def _is_relative(controller: str) -> bool:
 
 
 def _call(record: FailureRecord, options: RunOptions) -> str:
-    """The call of ``simulate``, as formatters leave it: in one line, or with one argument a line."""
+    """The call of ``simulate``, as formatters leave it.
+
+    In one line, or with one argument a line.
+    """
     settings = {"motion": record.motion, "seed": record.seed, **options.parameters()}
     del settings["steps"]  # each world has its own
     if settings["time_step"] == RunOptions.time_step:
         del settings["time_step"]
-    said = ["world", _literal(record.controller), *(f"{name}={_literal(value)}" for name, value in settings.items())]
+    said = [
+        "world",
+        _literal(record.controller),
+        *(f"{name}={_literal(value)}" for name, value in settings.items()),
+    ]
     line = f"simulate({', '.join(said)})"
     if len(f"    episode = {line}") <= _WIDTH:
         return line
@@ -97,7 +121,10 @@ def _call(record: FailureRecord, options: RunOptions) -> str:
 
 
 def _literal(value: object) -> str:
-    """A value in Python's words; a text between double quotation marks, unless it has some itself."""
+    """A value in Python's words.
+
+    A text between double quotation marks, unless it has some itself.
+    """
     text = repr(value)
     if not isinstance(value, str) or text.startswith('"') or '"' in value:
         return text

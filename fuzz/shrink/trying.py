@@ -15,7 +15,7 @@ from sim._core import lib
 from sim.controllers import CompiledController
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
+from sim.runners.edited import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_path
 from sim.verdict import Verdict
 
 __all__ = ["Trying"]
@@ -39,9 +39,10 @@ _MOST_CELLS = 1_000_000  # of a world with a quick look: the flood takes 36 byte
 class Trying:
     """Tries edits.
 
-    A compiled controller on the pose lattice is run in compiled code, with a flood that finds most ways to the
-    target; other controllers are run one by one, unrecorded. What may be wrong so is what the flood misses, and a
-    loop that the kernel claims: so what comes out in the end is to be judged by ``still_fails``, and to be shrunk
+    A compiled controller on the pose lattice is run in compiled code, with a flood that finds most
+    ways to the target; other controllers are run one by one, unrecorded. What may be wrong so is
+    what the flood misses, and a loop that the kernel claims: so what comes out in the end is to be
+        judged by ``still_fails``, and to be shrunk
     once more with ``careful``, where it does not hold.
 
     Args:
@@ -54,7 +55,8 @@ class Trying:
 
     def __init__(self, still_fails: StillFails, deadline: float | None) -> None:
         self.careful = False
-        self._still_fails, self._deadline = still_fails, deadline
+        self._still_fails = still_fails
+        self._deadline = deadline
         whole = still_fails.oracle == VERDICT and not still_fails.bucket
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
         self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
@@ -65,18 +67,22 @@ class Trying:
         Raises:
             TimeoutError: If the deadline is over.
         """
-        cells = [edit for edit in edits if isinstance(edit, CellEdit)]  # a pass proposes nothing else, or none
+        cells = [
+            edit for edit in edits if isinstance(edit, CellEdit)
+        ]  # a pass proposes nothing else, or none
         runs = self._edited_runs(case) if cells else None
         at = begin
         while at < len(edits):
             if self._deadline is not None and time.monotonic() > self._deadline:
                 raise TimeoutError
             if runs is None:
-                edit, at = edits[at], at + 1
+                edit = edits[at]
+                at = at + 1
                 kept = self._settled(case, edit, looked=False)
             else:
                 before = runs.trials
-                some, wanted = cells[at : at + _AT_ONCE], _WANTED[Verdict(self._still_fails.verdict)]
+                some = cells[at : at + _AT_ONCE]
+                wanted = _WANTED[Verdict(self._still_fails.verdict)]
                 found, done = runs.first(some, wanted, way=not case.world.is_dynamic)
                 self._still_fails.simulations += runs.trials - before
                 at += done
@@ -87,15 +93,20 @@ class Trying:
 
     def _edited_runs(self, case: Case) -> EditedRuns | None:
         """What runs edits in compiled code, if they may be run so."""
-        controller, budget = self._still_fails.controller, self._still_fails.least_budget
-        if not (self._looks_quickly(case) and self._on_lattice):
+        controller = self._still_fails.controller
+        budget = self._still_fails.least_budget
+        if not (self._screens_quickly(case) and self._on_lattice):
             return None
         if not isinstance(controller, CompiledController):
             return None
         return EditedRuns(case.world, controller, case.scenario.options(case.world, budget))
 
-    def _looks_quickly(self, case: Case) -> bool:
-        return not self.careful and self._still_fails.oracle.by_verdict and case.world.walls.size <= _MOST_CELLS
+    def _screens_quickly(self, case: Case) -> bool:
+        return (
+            not self.careful
+            and self._still_fails.oracle.by_verdict
+            and case.world.walls.size <= _MOST_CELLS
+        )
 
     def _settled(self, case: Case, edit: Edit, *, looked: bool) -> Case | None:
         """The case after an edit if it is simpler and still fails.
@@ -103,12 +114,13 @@ class Trying:
         Args:
             case: The case before.
             edit: The edit.
-            looked: Whether compiled code has seen it fail, and the target in reach where the world does not change.
+            looked: Whether compiled code has seen it fail, and the target in reach where the world
+                does not change.
         """
         candidate = _after(case, edit)
         if candidate is None:
             return None
-        if self._looks_quickly(case):
+        if self._screens_quickly(case):
             if not looked and not self._still_fails.seems_to_fail(*candidate):
                 return None
             if not self._still_fails.breach and not self._has_way(candidate, edit, looked=looked):
@@ -123,10 +135,10 @@ class Trying:
         if isinstance(edit, CellEdit) and edit.frees:
             return True  # as before: a cell less in the way
         if not world.is_dynamic:
-            return looked or has_sure_way(world)
-        if not has_sure_way(world, regardless_of_time=True):
+            return looked or has_sure_path(world)
+        if not has_sure_path(world, regardless_of_time=True):
             return False
-        return not self._quick_is_enough or has_sure_way(world) or certified(world) is not None
+        return not self._quick_is_enough or has_sure_path(world) or certified(world) is not None
 
 
 def _after(case: Case, edit: Edit) -> Case | None:

@@ -1,6 +1,7 @@
-"""What a message of the page asks for, each as one call of the library. This runs in the processes of ``lanes``.
+"""What a message of the page asks for, each as one call of the library.
 
-An answer is a table; parts of it that are there earlier are handed to ``part``.
+This runs in the processes of ``lanes``. An answer is a table; parts of it that are there earlier
+are handed to ``part``.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from fuzz.studio.messages import field, message_of, opened_message, restored, se
 from fuzz.studio.running import check_named, check_record, check_registered, may_run
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.drawing.picture import drive_of, trail_of
 from sim.episode import Episode, simulate
 from sim.motion import MOTIONS
@@ -80,11 +81,16 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
 
     def before(self, message: Message, part: Part) -> dict[str, Any]:
-        """A failure of the folder as it was found, before shrinking; null where its campaign has not kept that."""
+        """A failure of the folder as it was found, before shrinking.
+
+        Null where its campaign has not kept that.
+        """
         path = self.folder.place(field(message, "name", str))
         shrunk = Failure.found_in(read_world(path))
         places = () if shrunk is None or shrunk.original is None else path.parents
-        found = next(filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in places)), None)
+        found = next(
+            filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in places)), None
+        )
         if found is None:
             return {"before": None}
         try:
@@ -104,9 +110,13 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         }
 
     def save(self, message: Message, part: Part) -> dict[str, Any]:
-        """Writes a world into the folder; with the proof that is decided for it now, or its file's own."""
+        """Writes a world into the folder.
+
+        With the proof that is decided for it now, or its file's own.
+        """
         place = self.folder.place(field(message, "name", str))
-        force, replaces = field(message, "overwrite", bool), message.get("replaces")
+        force = field(message, "overwrite", bool)
+        replaces = message.get("replaces")
         if not force and isinstance(replaces, str) and place.is_file():
             if _digest(place) != replaces:
                 raise OutputError(
@@ -139,11 +149,17 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {"signal": numbers(signal_in(world, noise=field(message, "noise", bool)).ravel())}
 
     def generate(self, message: Message, part: Part) -> dict[str, Any]:
-        """A world of a registered family; one that is searched for, if a difficulty or another wish is given."""
-        family, seed = field(message, "family", str), seed_of(message)
+        """A world of a registered family.
+
+        One that is searched for, if a difficulty or another wish is given.
+        """
+        family = field(message, "family", str)
+        seed = seed_of(message)
         check_registered("family", family, FAMILIES.names())
         parameters: dict[str, Value] = field(message, "parameters", dict)
-        FAMILIES.find(family, parameters).complete(parameters)  # refuses others, which are no arguments of a search
+        FAMILIES.find(family, parameters).complete(
+            parameters
+        )  # refuses others, which are no arguments of a search
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)
         if where is None and hard is None:
@@ -161,8 +177,13 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return opened_message(world)
 
     def shift(self, message: Message, part: Part) -> dict[str, Any]:
-        """The world with walls that change places now and then, as the thesis's world shifter moved them."""
-        return {"world": message_of(shifted(world_of(field(message, "world", dict)), seed_of(message)))}
+        """The world with walls that change places now and then.
+
+        As the thesis's world shifter moved them.
+        """
+        return {
+            "world": message_of(shifted(world_of(field(message, "world", dict)), seed_of(message)))
+        }
 
     def measure(self, message: Message, part: Part) -> dict[str, Any]:
         """How hard a world is, by every metric that has a meaning for it."""
@@ -176,7 +197,10 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         }
 
     def run(self, message: Message, part: Part) -> dict[str, Any]:
-        """Runs controllers in a world, one after the other; each is a part as soon as it is done."""
+        """Runs controllers in a world, one after the other.
+
+        Each is a part as soon as it is done.
+        """
         world, labels = _to_run(message)
         part({"world": drawn_world(world)})
         for number, label in enumerate(labels):
@@ -187,14 +211,22 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
-        """Whether a controller may run as it is named, with its options; it is refused otherwise."""
+        """Whether a controller may run as it is named, with its options.
+
+        It is refused otherwise.
+        """
         CONTROLLERS.get(self._scenario(field(message, "controller", str), message).controller)
         return {}
 
     def picture(self, message: Message, part: Part) -> dict[str, Any]:
-        """The same runs as a file: an animation of all, a drawing of one, a page that replays all."""
+        """The same runs as a file.
+
+        An animation of all, a drawing of one, a page that replays all.
+        """
         world, labels = _to_run(message)
-        kind, title, looked = field(message, "kind", str), field(message, "title", str), field(message, "looked", int)
+        kind = field(message, "kind", str)
+        title = field(message, "title", str)
+        looked = field(message, "looked", int)
         if kind not in _PICTURES or not 0 <= looked < len(labels):
             raise InvalidParameter(
                 "unknown-name",
@@ -218,7 +250,11 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
     def _driven(self, world: World, label: object, message: Message) -> _Driven:
         scenario = self._scenario(label, message)
         steps = message.get("steps")
-        budget = step_budget(world, scenario.time_step) if steps is None else field(message, "steps", int)
+        budget = (
+            step_budget(world, scenario.time_step)
+            if steps is None
+            else field(message, "steps", int)
+        )
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
         episode = simulate(world, scenario.controller, options, record=True, lean=True)
         return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))
@@ -227,7 +263,8 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         """A controller that the page may run, with the options that it asks for."""
         check_named(label, self.named)
         seed = field(message, "seed", int)
-        motion, time_step = field(message, "motion", str), field(message, "time_step", float)
+        motion = field(message, "motion", str)
+        time_step = field(message, "time_step", float)
         check_registered("motion", motion, MOTIONS.names())
         scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
         if not may_run(scenario.controller, self.named):
@@ -237,8 +274,12 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
                 controller=scenario.controller[:60],
             )
         check_registered("motion", scenario.motion, MOTIONS.names())
-        asked: dict[str, Value] = field(message, "options", dict) if scenario.motion == motion else {}
-        changed = asked | scenario.thesis.changed() | scenario.robot.changed()  # its own count more than all robots'
+        asked: dict[str, Value] = (
+            field(message, "options", dict) if scenario.motion == motion else {}
+        )
+        changed = (
+            asked | scenario.thesis.changed() | scenario.robot.changed()
+        )  # its own count more than all robots'
         parameters: dict[str, Value] = {"time_step": scenario.time_step, **changed}
         return Scenario.of(scenario.controller, RunOptions.of(scenario.motion, seed, parameters))
 
@@ -256,15 +297,20 @@ class _Driven:
     @property
     def reason(self) -> str:
         """What the verdict rests on, in words; empty if the robot arrived."""
-        return evidence_in_words(self.episode).strip()
+        return describe_evidence(self.episode).strip()
 
 
 def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
-    """The failure that was shrunk, where a campaign of this folder, which must be in the opened one, has it."""
+    """The failure that was shrunk, where a campaign of this folder.
+
+    It must be in the opened one, has it.
+    """
     if shrunk is None or not folder.is_relative_to(root):
         return None
     path = Path(os.path.realpath(folder / MEMORY / "failures" / f"{shrunk.original}.grid"))
-    return Failure.found_in(read_world(path)) if path.is_relative_to(root) and path.is_file() else None
+    return (
+        Failure.found_in(read_world(path)) if path.is_relative_to(root) and path.is_file() else None
+    )
 
 
 def _to_run(message: Message) -> tuple[World, list[Any]]:
@@ -275,7 +321,11 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
     labels = field(message, "controllers", list)
     if not 1 <= len(labels) <= MOST_ROBOTS:
         raise InvalidParameter(
-            "out-of-range", "{count} controllers", "choose 1 to {most}", count=len(labels), most=MOST_ROBOTS
+            "out-of-range",
+            "{count} controllers",
+            "choose 1 to {most}",
+            count=len(labels),
+            most=MOST_ROBOTS,
         )
     if world.certificate is None:
         world = replace(world, certificate=decide(world).certificate)
@@ -284,7 +334,8 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
 
 def _seen(driven: _Driven) -> dict[str, Any]:
     """A run as the player wants it."""
-    episode, side = driven.episode, driven.world.cell_size
+    episode = driven.episode
+    side = driven.world.cell_size
     return {
         "name": driven.name,
         "verdict": episode.verdict,
@@ -307,7 +358,9 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
     ending = f"{front.episode.verdict} {front.reason}".rstrip()
     said = f"{title}: {front.name}, {front.options.motion}: {ending}" if len(drives) == 1 else title
     if kind == "gif":
-        return draw_gif(world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said)
+        return draw_gif(
+            world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said
+        )
     return draw_svg(world, trail=trail_of(front.episode, world), title=said).encode()
 
 
@@ -322,7 +375,10 @@ def _decided(world: World, decision: Decision) -> dict[str, Any]:
     if isinstance(proof, Witness):
         facts = {"length": proof.length, "duration": proof.duration}
     if isinstance(proof, Witness | Cut):
-        facts |= {"clearance": proof.clearance, **drawn_certificate(replace(world, certificate=proof))}
+        facts |= {
+            "clearance": proof.clearance,
+            **drawn_certificate(replace(world, certificate=proof)),
+        }
     if isinstance(proof, Cut) and len(proof.cells) > 1:
         facts["ring"] = len(proof.cells)
     return {"result": decision.result, "reason": decision.reason, **facts}

@@ -20,17 +20,25 @@ from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.limits import limits
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
-from fuzz.studio.workers import LANES, Lane
+from fuzz.studio.workers import LANES, Worker
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
 MOST_PAGES = 64  # that are connected at the same time; more are a program gone wild
 FULL = 4000  # the code with which one more is closed; its reason is a sentence for the page
-_KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+_KINDS = {
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".css": "text/css",
+    ".svg": "image/svg+xml",
+}
 
 
 def _parts() -> dict[str, bytes]:
-    """The page's files by address. Nothing else is ever read for an address, so none can lead anywhere."""
+    """The page's files by address.
+
+    Nothing else is ever read for an address, so none can lead anywhere.
+    """
     found = {}
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
         for part in (files(package) / "page").iterdir():
@@ -47,7 +55,8 @@ class Studio:
     Args:
         folder: What can be read and written.
         gate: Who is let in.
-        named: Controllers from files, modules and programs that the page may run, as the command line takes them.
+        named: Controllers from files, modules and programs that the page may run, as the command
+            line takes them.
         file: Name, in the folder, of the world to open first.
     """
 
@@ -60,8 +69,8 @@ class Studio:
 
 def make_app(studio: Studio) -> ASGIApp:
     """The studio as an ASGI application, behind its gate."""
-    lanes: dict[str, Lane | Watching] = {
-        name: Lane(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
+    lanes: dict[str, Worker | Watching] = {
+        name: Worker(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
     }
     lanes["watching"] = Watching(studio.folder)
 
@@ -77,7 +86,10 @@ def make_app(studio: Studio) -> ASGIApp:
     async def connection(socket: WebSocket) -> None:
         if len(pages) >= MOST_PAGES:
             await socket.accept(SUBPROTOCOL)
-            await socket.close(FULL, f"{MOST_PAGES} pages are open, and the studio takes no more; close another one.")
+            await socket.close(
+                FULL,
+                f"{MOST_PAGES} pages are open, and the studio takes no more; close another one.",
+            )
             return
         pages.add(socket)
         try:

@@ -1,4 +1,7 @@
-"""The mark of a campaign that is to begin, in its memory: who takes it away has it end before it has begun."""
+"""The mark of a campaign that is to begin, in its memory.
+
+Who takes it away has it end before it has begun.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,8 @@ from pathlib import Path
 
 __all__ = ["beginning", "end_beginnings"]
 
-_MARK = "studio.begins."  # and the number of the process that waits for it: two studios may begin in one folder
+# And the number of the process that waits for it: two studios may begin in one folder.
+_MARK = "studio.begins."
 
 
 @contextlib.contextmanager

@@ -1,4 +1,7 @@
-"""What a campaign's folder says of it while it runs and afterwards; whoever runs it, and from where."""
+"""What a campaign's folder says of it while it runs and afterwards.
+
+Whoever runs it, and from where.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "runn
 SAID = "studio.txt"
 """Name, in a campaign's memory, of what its process writes to stderr when the studio has started it; for a person."""
 
-_ENDED_WELL = ("done", "stopped")  # what was refused afterwards, at a terminal, says nothing of the campaign
+_ENDED_WELL = (
+    "done",
+    "stopped",
+)  # what was refused afterwards, at a terminal, says nothing of the campaign
 
 
 def is_campaign(folder: Path) -> bool:
@@ -29,12 +35,18 @@ def is_campaign(folder: Path) -> bool:
 
 
 def is_own(folder: Path) -> bool:
-    """Whether a campaign's memory holds files and folders alone: no link to somewhere else, no pipe to wait for."""
+    """Whether a campaign's memory holds files and folders alone.
+
+    No link to somewhere else, no pipe to wait for.
+    """
     memory = folder / MEMORY
     if memory.is_symlink() or not memory.is_dir():
         return not memory.is_symlink()
     with os.scandir(memory) as entries:
-        return all(entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False) for entry in entries)
+        return all(
+            entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False)
+            for entry in entries
+        )
 
 
 def running_process(folder: Path) -> int | None:
@@ -63,7 +75,12 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
         FormatError: If its files cannot be read.
     """
     running = running_process(folder) is not None
-    state: dict[str, Any] = {"folder": name, "running": running, **_budget(folder), **_totals(folder)}
+    state: dict[str, Any] = {
+        "folder": name,
+        "running": running,
+        **_budget(folder),
+        **_totals(folder),
+    }
     lock = folder / MEMORY / "lock"
     state["elapsed"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
     state["failures"] = _stamp(folder)
@@ -83,8 +100,13 @@ def _budget(folder: Path) -> dict[str, Any]:
     return {
         "controller": str(said.get("controller", "")),
         "motion": str(said.get("motion", "")),
-        "seed": str(fingerprint.configuration.get("seed", "")),  # of 64 bits, which a browser's numbers cannot hold
-        "budget": {part: value if isinstance(value := budget.get(part), int | float) else None for part in _BUDGET},
+        "seed": str(
+            fingerprint.configuration.get("seed", "")
+        ),  # of 64 bits, which a browser's numbers cannot hold
+        "budget": {
+            part: value if isinstance(value := budget.get(part), int | float) else None
+            for part in _BUDGET
+        },
     }
 
 
@@ -96,7 +118,14 @@ def _totals(folder: Path) -> dict[str, Any]:
     summary = read_summary(folder)
     if summary is None:
         none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
-        return none | {"status": "", "verdicts": {}, "met": {}, "known": {}, "lanes": [], "archive": None}
+        return none | {
+            "status": "",
+            "verdicts": {},
+            "met": {},
+            "known": {},
+            "lanes": [],
+            "archive": None,
+        }
     return {
         "controller": summary.controller,
         "status": summary.status,
@@ -114,5 +143,9 @@ def _totals(folder: Path) -> dict[str, Any]:
 
 def _stamp(folder: Path) -> str:
     """Another text whenever a failure in the folder itself is new or smaller."""
-    found = [(path.name, path.stat().st_mtime_ns) for path in folder.iterdir() if is_world_file(path.name)]
+    found = [
+        (path.name, path.stat().st_mtime_ns)
+        for path in folder.iterdir()
+        if is_world_file(path.name)
+    ]
     return f"{len(found)}-{max((when for _, when in found), default=0)}"

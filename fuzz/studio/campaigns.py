@@ -1,7 +1,9 @@
-"""Campaigns from the page: each is a `worldgen fuzz` in a process of its own, and its folder the only tie to it.
+"""Campaigns from the page.
 
-So a campaign outlives the page and the server, and one that was begun at a terminal is seen and stopped here, too. What
-a folder from elsewhere asks for, a controller or an oracle in a file, is not run unless it was named at the start.
+Each is a `worldgen fuzz` in a process of its own, and its folder the only tie to it. So a campaign
+outlives the page and the server, and one that was begun at a terminal is seen and stopped here,
+too. What a folder from elsewhere asks for, a controller or an oracle in a file, is not run unless
+it was named at the start.
 """
 
 from __future__ import annotations
@@ -20,7 +22,14 @@ from typing import Any
 
 from fuzz.campaign.store import MEMORY, FolderStore, forget_error, read_error
 from fuzz.studio.beginning import beginning
-from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
+from fuzz.studio.campaign_state import (
+    SAID,
+    campaign_state,
+    interrupt,
+    is_campaign,
+    is_own,
+    running_process,
+)
 from fuzz.studio.elites import elite_of, runs_in
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
 from fuzz.studio.fuzz_words import (
@@ -42,7 +51,9 @@ from worldgen.files.grid import write_world
 
 __all__ = ["CampaignAnswers"]
 
-_BEGINS = 300.0  # s that a process gets until it has begun: kernels may have to be compiled on a machine that is busy
+# S that a process gets until it has begun: kernels may have to be compiled on a machine that is
+# busy.
+_BEGINS = 300.0
 _ENDS = 2.0  # s that a campaign is waited for that was told to end before it had begun
 _LOOK = 0.05  # s between two looks
 
@@ -54,27 +65,37 @@ Part = Callable[[dict[str, Any]], None]
 class CampaignAnswers(Opened):
     """What the campaign page asks for, as far as campaigns' processes are concerned."""
 
-    _begun: list[subprocess.Popen[bytes]] = field(default_factory=list, init=False, repr=False, compare=False)
+    _begun: list[subprocess.Popen[bytes]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )
 
     def campaigns(self, message: Message, part: object) -> dict[str, Any]:
         """The campaigns in the folder, those that run first; and folders that hold worlds."""
         self._reap()
         folders = _folders(self.folder)
-        states, faults = [], []
+        states = []
+        faults = []
         for name in folders:
             try:
-                states += [self._state(self.folder.place(name), name)] if self._is_campaign(name) else []
+                states += (
+                    [self._state(self.folder.place(name), name)] if self._is_campaign(name) else []
+                )
             except WorldgenError as error:  # of one; the others are as they were
                 faults.append(self.folder.refusal(error))
         return {
             "faults": faults,
             "campaigns": sorted(states, key=lambda state: (not state["running"], state["folder"])),
-            "folders": [{"name": name, "worlds": count} for name, count in folders.items() if count],
+            "folders": [
+                {"name": name, "worlds": count} for name, count in folders.items() if count
+            ],
             "archives": self.folder.archives(),
         }
 
     def begin(self, message: Message, part: Part) -> dict[str, Any]:
-        """Begins a campaign in a folder, or goes on with the same one; a part says when it can be stopped."""
+        """Begins a campaign in a folder, or goes on with the same one.
+
+        A part says when it can be stopped.
+        """
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
@@ -142,13 +163,20 @@ class CampaignAnswers(Opened):
         return out
 
     def _check_stored(self, out: Path, name: str) -> None:
-        """Refuses a campaign that would run what nobody has named; its folder may come from anywhere."""
+        """Refuses a campaign that would run what nobody has named.
+
+        Its folder may come from anywhere.
+        """
         stored = FolderStore.stored_in(out)
         if stored is None:
-            raise InvalidParameter("no-campaign", "{name} holds no campaign to go on with", "begin one", name=name)
+            raise InvalidParameter(
+                "no-campaign", "{name} holds no campaign to go on with", "begin one", name=name
+            )
         said = stored[0].configuration
         scenario = said.get("scenario")
-        if not isinstance(scenario, dict) or not may_run(str(scenario.get("controller")), self.named):
+        if not isinstance(scenario, dict) or not may_run(
+            str(scenario.get("controller")), self.named
+        ):
             raise InvalidParameter(
                 "not-named",
                 "{name} runs a controller that was not named",
@@ -158,7 +186,10 @@ class CampaignAnswers(Opened):
             )
         if scenario.get("motion") not in MOTIONS.names():
             raise InvalidParameter(
-                "not-registered", "{name} uses a motion model of a file", "resume it at a terminal", name=name
+                "not-registered",
+                "{name} uses a motion model of a file",
+                "resume it at a terminal",
+                name=name,
             )
         check_lanes(said.get("families"))
         check_oracles(said.get("oracles"))
@@ -184,7 +215,10 @@ class CampaignAnswers(Opened):
         """
         if running_process(out) is not None:
             raise OutputError(
-                "campaign-is-running", "the campaign in {name} runs already", "stop it first", name=out.name
+                "campaign-is-running",
+                "the campaign in {name} runs already",
+                "stop it first",
+                name=out.name,
             )
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
@@ -194,7 +228,9 @@ class CampaignAnswers(Opened):
                 forget_error(out)
                 mark = stack.enter_context(beginning(memory))
                 with (memory / SAID).open("wb") as said:
-                    process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
+                    process = _process(
+                        [sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said
+                    )
             except OSError as error:
                 raise OutputError(
                     "unwritable",
@@ -222,7 +258,9 @@ class CampaignAnswers(Opened):
         self._begun[:] = [process for process in self._begun if process.poll() is None]
 
 
-def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, mark: Path) -> WorldgenError | None:
+def _wait_until_begun(
+    process: subprocess.Popen[bytes], out: Path, mark: Path
+) -> WorldgenError | None:
     """Return why a campaign's process did not begin; ``None`` as soon as it has."""
     until = time.monotonic() + _BEGINS
     while process.poll() is None:
@@ -261,18 +299,29 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
     """A process that Ctrl-C at the server's terminal does not reach, and ours does."""
-    before = signal.signal(signal.SIGINT, signal.SIG_DFL)  # what is ignored here would be ignored there
+    before = signal.signal(
+        signal.SIGINT, signal.SIG_DFL
+    )  # what is ignored here would be ignored there
     try:
         return subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+            start_new_session=True,
         )
     finally:
         signal.signal(signal.SIGINT, before)
 
 
 def _last_words(status: int, path: Path) -> WorldgenError:
-    """Return the error of a process that ended without a record of why: a fault of ours, or killed."""
-    lines = [line.strip() for line in path.read_text("utf-8", "replace").splitlines() if line.strip()]
+    """Return the error of a process that ended without a record of why.
+
+    A fault of ours, or killed.
+    """
+    lines = [
+        line.strip() for line in path.read_text("utf-8", "replace").splitlines() if line.strip()
+    ]
     return OutputError(
         "ended-without-record",
         "the campaign's process ended with exit code {status}: {said}",
@@ -283,7 +332,10 @@ def _last_words(status: int, path: Path) -> WorldgenError:
 
 
 def _folders(folder: Folder) -> dict[str, int]:
-    """Folders below the opened one, and how many worlds are in each and below; "" is the opened one itself."""
+    """Folders below the opened one, and how many worlds are in each and below.
+
+    "" is the opened one itself.
+    """
     counts: dict[str, int] = {"": 0}
     for entry in folder.files(most=MOST_FAILURES):
         if entry["world"]:

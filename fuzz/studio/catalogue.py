@@ -1,4 +1,7 @@
-"""What there is to choose from: families, controllers, motion models and formats, with their parameters."""
+"""What there is to choose from.
+
+Families, controllers, motion models and formats, with their parameters.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,8 @@ from worldgen.parameters import Bounds, Parameter
 
 __all__ = ["catalogue"]
 
-_SLOW = 3.0  # s: a controller that took longer to fail is not tried again, for each page would wait for it
+# s: a controller that took longer to fail is not tried again, for each page would wait for it.
+_SLOW = 3.0
 _FAILED: dict[tuple[str, int], dict[str, Any]] = {}
 
 
@@ -88,7 +92,10 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
 
 
 def _tried(label: str) -> dict[str, Any]:
-    """A controller, loaded; one that has taken long to fail before, as it was then, until its file is another."""
+    """A controller, loaded.
+
+    One that has taken long to fail before, as it was then, until its file is another.
+    """
     key = (label, _changed(label))
     if key in _FAILED:
         return _FAILED[key]
@@ -109,8 +116,18 @@ def _changed(label: str) -> int:
 
 
 def _controller(label: str) -> dict[str, Any]:
-    """A controller's label, which motion models it drives under, and first of all; its faults are told, not raised."""
-    entry = {"name": label, "thesis": False, "lattice": True, "motion": "swept", "also": "", "fault": None}
+    """A controller's label, which motion models it drives under, and first of all.
+
+    Its faults are told, not raised.
+    """
+    entry = {
+        "name": label,
+        "thesis": False,
+        "lattice": True,
+        "motion": "swept",
+        "also": "",
+        "fault": None,
+    }
     try:
         scenario = Scenario.parse(label)
         found = CONTROLLERS.get(scenario.controller)
@@ -125,7 +142,11 @@ def _controller(label: str) -> dict[str, Any]:
 
 def _other_name(label: str) -> str:
     """The registered name that means the same controller; empty where there is none."""
-    same = (name for name in CONTROLLERS.names() if name != label and _registered(name) is _registered(label))
+    same = (
+        name
+        for name in CONTROLLERS.names()
+        if name != label and _registered(name) is _registered(label)
+    )
     return next(same, "") if label in CONTROLLERS.names() else ""
 
 

@@ -1,4 +1,7 @@
-"""Worlds behind a campaign's archive of behaviours: of each kind the simplest, as the store has it."""
+"""Worlds behind a campaign's archive of behaviours.
+
+Of each kind the simplest, as the store has it.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
         j: Likewise, along the second.
 
     Raises:
-        InvalidParameter: If the archive has no such cell, or the store does not know its world any more.
+        InvalidParameter: If the archive has no such cell, or the store does not know its world any
+            more.
         FormatError: If the campaign's files cannot be read.
     """
     summary = read_summary(folder)
@@ -44,7 +48,10 @@ def elite_of(folder: Path, i: int, j: int) -> World:
         if cell[:2] == [i, j] and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
     raise InvalidParameter(
-        "world-not-kept", "{name} has not kept the world of this cell", "go on with the campaign", name=folder.name
+        "world-not-kept",
+        "{name} has not kept the world of this cell",
+        "go on with the campaign",
+        name=folder.name,
     )
 
 
@@ -69,10 +76,17 @@ def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
 
 
 def runs_in(folder: Path) -> dict[str, Any] | None:
-    """Who runs in a campaign's worlds, as the page wants it of a failure; null where its robots are not all alike."""
+    """Who runs in a campaign's worlds, as the page wants it of a failure.
+
+    Null where its robots are not all alike.
+    """
     stored = FolderStore.stored_in(folder)
     said = stored[0].configuration if stored else {}
     scenario = said.get("scenario")
-    if said.get("vary") or not isinstance(scenario, dict) or not isinstance(scenario.get("parameters"), dict):
+    if (
+        said.get("vary")
+        or not isinstance(scenario, dict)
+        or not isinstance(scenario.get("parameters"), dict)
+    ):
         return None
     return {name: scenario.get(name) for name in ("controller", "motion", "seed", "parameters")}

@@ -1,4 +1,7 @@
-"""Maps of other programs come in and go out: what ``worldgen import`` and ``worldgen export`` do, asked by the page."""
+"""Maps of other programs come in and go out.
+
+What ``worldgen import`` and ``worldgen export`` do, asked by the page.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +18,24 @@ from fuzz.studio.folder import Folder
 from fuzz.studio.limits import MOST_DROPPED
 from fuzz.studio.messages import field, opened_message, restored, seed_of
 from fuzz.studio.opened import Opened
-from fuzz.studio.refusals import hide, note_in_words
+from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.grid import read_world
 from worldgen.files.worlds import is_world_file
-from worldgen.interop import FORMATS, RobotOptions, export_world, import_world, write_export
+from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
 from worldgen.world import Value
 
 __all__ = ["ExchangeAnswers"]
 
 _MOST_FILES = 20  # that are dropped on the page together
-_BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")  # endings of files that go with a map, and are none
+_BESIDE = (
+    ".worldgen.toml",
+    ".scen",
+    ".tsx",
+    ".inc",
+)  # endings of files that go with a map, and are none
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")  # maps only where nothing names them
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
@@ -49,17 +57,21 @@ class ExchangeAnswers(Opened):
         files = message.get("files", [{"name": message.get("name"), "data": message.get("data")}])
         with tempfile.TemporaryDirectory() as there, _without(Path(there)):
             places = _put_down(files, Folder(Path(there)))
-            main, scenario = _main_of(places), next((one for one in places if one.suffix.lower() == ".scen"), None)
+            main = _main_of(places)
+            scenario = next((one for one in places if one.suffix.lower() == ".scen"), None)
             if is_world_file(main.name) and wanted == _Wanted():
                 return opened_message(read_world(main)) | {"main": main.name}
-            return _imported(main, wanted, scenario, 1 if wanted.row is None else wanted.row) | {"main": main.name}
+            return _imported(main, wanted, scenario, 1 if wanted.row is None else wanted.row) | {
+                "main": main.name
+            }
 
     def export(self, message: Message, part: Part) -> dict[str, Any]:
         """A world in another program's format: for the browser to keep, or into the folder."""
         known = _format_name(message)
         if known is None:
             raise InvalidParameter("empty-name", "no format is named", "choose one")
-        world, place = restored(field(message, "world", dict)), self.folder.place(field(message, "name", str))
+        world = restored(field(message, "world", dict))
+        place = self.folder.place(field(message, "name", str))
         options: dict[str, Value | None] = field({"options": {}, **message}, "options", dict)
         export = export_world(
             world,
@@ -67,17 +79,29 @@ class ExchangeAnswers(Opened):
             file=place.name,
             options=options,
             at=None if message.get("at") is None else field(message, "at", float),
-            origin=None if message.get("origin") is None else _point(field(message, "origin", list)),
+            origin=None
+            if message.get("origin") is None
+            else _point(field(message, "origin", list)),
             sidecar=field({"sidecar": True, **message}, "sidecar", bool),
         )
-        said = {name: [note_in_words(one) for one in getattr(export, name)] for name in ("lost", "notes")}
+        said = {
+            name: [describe_note(one) for one in getattr(export, name)]
+            for name in ("lost", "notes")
+        }
         if field(message, "keep", bool):
-            for other in export.files:  # a link beside it would lead a companion out of the folder
+            for (
+                other
+            ) in export.files:  # a link beside it would lead a sibling_file out of the folder
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
             written = write_export(export, place.parent, force=field(message, "overwrite", bool))
-            return said | {"written": [path.relative_to(self.folder.root).as_posix() for path in written]}
+            return said | {
+                "written": [path.relative_to(self.folder.root).as_posix() for path in written]
+            }
         return said | {
-            "files": [{"name": name, "data": base64.b64encode(data).decode()} for name, data in export.files.items()]
+            "files": [
+                {"name": name, "data": base64.b64encode(data).decode()}
+                for name, data in export.files.items()
+            ]
         }
 
 
@@ -89,13 +113,17 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
     """
     if not isinstance(files, list) or not 1 <= len(files) <= _MOST_FILES:
         raise InvalidParameter(
-            "out-of-range", "drop 1 to {most} files: a map, and those that it names", most=_MOST_FILES
+            "out-of-range",
+            "drop 1 to {most} files: a map, and those that it names",
+            most=_MOST_FILES,
         )
     places: list[Path] = []
     total = 0
     for file in files:
         if not isinstance(file, dict):
-            raise InvalidParameter("wrong-message", "the message's files are no tables", "send name and data of each")
+            raise InvalidParameter(
+                "wrong-message", "the message's files are no tables", "send name and data of each"
+            )
         name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
         data = _bytes_of(field(file, "data", str))
         total += len(data)
@@ -109,7 +137,9 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
             )
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
-            raise InvalidParameter("twice", "two of the files are called {name}", "drop one of them", name=place.name)
+            raise InvalidParameter(
+                "twice", "two of the files are called {name}", "drop one of them", name=place.name
+            )
         place.write_bytes(data)
         places.append(place)
     return places
@@ -137,7 +167,9 @@ def _main_of(places: Sequence[Path]) -> Path:
 
 def _point(values: Sequence[Any]) -> tuple[float, float]:
     if len(values) != 2:
-        raise InvalidParameter("wrong-count", "the origin has {count} numbers", "give x and y", count=len(values))
+        raise InvalidParameter(
+            "wrong-count", "the origin has {count} numbers", "give x and y", count=len(values)
+        )
     x, y = (field({"origin": value}, "origin", float) for value in values)
     return x, y
 
@@ -174,24 +206,35 @@ def _wanted(message: Message) -> _Wanted:
         return None if message.get(name) is None else field(message, name, kind)
 
     seed = None if message.get("seed") is None else seed_of(message)
-    return _Wanted(_format_name(message), of("options", dict) or {}, of("radius", float), of("row", int), seed)
+    return _Wanted(
+        _format_name(message), of("options", dict) or {}, of("radius", float), of("row", int), seed
+    )
 
 
 def _bytes_of(text: str) -> bytes:
     try:
         return base64.b64decode(text, validate=True)
     except ValueError as error:
-        raise InvalidParameter("not-base64", "the message's data are no base64", "send the file's bytes") from error
+        raise InvalidParameter(
+            "not-base64", "the message's data are no base64", "send the file's bytes"
+        ) from error
 
 
-def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | None) -> dict[str, Any]:
-    """A map as a world, with what can be asked of it: its format, and how many problems its scenario has."""
+def _imported(
+    place: Path, wanted: _Wanted, scenario: Path | None, row: int | None
+) -> dict[str, Any]:
+    """A map as a world, with what can be asked of it.
+
+    Its format, and how many problems its scenario has.
+    """
     if wanted.row and scenario is None:
         raise InvalidParameter(
-            "no-scenario", "a row is one of a scenario", "bring the .scen file together with its map"
+            "no-scenario",
+            "a row is one of a scenario",
+            "bring the .scen file together with its map",
         )
     used = scenario if row else None
-    robot = RobotOptions(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
+    robot = ImportedRobot(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
     imported = import_world(place, robot, name=wanted.format, options=wanted.options)
     if imported.withheld:
         raise FormatError(
@@ -206,12 +249,15 @@ def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | No
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
     told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()
     said = {"format": known, "rows": rows, "row": row if used is not None else None}
-    notes = [note_in_words(words) for words in (*told, *imported.notes, *imported.warnings)]
+    notes = [describe_note(words) for words in (*told, *imported.notes, *imported.warnings)]
     return opened_message(imported.world) | said | {"notes": notes}
 
 
 def _rows_of(scenario: Path) -> int:
-    """How many problems a scenario has; none where it is faulty, which is said when one is asked for."""
+    """How many problems a scenario has.
+
+    None where it is faulty, which is said when one is asked for.
+    """
     with contextlib.suppress(FormatError):
         return scenario_contents(scenario)[1]
     return 0

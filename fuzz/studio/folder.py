@@ -20,7 +20,10 @@ from worldgen.support.plain_text import shown
 __all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder"]
 
 KNOWN = "known"
-"""The folder, in the opened one, of failures that are marked as known: the baseline of campaigns begun here."""
+"""The folder, in the opened one, of failures that are marked as known.
+
+The baseline of campaigns begun here.
+"""
 
 _MEMORY = ".campaign"  # in a campaign's folder, what it remembers
 MOST_FILES = 2_000  # that are listed; more than anybody scrolls through
@@ -49,11 +52,17 @@ class Folder:
             name: Relative to the folder, with ``/`` between its parts.
 
         Raises:
-            InvalidParameter: If it is no such name, is hidden, leads out of the folder, through links too, or if a pipe
-                or device is there.
+            InvalidParameter: If it is no such name, is hidden, leads out of the folder, through
+                links too, or if a pipe or device is there.
         """
         parts = name.split("/")
-        if not name or len(name) > _LONGEST or not name.isprintable() or "\\" in name or ":" in name:
+        if (
+            not name
+            or len(name) > _LONGEST
+            or not name.isprintable()
+            or "\\" in name
+            or ":" in name
+        ):
             raise InvalidParameter(
                 "not-a-file-name",
                 "{name!r} is no name of a file in the opened folder",
@@ -101,7 +110,9 @@ class Folder:
         return refusal(error, self.root)
 
     def place_of_map(self, name: str) -> Path:
-        """The path of a name beside which no link of the same stem leads out: formats read other files there.
+        """The path of a name beside which no link of the same stem leads out.
+
+        Formats read other files there.
 
         Raises:
             InvalidParameter: As ``place`` does; also if such a link is there.
@@ -118,8 +129,12 @@ class Folder:
                     )
         return place
 
-    def files(self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES) -> list[dict[str, Any]]:
-        """What there is to open: worlds and files with such endings, none hidden; what campaigns have found comes last.
+    def files(
+        self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES
+    ) -> list[dict[str, Any]]:
+        """What there is to open: worlds and files with such endings, none hidden.
+
+        What campaigns have found comes last.
 
         Args:
             endings: Of files that are no worlds.
@@ -127,8 +142,12 @@ class Folder:
             most: How many of them, the first.
         """
         walked = self._walk(self.place(below) if below else self.root, 0, 2 * most, False)
-        known = (entry for entry in walked if entry["world"] or entry["name"].lower().endswith(endings))
-        return sorted(known, key=lambda entry: (entry["found"], entry["name"].count("/"), entry["name"]))[:most]
+        known = (
+            entry for entry in walked if entry["world"] or entry["name"].lower().endswith(endings)
+        )
+        return sorted(
+            known, key=lambda entry: (entry["found"], entry["name"].count("/"), entry["name"])
+        )[:most]
 
     def archives(self) -> list[str]:
         """The archives in it and below, by name, which may hold worlds."""
@@ -153,7 +172,9 @@ class Folder:
             entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
         except OSError:  # not ours to read
             return
-        found = found or folder == self.root / KNOWN or any(entry.name == _MEMORY for entry in entries)
+        found = (
+            found or folder == self.root / KNOWN or any(entry.name == _MEMORY for entry in entries)
+        )
         for entry in entries[:most]:
             if entry.name.startswith(".") or entry.is_symlink() or not entry.name.isprintable():
                 continue
@@ -165,4 +186,9 @@ class Folder:
                 yield from self._walk(Path(entry.path), depth + 1, most, found)
             elif stat.S_ISREG(facts.st_mode):
                 name = Path(entry.path).relative_to(self.root).as_posix()
-                yield {"name": name, "bytes": facts.st_size, "world": is_world_file(entry.name), "found": found}
+                yield {
+                    "name": name,
+                    "bytes": facts.st_size,
+                    "world": is_world_file(entry.name),
+                    "found": found,
+                }

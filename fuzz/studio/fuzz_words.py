@@ -1,6 +1,7 @@
-"""What the campaign page asks for, as words of ``worldgen fuzz``: the ones that are run, and the ones that are copied.
+"""What the campaign page asks for, as words of ``worldgen fuzz``.
 
-Nothing that is code of a file, or lies outside of the opened folder, gets into them unless it was named at the start.
+The ones that are run, and the ones that are copied. Nothing that is code of a file, or lies outside
+of the opened folder, gets into them unless it was named at the start.
 """
 
 from __future__ import annotations
@@ -29,7 +30,16 @@ from worldgen.files.whole import read_text
 from worldgen.files.worlds import files_in
 from worldgen.parameters import Parameter
 
-__all__ = ["baseline", "begun", "budget", "check_lanes", "check_oracles", "command_line", "options", "workers"]
+__all__ = [
+    "baseline",
+    "begun",
+    "budget",
+    "check_lanes",
+    "check_oracles",
+    "command_line",
+    "options",
+    "workers",
+]
 
 Message = Mapping[str, Any]
 
@@ -57,7 +67,9 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
         checked["database"] = str(folder.place(part_of(message, "database", str)))
     words = []
     for option in CampaignOptions.declared():
-        value = checked.get(option.name, None if option.name == "world" else message.get(option.name))
+        value = checked.get(
+            option.name, None if option.name == "world" else message.get(option.name)
+        )
         if value is not None:
             words += _words(option, option.accept(value, "campaign"))
     return [*words, f"--seed={_seed(message)}"] if message.get("seed") is not None else words
@@ -94,21 +106,31 @@ def budget(message: Message, *, needed: bool) -> list[str]:
 
 def workers(message: Message) -> list[str]:
     """By how many processes."""
-    return [] if message.get("workers") is None else [f"--workers={_whole(message, 'workers', MOST_WORKERS)}"]
+    return (
+        []
+        if message.get("workers") is None
+        else [f"--workers={_whole(message, 'workers', MOST_WORKERS)}"]
+    )
 
 
 def baseline(message: Message, folder: Folder) -> list[str]:
     """What is known: the folder of known failures if it is wanted and there is one, and other folders."""
     known = folder.place(KNOWN)
     wanted = message.get("known") is True and known.is_dir() and bool(files_in(known))
-    places = [*([known] if wanted else []), *(folder.place(name) for name in _texts(message, "baseline"))]
+    places = [
+        *([known] if wanted else []),
+        *(folder.place(name) for name in _texts(message, "baseline")),
+    ]
     for place in places:
         _check_baseline(place, place.relative_to(folder.root).as_posix())
     return [f"--baseline={place}" for place in places]
 
 
 def _check_baseline(place: Path, name: str) -> None:
-    """Refuses failures that lie elsewhere, and those whose oracles are code of files: they would be asked again."""
+    """Refuses failures that lie elsewhere, and those whose oracles are code of files.
+
+    They would be asked again.
+    """
     if not place.is_dir():
         raise InvalidParameter(
             "wrong-kind-of-file",
@@ -119,7 +141,11 @@ def _check_baseline(place: Path, name: str) -> None:
     for file in files_in(place):
         if file.is_symlink():
             raise InvalidParameter(
-                "is-a-link", "{name}/ holds a link, {file}", "copy the file into it", name=name, file=file.name
+                "is-a-link",
+                "{name}/ holds a link, {file}",
+                "copy the file into it",
+                name=name,
+                file=file.name,
             )
     for entry in read_corpus([place]).entries:
         oracle = Failure.read(entry.path).oracle
@@ -142,16 +168,21 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
     drawn = message.get("world")
     if drawn is not None:
         place = folder.place(str(message.get("world_name") or "-"))
-        if not place.is_file() or read_text(place) != part_of({"world": drawn}, "world", dict).get("source"):
+        if not place.is_file() or read_text(place) != part_of({"world": drawn}, "world", dict).get(
+            "source"
+        ):
             raise InvalidParameter(
-                "not-saved", "the drawn map is in no file yet, and the line has to name one", "save it first"
+                "not-saved",
+                "the drawn map is in no file yet, and the line has to name one",
+                "save it first",
             )
         words = [*words, f"--world={place}"]
     said: list[str] = []
     for word in (*words, f"--out={out}"):
         option, equals, value = word.partition("=")
         said += [option, value] if equals and not value.startswith("-") else [word]
-    line, controller = shlex.join(["worldgen", "fuzz", *said]), part_of(message, "controller", str)
+    line = shlex.join(["worldgen", "fuzz", *said])
+    controller = part_of(message, "controller", str)
     return from_anywhere(line, controller, CONTROLLERS.names())
 
 
@@ -170,7 +201,10 @@ def _plain(default: object) -> object:
 def check_lanes(names: object) -> list[str]:
     """Lanes and families that are registered: others are code of files."""
     offered = (*OWN_LANES, *FAMILIES.names())
-    return [_one_of({"lanes": one}, "lanes", offered) for one in part_of({"lanes": names}, "lanes", list)]
+    return [
+        _one_of({"lanes": one}, "lanes", offered)
+        for one in part_of({"lanes": names}, "lanes", list)
+    ]
 
 
 def check_oracles(texts: object) -> list[str]:
@@ -201,7 +235,11 @@ def _one_of(message: Message, name: str, offered: Iterable[str]) -> str:
 
 
 def _texts(message: Message, name: str) -> list[str]:
-    return [part_of({name: one}, name, str) for one in part_of(message, name, list)] if name in message else []
+    return (
+        [part_of({name: one}, name, str) for one in part_of(message, name, list)]
+        if name in message
+        else []
+    )
 
 
 def _seed(message: Message) -> str:
@@ -209,7 +247,10 @@ def _seed(message: Message) -> str:
     seed: str = part_of(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
         raise InvalidParameter(
-            "not-a-seed", "seed={seed!r} is no whole number from 0 to 2**64 - 1", "give one", seed=seed[:40]
+            "not-a-seed",
+            "seed={seed!r} is no whole number from 0 to 2**64 - 1",
+            "give one",
+            seed=seed[:40],
         )
     return seed
 

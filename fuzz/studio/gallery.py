@@ -1,4 +1,7 @@
-"""Failures as the campaign page shows them: a wall of small pictures, with the lines and tests that show them again."""
+"""Failures as the campaign page shows them.
+
+A wall of small pictures, with the lines and tests that show them again.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,11 @@ from itertools import islice
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from fuzz.boundary import boundaries_in_words
+from fuzz.boundary import describe_boundaries
 from fuzz.corpus import read_corpus
-from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.entry import CorpusEntry, Facts
 from fuzz.corpus.names import name_of
-from fuzz.describe import seeds_in_words
+from fuzz.describe import describe_seeds
 from fuzz.failure import Failure, regardless_of_walls
 from fuzz.player import drawn_run, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
@@ -22,7 +25,7 @@ from fuzz.studio.opened import Opened
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_record, check_registered
 from sim.controllers import CONTROLLERS
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.episode import simulate
 from sim.motion import MOTIONS
 from worldgen import errors
@@ -47,7 +50,9 @@ Part = Callable[[dict[str, Any]], None]
 class WallAnswers(Opened):
     """What the campaign page asks for, as far as failures are concerned."""
 
-    _read: dict[tuple[str, int, int], Entry | None] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def failures(self, message: Message, part: Part) -> dict[str, Any]:
         """The failures in a folder and below; what cannot be read is told, not raised."""
@@ -60,7 +65,9 @@ class WallAnswers(Opened):
         faults: list[dict[str, Any]] = []
         place = self.folder.place(below) if below else self.folder.root
         packed = is_archive(place) and place.is_file()
-        entries = self._packed(place, faults, part) if packed else self._entries(below, faults, part)
+        entries = (
+            self._packed(place, faults, part) if packed else self._entries(below, faults, part)
+        )
         return {
             "failures": [
                 {
@@ -87,10 +94,17 @@ class WallAnswers(Opened):
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
         failure = Failure.of(world)
-        told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None, "error": None}
+        told: dict[str, Any] = {
+            "world": drawn_world(world),
+            "run": None,
+            "sensors": None,
+            "error": None,
+        }
         told |= {
-            "replay": from_anywhere(failure.replay_command(path), failure.record.controller, CONTROLLERS.names()),
-            "notes": [*filter(None, (seeds_in_words(failure), boundaries_in_words(failure)))],
+            "replay": from_anywhere(
+                failure.replay_command(path), failure.record.controller, CONTROLLERS.names()
+            ),
+            "notes": [*filter(None, (describe_seeds(failure), describe_boundaries(failure)))],
         }
         try:
             return told | self._seen(failure)
@@ -108,7 +122,9 @@ class WallAnswers(Opened):
         path = self.folder.place(part_of(message, "name", str))
         failure = Failure.found_in(read_world(path))
         if failure is None:
-            raise InvalidParameter("no-failure", "{name} holds no failure", "mark one that does", name=path.name)
+            raise InvalidParameter(
+                "no-failure", "{name} holds no failure", "mark one that does", name=path.name
+            )
         facts = Facts.of(failure, path.name)
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
@@ -132,11 +148,12 @@ class WallAnswers(Opened):
     def _seen(self, failure: Failure) -> dict[str, Any]:
         """The run of a failure, as long as a picture has use for."""
         check_record(failure.record, self.named)
-        world, who = failure.world, failure.record.controller
+        world = failure.world
+        who = failure.record.controller
         options = replace(failure.options, steps=min(failure.options.steps, _MOST_STEPS))
         judged = shown = simulate(world, who, options, record=True)
         controller = CONTROLLERS.get(who)
-        words = f"{judged.verdict}{evidence_in_words(judged)}"
+        words = f"{judged.verdict}{describe_evidence(judged)}"
         if failure.is_breach:
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
@@ -146,9 +163,11 @@ class WallAnswers(Opened):
             "words": words + failure.violation.in_words,
         }
 
-    def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
+    def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
         """The failures of a folder's files, read once; links are passed over."""
-        files = [file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]]
+        files = [
+            file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]
+        ]
         if len(files) == MOST_FAILURES:
             faults.append(self.folder.refusal(_too_many("choose a folder below")))
         found = []
@@ -166,11 +185,16 @@ class WallAnswers(Opened):
                 found.append(entry)
         return found
 
-    def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
-        """The failures in an archive, under its name and then their own; those that have no name there are told."""
-        found: list[Entry] = []
+    def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
+        """The failures in an archive, under its name and then their own.
+
+        Those that have no name there are told.
+        """
+        found: list[CorpusEntry] = []
         there = archive.relative_to(self.folder.root).as_posix()
-        packed = (one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name))
+        packed = (
+            one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name)
+        )
         try:
             for number, member in enumerate(islice(packed, MOST_FAILURES + 1)):
                 if number == MOST_FAILURES:
@@ -179,19 +203,21 @@ class WallAnswers(Opened):
                 if number % _TOLD == _TOLD - 1:
                     part({"read": number + 1, "of": None})
                 try:
-                    name = PurePosixPath(member.name).as_posix()  # any text, one that begins with / too
+                    name = PurePosixPath(
+                        member.name
+                    ).as_posix()  # any text, one that begins with / too
                     place = self.folder.place(f"{there}/{name}")
                     facts = Facts.in_world(unpack_world(member, str(place)), str(place))
                 except WorldgenError as error:
                     faults.append(self.folder.refusal(error))
                     continue
                 if facts is not None:
-                    found.append(Entry(place, facts))
+                    found.append(CorpusEntry(place, facts))
         except FormatError as error:  # of the archive; what was read until there is sound
             faults.append(self.folder.refusal(error))
         return found
 
-    def _entry(self, path: Path) -> Entry | None:
+    def _entry(self, path: Path) -> CorpusEntry | None:
         facts = path.stat()
         key = (str(path), facts.st_mtime_ns, facts.st_size)
         if key not in self._read:
@@ -207,5 +233,8 @@ def _too_many(remedy: str, archive: str = "") -> errors.Message:
 
 
 def _is_hidden(name: str) -> bool:
-    """Whether it is none of a person's files: a campaign's memory, or what macOS packs beside each file."""
+    """Whether it is none of a person's files.
+
+    A campaign's memory, or what macOS packs beside each file.
+    """
     return any(part.startswith(".") and part != ".." for part in PurePosixPath(name).parts)

@@ -1,10 +1,12 @@
 """Who is let in: the browser that was given the token, from the page of this very server, and nobody else.
 
-A page of another site can make a browser send requests here, and can make its own name lead to this machine (DNS
-rebinding). So every request must say a host that is this server's, a request of a page must come from this server's own
-page, and all but the first must bring the cookie that only the token gives. Cookies know no ports: a browser shows ours
-to any other server of this machine that it visits. So the cookie opens the page's parts alone, which are no secret, and
-the connection needs the token itself, which the page keeps where only pages of this very port can read it.
+A page of another site can make a browser send requests here, and can make its own name lead to this
+machine (DNS rebinding). So every request must say a host that is this server's, a request of a page
+must come from this server's own page, and all but the first must bring the cookie that only the
+token gives. Cookies know no ports: a browser shows ours to any other server of this machine that it
+    visits. So the cookie opens the page's parts alone, which are no secret, and
+the connection needs the token itself, which the page keeps where only pages of this very port can
+read it.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ _IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")
 _UNSAID = 80  # the port that browsers leave out
 _REFUSED = (
-    "This is a worldgen studio, and it does not know you.\n\nOpen the whole address that `worldgen studio` has "
+    "This is a worldgen studio, and it does not know you.\n\nOpen the whole address that `worldgen "
+    "studio` has "
     "printed, with its token. After a new start of the studio that is a new one.\n"
 )
 
@@ -69,7 +72,10 @@ class Gate:
         return f"{self._place}/?token={self.token}"
 
     def address_for_once(self) -> str:
-        """An address that leads to the other, once: the arguments of a browser's process are everybody's to read."""
+        """An address that leads to the other, once.
+
+        The arguments of a browser's process are everybody's to read.
+        """
         ticket = secrets.token_urlsafe(32)
         self._tickets.add(ticket)
         return f"{self._place}/?ticket={ticket}"
@@ -83,7 +89,13 @@ class Gate:
 
     @property
     def _place(self) -> str:
-        host = "127.0.0.1" if self.host in _ANY else f"[{self.host}]" if ":" in self.host else self.host
+        host = (
+            "127.0.0.1"
+            if self.host in _ANY
+            else f"[{self.host}]"
+            if ":" in self.host
+            else self.host
+        )
         return f"http://{host}:{self.port}"
 
     def knows_host(self, said: str) -> bool:
@@ -114,7 +126,10 @@ class Gate:
         return self.cookie in jar and _are_same(jar[self.cookie].value, self.cookie_value)
 
     def has_token(self, headers: Headers) -> bool:
-        """Whether a WebSocket brings the token, as the second of the subprotocols that it offers."""
+        """Whether a WebSocket brings the token.
+
+        As the second of the subprotocols that it offers.
+        """
         offered = [name.strip() for name in headers.get("sec-websocket-protocol", "").split(",")]
         return len(offered) == 2 and offered[0] == SUBPROTOCOL and self.is_token(offered[1])
 
@@ -125,11 +140,14 @@ class Gate:
     def headers(self, said_host: str) -> dict[str, str]:
         """Return what every answer tells the browser.
 
-        No script or style comes from other hosts, and none is in the page's text but the import map.
+        No script or style comes from other hosts, and none is in the page's text but the import
+        map.
         """
         policy = (
-            f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src 'self' data: blob:; "
-            f"connect-src 'self' ws://{said_host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+            f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src "
+            f"'self' data: blob:; "
+            f"connect-src 'self' ws://{said_host}; base-uri 'none'; form-action 'none'; "
+            f"frame-ancestors 'none'"
         )
         return {
             "content-security-policy": policy,
@@ -158,7 +176,8 @@ class Guarded:
     """An application behind a gate."""
 
     def __init__(self, app: ASGIApp, gate: Gate) -> None:
-        self.app, self.gate = app, gate
+        self.app = app
+        self.gate = gate
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Lets a request through, or refuses it."""
@@ -176,13 +195,17 @@ class Guarded:
                     answer[name] = value
                 if gives_cookie:
                     given = f"{self.gate.cookie}={self.gate.cookie_value}"
-                    answer["set-cookie"] = f"{given}; Path=/; HttpOnly; SameSite=Strict; Max-Age=2592000"
+                    answer["set-cookie"] = (
+                        f"{given}; Path=/; HttpOnly; SameSite=Strict; Max-Age=2592000"
+                    )
             await send(message)
 
         if status == 200:
             await self.app(scope, receive, sent)
         elif status == 303:
-            await RedirectResponse(self.gate.address, status, {"cache-control": "no-store"})(scope, receive, send)
+            await RedirectResponse(self.gate.address, status, {"cache-control": "no-store"})(
+                scope, receive, send
+            )
         elif socket_opens:
             await send({"type": "websocket.close", "code": 1008, "reason": "not let in"})
         else:
@@ -195,13 +218,18 @@ class Guarded:
             return 421, False
         if scope["type"] == "websocket":
             fine = "origin" in headers and gate.is_ours(headers)
-            return (200 if fine and gate.has_cookie(headers) and gate.has_token(headers) else 403), False
+            return (
+                200 if fine and gate.has_cookie(headers) and gate.has_token(headers) else 403
+            ), False
         if scope["method"] not in ("GET", "HEAD"):
             return 405, False
         asked = QueryParams(scope["query_string"])
-        token, ticket = asked.get("token"), asked.get("ticket")
+        token = asked.get("token")
+        ticket = asked.get("ticket")
         if scope["path"] == "/" and ticket is not None:
             return (303 if gate.takes_ticket(ticket) else 403), False
-        if scope["path"] == "/" and token is not None:  # opened by hand, or by a link in a terminal's page
+        if (
+            scope["path"] == "/" and token is not None
+        ):  # opened by hand, or by a link in a terminal's page
             return (200, True) if gate.is_token(token) else (403, False)
         return (200 if gate.is_ours(headers) and gate.has_cookie(headers) else 403), False

@@ -1,6 +1,7 @@
-"""How much the studio takes, in one place: the server refuses what is more, and its first message tells the page.
+"""How much the studio takes, in one place.
 
-So the page holds no copy of these numbers, and its fields say at once what the server would refuse.
+The server refuses what is more, and its first message tells the page. So the page holds no copy of
+these numbers, and its fields say at once what the server would refuse.
 """
 
 from __future__ import annotations

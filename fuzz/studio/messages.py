@@ -38,7 +38,10 @@ _SOURCE_LIMIT = 8 << 20  # characters of the text of a file, which the page keep
 
 
 class EventsMessage(TypedDict):
-    """Changes of cells, in columns: s, column, row from the lowest, and 0 free, 1 solid or 2 burning."""
+    """Changes of cells, in columns.
+
+    S, column, row from the lowest, and 0 free, 1 solid or 2 burning.
+    """
 
     times: list[float]
     ix: list[int]
@@ -47,9 +50,10 @@ class EventsMessage(TypedDict):
 
 
 class WorldMessage(TypedDict):
-    """A world without its proof: lengths in m, ``cells`` as bits in base64, row by row from the lowest y.
+    """A world without its proof.
 
-    ``source`` is the text of the file that it was opened from, or null: a world that is the same still is written with
+    Lengths in m, ``cells`` as bits in base64, row by row from the lowest y. ``source`` is the text
+        of the file that it was opened from, or null: a world that is the same still is written with
     that file's proof, provenance and failure.
     """
 
@@ -69,13 +73,15 @@ def message_of(world: World) -> WorldMessage:
     """A world as the page edits it.
 
     Raises:
-        InvalidWorld: If it has more cells, or of another size, or changes more often, than a page takes.
+        InvalidWorld: If it has more cells, or of another size, or changes more often, than a page
+            takes.
     """
     least, largest = LENGTHS
     if not least <= world.cell_size <= largest:
         raise InvalidWorld(
             "out-of-range",
-            "cell_size={cell_size:g} m: the studio draws cells of {least} to {largest} m; worldgen show draws others",
+            "cell_size={cell_size:g} m: the studio draws cells of {least} to {largest} m; worldgen "
+            "show draws others",
             cell_size=world.cell_size,
             least=least,
             largest=largest,
@@ -122,7 +128,9 @@ def opened_message(world: World) -> dict[str, Any]:
     failure = Failure.found_in(world)
     return {
         "world": message_of(world),
-        "made": None if made is None else f"{made.family}, version {made.version}, seed {made.seed}",
+        "made": None
+        if made is None
+        else f"{made.family}, version {made.version}, seed {made.seed}",
         "failure": None
         if failure is None
         else {
@@ -166,7 +174,9 @@ def world_of(message: Mapping[str, Any]) -> World:
 
 
 def restored(message: Mapping[str, Any]) -> World:
-    """The world that a message holds; with proof, provenance and failure of its file where it is still the same.
+    """The world that a message holds.
+
+    With proof, provenance and failure of its file where it is still the same.
 
     Raises:
         InvalidParameter: If a part of the message is missing or of another kind.
@@ -183,7 +193,10 @@ def restored(message: Mapping[str, Any]) -> World:
 
 def is_same_place(one: World, other: World) -> bool:
     """Whether two worlds differ in nothing but proof, provenance and failure."""
-    bare = (dataclasses.replace(world, certificate=None, provenance=None, failure=None) for world in (one, other))
+    bare = (
+        dataclasses.replace(world, certificate=None, provenance=None, failure=None)
+        for world in (one, other)
+    )
     return next(bare) == next(bare)
 
 
@@ -216,7 +229,10 @@ def seed_of(message: Mapping[str, Any]) -> int:
     seed: str = field(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) < 1 << 64):
         raise InvalidParameter(
-            "not-a-seed", "seed={seed!r} is no whole number from 0 to 2**64 - 1", "give one", seed=seed[:40]
+            "not-a-seed",
+            "seed={seed!r} is no whole number from 0 to 2**64 - 1",
+            "give one",
+            seed=seed[:40],
         )
     return int(seed)
 
@@ -238,26 +254,48 @@ def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
     try:
         data = np.frombuffer(base64.b64decode(text, validate=True), np.uint8)
     except (binascii.Error, ValueError) as error:
-        raise InvalidParameter("not-base64", "the message's cells are no base64", "send the cells' bits") from error
+        raise InvalidParameter(
+            "not-base64", "the message's cells are no base64", "send the cells' bits"
+        ) from error
     if len(data) != -(-width * height // 8):
         raise InvalidParameter(
-            "wrong-count", "the message's cells have {count} bytes", "send one bit for each cell", count=len(data)
+            "wrong-count",
+            "the message's cells have {count} bytes",
+            "send one bit for each cell",
+            count=len(data),
         )
-    return np.unpackbits(data, count=width * height, bitorder="little").astype(np.bool_).reshape(height, width)
+    return (
+        np.unpackbits(data, count=width * height, bitorder="little")
+        .astype(np.bool_)
+        .reshape(height, width)
+    )
 
 
 def _timeline(events: object) -> Timeline:
     if not isinstance(events, dict):
-        raise InvalidParameter("wrong-type", "the message's events are no table", "send times, ix, iy and state")
-    columns: list[Sequence[Any]] = [field(events, name, list) for name in ("times", "ix", "iy", "state")]
+        raise InvalidParameter(
+            "wrong-type", "the message's events are no table", "send times, ix, iy and state"
+        )
+    columns: list[Sequence[Any]] = [
+        field(events, name, list) for name in ("times", "ix", "iy", "state")
+    ]
     if len({len(column) for column in columns}) != 1 or len(columns[0]) > _MOST_EVENTS:
         raise InvalidParameter(
-            "wrong-count", "the message's events are not columns of one length up to {most}", most=_MOST_EVENTS
+            "wrong-count",
+            "the message's events are not columns of one length up to {most}",
+            most=_MOST_EVENTS,
         )
     times = [field({"times": value}, "times", float) for value in columns[0]]
-    ix, iy, state = ([field({"events": value}, "events", int) for value in column] for column in columns[1:])
-    if any(not 0 <= value <= 2 for value in state) or any(abs(value) > 1 << 20 for value in (*ix, *iy)):
+    ix, iy, state = (
+        [field({"events": value}, "events", int) for value in column] for column in columns[1:]
+    )
+    if any(not 0 <= value <= 2 for value in state) or any(
+        abs(value) > 1 << 20 for value in (*ix, *iy)
+    ):
         raise InvalidParameter(
-            "out-of-range", "the message's events hold a state other than 0, 1 and 2, or a cell far outside"
+            "out-of-range",
+            "the message's events hold a state other than 0, 1 and 2, or a cell far outside",
         )
-    return Timeline(np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8))
+    return Timeline(
+        np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8)
+    )

@@ -1,4 +1,7 @@
-"""What every part of the answers is made of: the opened folder, and the controllers that may run."""
+"""What every part of the answers is made of.
+
+The opened folder, and the controllers that may run.
+"""
 
 from __future__ import annotations
 

@@ -9,7 +9,9 @@ __all__ = ["from_anywhere"]
 
 
 def from_anywhere(line: str, code: str, registered: list[str]) -> str:
-    """A line that needs code; that of a file may be named as seen from the folder in which the studio was started.
+    """A line that needs code.
+
+    That of a file may be named as seen from the folder in which the studio was started.
 
     Args:
         line: The command, in a shell's words.

@@ -1,4 +1,7 @@
-"""Processes beside the server: they ignore Ctrl-C, give way to the page, and end with the server, however it ends."""
+"""Processes beside the server.
+
+They ignore Ctrl-C, give way to the page, and end with the server, however it ends.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""Errors as the page gets them: their code and facts, the problem in words, and a way out that the page has.
+"""Errors as the page gets them.
 
-The library's remedies are for the command line's users. What they do by options is done on the page with fields and
+Their code and facts, the problem in words, and a way out that the page has. The library's remedies
+are for the command line's users. What they do by options is done on the page with fields and
 buttons, so the page has remedies of its own, by the error's code.
 """
 
@@ -16,7 +17,7 @@ from typing import Any
 from worldgen.errors import FormatError, Message, Note, WorldgenError
 from worldgen.support.plain_text import quote
 
-__all__ = ["IMPORT_OPTIONS", "REMEDIES", "hide", "note_in_words", "our_fault", "refusal"]
+__all__ = ["IMPORT_OPTIONS", "REMEDIES", "describe_note", "hide", "our_fault", "refusal"]
 
 _ANOTHER_FOLDER = "name another folder"
 
@@ -24,7 +25,8 @@ REMEDIES: Mapping[str, str] = {
     "ambiguous-format": "say which in Options of the import",
     "another-campaign": f"choose it above and go on, or {_ANOTHER_FOLDER}",
     "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
-    "first-steps-too-slow": "give more seconds, or run it as a program, whose steps have a deadline",
+    "first-steps-too-slow": "give more seconds, or run it as a program, whose steps have a "
+    "deadline",
     "file-exists": "overwrite it, or give another name",
     "folder-holds-worlds": _ANOTHER_FOLDER,
     "invalid-campaign": _ANOTHER_FOLDER,
@@ -40,7 +42,8 @@ REMEDIES: Mapping[str, str] = {
     "not-a-micromouse-maze": "Generate makes mazes of any size",
     "no-failure": "open it on the page Play, and choose a controller there",
     "not-native": "take the motion model swept or endpoint",
-    "only-written": "give the file that it was made from, or say in Options of the import what else it is",
+    "only-written": "give the file that it was made from, or say in Options of the import what "
+    "else it is",
     "option-without-effect": "take the motion model {where}, or leave it out",
     "run-too-long": "give fewer steps",
     "scenario-beside-used": "Seed of places looks for other places",
@@ -52,12 +55,18 @@ REMEDIES: Mapping[str, str] = {
     "too-many-digits": "give the origin 0,0 under Options of the format",
     "too-slow": "give more seconds, or smaller worlds",
     "unknown-format": "Options of the import lists those that are; if it is one, say which there",
-    "world-changes": "give the time 0 under Options of the format for the cells at that time, or another format",
+    "world-changes": "give the time 0 under Options of the format for the cells at that time, or "
+    "another format",
     "wrong-suffix": "end it in .png, or write a .yaml with a .pgm by exporting as ros",
 }
-"""By code, the page's way out in place of one that needs a terminal; a template that the error's facts fill."""
+"""By code, the page's way out in place of one that needs a terminal.
 
-IMPORT_OPTIONS = frozenset({"ambiguous-format", "ambiguous-layer", "layer-missing", "only-written", "unknown-format"})
+A template that the error's facts fill.
+"""
+
+IMPORT_OPTIONS = frozenset(
+    {"ambiguous-format", "ambiguous-layer", "layer-missing", "only-written", "unknown-format"}
+)
 """Codes whose way out is in the options of the import, which the page then opens."""
 
 _FIELDS = {"--vary": "Vary"}  # facts that name an option, as the page calls the field
@@ -89,12 +98,14 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
     }
 
 
-def note_in_words(note: str) -> str:
+def describe_note(note: str) -> str:
     """Return a note of an import or an export with a way out that the page has."""
     if not isinstance(note, Note):
         return note
     told = refusal(note.message)
-    return "; ".join(filter(None, (told["problem"], told["remedy"]))) + (" (at a terminal)" if told["terminal"] else "")
+    return "; ".join(filter(None, (told["problem"], told["remedy"]))) + (
+        " (at a terminal)" if told["terminal"] else ""
+    )
 
 
 def our_fault(error: Exception) -> Message:
@@ -108,7 +119,10 @@ def our_fault(error: Exception) -> Message:
 
 
 def hide(message: Message, folder: Path | None) -> Message:
-    """Return a message whose facts have no path of a folder: what is in it goes by its name there."""
+    """Return a message whose facts have no path of a folder.
+
+    What is in it goes by its name there.
+    """
     facts = {name: _hidden(value, folder) for name, value in message.facts.items()}
     if "option" in facts:
         facts["option"] = _FIELDS.get(facts["option"], facts["option"])

@@ -1,4 +1,7 @@
-"""What the page may run: registered controllers and those named at the start, in registered motion models."""
+"""What the page may run.
+
+Registered controllers and those named at the start, in registered motion models.
+"""
 
 from __future__ import annotations
 
@@ -36,10 +39,13 @@ def may_run(controller: str, named: Sequence[str]) -> bool:
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:
-    """Refuses to run a failure that needs the code of a file, which may come from anywhere; before any of it is loaded.
+    """Refuses to run a failure that needs the code of a file, which may come from anywhere.
+
+    Before any of it is loaded.
 
     Raises:
-        InvalidParameter: If its controller was not named at the start, or its motion model is not registered.
+        InvalidParameter: If its controller was not named at the start, or its motion model is not
+            registered.
     """
     if not may_run(record.controller, named):
         raise InvalidParameter(
@@ -59,7 +65,9 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
 
 
 def check_named(label: object, named: Sequence[str]) -> None:
-    """Refuses a controller that the page may not run; with options of its own, ``NAME+option=value``, it may.
+    """Refuses a controller that the page may not run.
+
+    With options of its own, ``NAME+option=value``, it may.
 
     Raises:
         InvalidParameter: If it is neither registered nor named at the start.
@@ -86,7 +94,11 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
     """
     if name not in offered:
         raise InvalidParameter(
-            "not-registered", "{kind} {name!r} is not registered", "choose one of the list", kind=what, name=name[:40]
+            "not-registered",
+            "{kind} {name!r} is not registered",
+            "choose one of the list",
+            kind=what,
+            name=name[:40],
         )
 
 

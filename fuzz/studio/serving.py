@@ -18,14 +18,18 @@ __all__ = ["USUAL_PORT", "bind", "called", "serve"]
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """A socket at a port; 0 is any that is free. Where none is named, the studio's usual one, or any that is free.
+    """A socket at a port; 0 is any that is free.
+
+    Where none is named, the studio's usual one, or any that is free.
 
     Raises:
         InvalidParameter: If the host is not this machine's, or the port is taken.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     for number in (USUAL_PORT, 0) if port is None else (port,):
-        listener = socket.socket(family, socket.SOCK_STREAM)  # one that is bound cannot be bound again
+        listener = socket.socket(
+            family, socket.SOCK_STREAM
+        )  # one that is bound cannot be bound again
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((host, number))
@@ -34,7 +38,11 @@ def bind(host: str, port: int | None) -> socket.socket:
             fault = _fault(host, number, error)
         except (TypeError, UnicodeError):  # Python's, of a name that no host can have
             fault = Message(
-                "not-a-host", "no host can be called {host!r}", "give another --host", at_terminal=True, host=host
+                "not-a-host",
+                "no host can be called {host!r}",
+                "give another --host",
+                at_terminal=True,
+                host=host,
             )
         else:
             return listener
@@ -72,7 +80,12 @@ def _fault(host: str, port: int, error: OSError) -> Message:
         )
     reason = error.strerror or str(error)
     return Message(
-        "cannot-listen", "{host}: {reason}", "give another --host or --port", at_terminal=True, host=host, reason=reason
+        "cannot-listen",
+        "{host}: {reason}",
+        "give another --host or --port",
+        at_terminal=True,
+        host=host,
+        reason=reason,
     )
 
 
@@ -89,7 +102,9 @@ USUAL_PORT = 8642
 """Where the page finds the server again, and what it kept of a drawing, after a new start."""
 
 
-def serve(studio: Studio, listener: socket.socket, *, browse: bool, said: Callable[[str], None]) -> None:
+def serve(
+    studio: Studio, listener: socket.socket, *, browse: bool, said: Callable[[str], None]
+) -> None:
     """Serves until Ctrl-C.
 
     Args:

@@ -1,4 +1,7 @@
-"""One page's connection: questions come in, answers and their parts go out; a newer question replaces an older one."""
+"""One page's connection: questions come in, answers and their parts go out.
+
+A newer question replaces an older one.
+"""
 
 from __future__ import annotations
 
@@ -14,21 +17,32 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.watching import Watching
-from fuzz.studio.workers import LANES, Ended, Lane
+from fuzz.studio.workers import LANES, Ended, Worker
 from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]
 
 PROTOCOL = 2  # goes up whenever a page of before would not understand
-_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})  # only the newest counts
-_ENDED = _REPLACED | {"before", "hello", "look", "picture"}  # what runs controllers or takes long, and writes nothing
-_PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
+_REPLACED = frozenset(
+    {"decide", "widest", "signal", "generate", "measure", "run", "watch"}
+)  # only the newest counts
+_ENDED = _REPLACED | {
+    "before",
+    "hello",
+    "look",
+    "picture",
+}  # what runs controllers or takes long, and writes nothing
+_PATIENCE = (
+    0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
+)
 _WARM = {"campaigns": ("walls", "looks")}  # lanes that are asked next by a page that asks for that
 _MOST_WAITING = 64
 _DIED = Message(
     "process-died",
-    "the process that did this has died, of a controller that ends or crashes Python or for want of memory",
-    "what it said is in the studio's terminal; try again with another controller or a smaller world",
+    "the process that did this has died, of a controller that ends or crashes Python or for want "
+    "of memory",
+    "what it said is in the studio's terminal; try again with another controller or a smaller "
+    "world",
 )
 _NO_JSON = Message("not-json", "this is no JSON", "send one object")
 _NO_ID = Message("no-id", "a message needs an id of its own, a whole number from 0")
@@ -36,12 +50,12 @@ _FULL = Message("too-many-waiting", "too much is waiting", "wait for answers")
 
 
 @dataclass(eq=False)
-class _Job:
+class _StudioRequest:
     """A question that is being answered."""
 
     number: int
     kind: str
-    lane: Lane | Watching
+    lane: Worker | Watching
     task: asyncio.Task[None] | None = None
     running: bool = False
     replaced: bool = False
@@ -58,10 +72,10 @@ class Session:
     """
 
     socket: WebSocket
-    lanes: Mapping[str, Lane | Watching]
+    lanes: Mapping[str, Worker | Watching]
     begins: Mapping[str, Any]
-    _jobs: dict[int, _Job] = field(default_factory=dict)
-    _newest: dict[str, _Job] = field(default_factory=dict)
+    _jobs: dict[int, _StudioRequest] = field(default_factory=dict)
+    _newest: dict[str, _StudioRequest] = field(default_factory=dict)
 
     async def serve(self) -> None:
         """Answers until the page is gone."""
@@ -96,24 +110,33 @@ class Session:
                 self._end(job)
             await self._send({"id": number, "answer": {}})
         elif not isinstance(kind, str) or kind not in LANES:
-            unknown = Message("unknown-name", "nothing is called {name!q}", "see the protocol", name=str(kind)[:40])
+            unknown = Message(
+                "unknown-name",
+                "nothing is called {name!q}",
+                "see the protocol",
+                name=str(kind)[:40],
+            )
             await self._send({"id": number, "error": refusal(unknown)})
         elif len(self._jobs) >= _MOST_WAITING:
             await self._send({"id": number, "error": refusal(_FULL)})
         else:
-            self._begin(_Job(number, kind, self.lanes[LANES[kind]]), message)
+            self._begin(_StudioRequest(number, kind, self.lanes[LANES[kind]]), message)
 
-    def _begin(self, job: _Job, message: dict[str, Any]) -> None:
+    def _begin(self, job: _StudioRequest, message: dict[str, Any]) -> None:
         old = self._newest.get(job.kind) if job.kind in _REPLACED else None
         if old is not None:
             old.replaced = True
         self._jobs[job.number] = self._newest[job.kind] = job
         job.task = asyncio.create_task(self._do(job, old, message))
         for name in _WARM.get(job.kind, ()):
-            with contextlib.suppress(OSError):  # no process can begin now; what is asked of it later says so
+            with contextlib.suppress(
+                OSError
+            ):  # no process can begin now; what is asked of it later says so
                 self.lanes[name].warm()
 
-    async def _do(self, job: _Job, old: _Job | None, message: dict[str, Any]) -> None:
+    async def _do(
+        self, job: _StudioRequest, old: _StudioRequest | None, message: dict[str, Any]
+    ) -> None:
         """Does one job after what it replaces is out of the way."""
         said: dict[str, Any] = {"ended": True}
         try:
@@ -131,10 +154,12 @@ class Session:
             said = {"error": refusal(our_fault(error))}
         finally:
             self._jobs.pop(job.number, None)
-        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
+        with contextlib.suppress(
+            WebSocketDisconnect, RuntimeError
+        ):  # RuntimeError: the page has gone meanwhile
             await self._send({"id": job.number, **said})
 
-    async def _ask(self, job: _Job, message: dict[str, Any]) -> dict[str, Any]:
+    async def _ask(self, job: _StudioRequest, message: dict[str, Any]) -> dict[str, Any]:
         try:
             async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
                 async for what, table in said:
@@ -149,7 +174,7 @@ class Session:
         finally:
             job.running = False
 
-    def _end(self, job: _Job) -> None:
+    def _end(self, job: _StudioRequest) -> None:
         """Ends a job: what is running with its process, what waits by not beginning it."""
         job.replaced = True
         if job.kind in _ENDED and job.running:

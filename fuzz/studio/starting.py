@@ -1,4 +1,7 @@
-"""What is wrong with the studio's arguments, as far as it shows before any code of a user's is run."""
+"""What is wrong with the studio's arguments.
+
+As far as it shows before any code of a user's is run.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +22,24 @@ from worldgen.interop import read_map
 __all__ = ["check_controller", "check_world"]
 
 
-_MAKES_NAMES = {"*", "__getattr__", "__dict__", "globals", "vars", "locals", "modules", "setattr", "exec"}
+_MAKES_NAMES = {
+    "*",
+    "__getattr__",
+    "__dict__",
+    "globals",
+    "vars",
+    "locals",
+    "modules",
+    "setattr",
+    "exec",
+}
 """What a module's text mentions that may make names which the text does not."""
 
 
 def check_controller(label: str) -> None:
-    """Refuses what names no controller; its code is looked at, and not run: that is left to processes that may hang.
+    """Refuses what names no controller.
+
+    Its code is looked at, and not run: that is left to processes that may hang.
 
     Args:
         label: A controller's name, with variations.
@@ -36,7 +51,9 @@ def check_controller(label: str) -> None:
         name = Scenario.parse(label).controller
     except InvalidParameter as error:
         try:
-            name = Scenario.parse(label, motion="stepped").controller  # with options of the other kind
+            name = Scenario.parse(
+                label, motion="stepped"
+            ).controller  # with options of the other kind
         except InvalidParameter:
             raise error from None
     place, colon, attribute = name.rpartition(":")

@@ -1,4 +1,7 @@
-"""Watching a campaign, and stopping it: by its folder, beside everything else, whatever the lanes are busy with."""
+"""Watching a campaign, and stopping it.
+
+By its folder, beside everything else, whatever the lanes are busy with.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,9 @@ _OFTEN = 6  # looks without a change after which the state is told all the same:
 
 
 class Watching:
-    """Answers ``watch`` and ``stop`` for any number of pages at once; other lanes are processes that do one at a time.
+    """Answers ``watch`` and ``stop`` for any number of pages at once.
+
+    Other lanes are processes that do one at a time.
 
     Args:
         folder: The opened one.
@@ -35,14 +40,16 @@ class Watching:
         """Tells a campaign's state until it stands still; or has it stop, and tells the state then.
 
         Yields:
-            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` as often as there is something, then
-            ``("answer", {"state": state})`` or ``("error", refusal)``.
+            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` as often as there
+            is something, then ``("answer", {"state": state})`` or ``("error", refusal)``.
         """
         before: dict[str, Any] = {}
         quiet = 0
         while True:
             try:
-                state = await asyncio.to_thread(self._stop if kind == "stop" else self._state, message)
+                state = await asyncio.to_thread(
+                    self._stop if kind == "stop" else self._state, message
+                )
             except WorldgenError as error:
                 yield "error", self._folder.refusal(error)
                 return
@@ -63,7 +70,8 @@ class Watching:
                 yield "answer", {"state": state}
                 return
             changed = state | {"elapsed": 0.0} != before or quiet >= _OFTEN
-            before, quiet = state | {"elapsed": 0.0}, 0 if changed else quiet + 1
+            before = state | {"elapsed": 0.0}
+            quiet = 0 if changed else quiet + 1
             yield ("part", {"state": state}) if changed else ("turn", {})
             await asyncio.sleep(_EVERY)
 
@@ -80,7 +88,10 @@ class Watching:
         return state
 
     def _stop(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Has a campaign end as Ctrl-C would; what has yet to begin is ended by the process that waits for it."""
+        """Has a campaign end as Ctrl-C would.
+
+        What has yet to begin is ended by the process that waits for it.
+        """
         reads = _reads()
         place = self._place(str(message.get("folder")))
         process = reads.running_process(place)
@@ -88,7 +99,11 @@ class Watching:
             reads.interrupt(process)
         told = process is not None or end_beginnings(place / reads.MEMORY)
         until = time.monotonic() + _ENDS
-        while process is not None and reads.running_process(place) is not None and time.monotonic() < until:
+        while (
+            process is not None
+            and reads.running_process(place) is not None
+            and time.monotonic() < until
+        ):
             time.sleep(_LOOK)
         return None if told and not reads.is_campaign(place) else self._state(message)
 
@@ -105,4 +120,6 @@ class Watching:
 
 
 def _reads() -> Any:
-    return importlib.import_module("fuzz.studio.campaign_state")  # heavy: not before somebody watches
+    return importlib.import_module(
+        "fuzz.studio.campaign_state"
+    )  # heavy: not before somebody watches

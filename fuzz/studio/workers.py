@@ -1,4 +1,7 @@
-"""Processes in which the work is done: the server stays live, and what nobody wants any more can be ended."""
+"""Processes in which the work is done.
+
+The server stays live, and what nobody wants any more can be ended.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from fuzz.studio.processes import start_beside
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
 
-__all__ = ["LANES", "Ended", "Lane"]
+__all__ = ["LANES", "Ended", "Worker"]
 
 _NICE = 5  # the page comes first
 
@@ -50,7 +53,9 @@ LANES = {
     "elite": "looks",
     "snippet": "looks",
 }
-"""Which process does what: what is saved is never ended, a long search for a proof stops no run, and
+"""Which process does what.
+
+What is saved is never ended, a long search for a proof stops no run, and
 what takes long to begin can be stopped meanwhile."""
 
 
@@ -58,8 +63,10 @@ class Ended(Exception):
     """The work was ended before it was done."""
 
 
-class Lane:
-    """A process that does one thing after the other; it starts with the first and after each end by force.
+class Worker:
+    """A process that does one thing after the other.
+
+    It starts with the first and after each end by force.
 
     Args:
         folder: What can be read and written.
@@ -69,7 +76,9 @@ class Lane:
     def __init__(self, folder: Folder, named: tuple[str, ...]) -> None:
         self._given = (str(folder.root), named)
         self._turn = asyncio.Lock()
-        self._thread = ThreadPoolExecutor(1, "lane")  # of its own: all that wait at once would use up asyncio's
+        self._thread = ThreadPoolExecutor(
+            1, "lane"
+        )  # of its own: all that wait at once would use up asyncio's
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 
@@ -77,8 +86,8 @@ class Lane:
         """Has one thing done.
 
         Yields:
-            ``("turn", {})`` when its turn has come, ``("part", table)`` as often as there are parts, then
-            ``("answer", table)`` or ``("error", refusal)``.
+            ``("turn", {})`` when its turn has come, ``("part", table)`` as often as there are
+            parts, then ``("answer", table)`` or ``("error", refusal)``.
 
         Raises:
             Ended: If the process was ended meanwhile.
@@ -90,7 +99,9 @@ class Lane:
             heard_all = False
             wait = asyncio.get_running_loop().run_in_executor
             try:
-                await wait(self._thread, pipe.send, (kind, message))  # a large one waits until the process has begun
+                await wait(
+                    self._thread, pipe.send, (kind, message)
+                )  # a large one waits until the process has begun
                 while not heard_all:
                     said = await wait(self._thread, pipe.recv)
                     heard_all = said[0] != "part"
@@ -116,7 +127,8 @@ class Lane:
         ours, theirs = multiprocessing.Pipe()
         process = start_beside(_work, theirs, *self._given, nice=_NICE)
         theirs.close()  # so that the end of the process is the end of the pipe
-        self._process, self._pipe = process, ours
+        self._process = process
+        self._pipe = ours
         return ours
 
 
@@ -142,7 +154,11 @@ def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) 
         return "error", answers.folder.refusal(error)
     except UnicodeEncodeError:
         return "error", refusal(
-            Message("half-a-character", "the message has half of a character in a text", "send whole ones")
+            Message(
+                "half-a-character",
+                "the message has half of a character in a text",
+                "send whole ones",
+            )
         )
     except MemoryError:
         return "error", refusal(Message("out-of-memory", "out of memory", "take a smaller world"))

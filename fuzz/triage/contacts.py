@@ -1,7 +1,8 @@
-"""What kinds of wall a robot touches, goes round or is shut in by: facts that no mirror, turn or shift changes.
+"""What kinds of wall a robot touches, goes round or is shut in by.
 
-Everything is worked out in cells, from the recorded path alone. What lies outside the grid is solid, so that a world
-within a thicker border has the same contacts.
+Facts that no mirror, turn or shift changes. Everything is worked out in cells, from the recorded
+path alone. What lies outside the grid is solid, so that a world within a thicker border has the
+same contacts.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from worldgen.world import World
 __all__ = ["KINDS", "Contact", "contacts", "enclosure", "part_of", "times_round"]
 
 KINDS = ("nook", "end", "post", "corner", "wall")
-"""Kinds of contact, the one that says most first: two walls at once, a wall's end, a cell that stands alone, a corner
+"""Kinds of contact, the one that says most first.
+
+Two walls at once, a wall's end, a cell that stands alone, a corner
 that sticks out, and the face of a wall."""
 
 _ENCLOSURES = ("open", "side", "bend", "passage", "pocket", "closed")
@@ -82,7 +85,8 @@ def times_round(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> int:
     """
     most = 0
     for ix, iy in cells:
-        cx, cy = ix + 0.5, iy + 0.5
+        cx = ix + 0.5
+        cy = iy + 0.5
         side = (x[1:] - x[:-1]) * (cy - y[:-1]) - (cx - x[:-1]) * (y[1:] - y[:-1])
         up = (y[:-1] <= cy) & (y[1:] > cy) & (side > 0)
         down = (y[:-1] > cy) & (y[1:] <= cy) & (side < 0)
@@ -95,11 +99,12 @@ def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
 
     Args:
         world: Where.
-        places: Of which the one counts that is shut in most; x and y, cells. What lies on the line between cells is in
-            both.
+        places: Of which the one counts that is shut in most; x and y, cells. What lies on the line
+            between cells is in both.
 
     Returns:
-        ``open``, ``side``, ``bend``, ``passage`` (two directions, opposite), ``pocket`` or ``closed``.
+        ``open``, ``side``, ``bend``, ``passage`` (two directions, opposite), ``pocket`` or
+        ``closed``.
     """
     cells = {
         (math.floor(x + dx), math.floor(y + dy))
@@ -112,16 +117,21 @@ def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
 
 
 def part_of(world: World, ix: int, iy: int) -> str:
-    """What a solid cell is part of, by its solid neighbours across edges: ``post``, ``end``, ``wall`` or ``block``."""
+    """What a solid cell is part of, by its solid neighbours across edges.
+
+    ``post``, ``end``, ``wall`` or ``block``.
+    """
     return ("post", "end", "wall", "block", "block")[_Solid(world).neighbours(ix, iy)]
 
 
 def _first_place(world: World, trace: Trace, step: int) -> tuple[float, float]:
     """Where the path of a step first ended or bent, cells; a wall that is touched is near there."""
     point = int(np.searchsorted(trace.path_step, step))
-    x, y = trace.x[step], trace.y[step]
+    x = trace.x[step]
+    y = trace.y[step]
     if point < len(trace.path_step) and trace.path_step[point] == step:
-        x, y = trace.path_x[point], trace.path_y[point]
+        x = trace.path_x[point]
+        y = trace.path_y[point]
     return float(x) / world.cell_size, float(y) / world.cell_size
 
 
@@ -132,7 +142,8 @@ class _Solid:
         walls = world.walls.copy()
         for event in world.timeline:
             walls[event.iy, event.ix] = event.state.word == "solid"
-        self._walls, self._reach = walls, math.ceil(world.robot_radius / world.cell_size) + 1
+        self._walls = walls
+        self._reach = math.ceil(world.robot_radius / world.cell_size) + 1
 
     def __call__(self, ix: int, iy: int) -> bool:
         height, width = self._walls.shape
@@ -158,18 +169,23 @@ class _Solid:
         gap = min(near)[0]
         touched = [entry for entry in near if entry[0] <= gap + _SLACK]
         nearest = [cell for distance, cell, _ in touched if distance <= gap + 1e-6]
-        kind = _kind([normal for _, _, normal in touched], min(self.neighbours(*cell) for cell in nearest))
+        kind = _kind(
+            [normal for _, _, normal in touched], min(self.neighbours(*cell) for cell in nearest)
+        )
         return Contact(kind, frozenset(cell for _, cell, _ in touched))
 
     def _near(self, x: float, y: float) -> list[tuple[float, tuple[int, int], tuple[float, float]]]:
         """Solid cells within reach of a place: distance, cell, normal; the nearest at least."""
-        reach, column, row = self._reach, math.floor(x), math.floor(y)
+        reach = self._reach
+        column = math.floor(x)
+        row = math.floor(y)
         while True:
             found = []
             for iy in range(row - reach, row + reach + 1):
                 for ix in range(column - reach, column + reach + 1):
                     if self(ix, iy):
-                        dx, dy = x - min(max(x, ix), ix + 1), y - min(max(y, iy), iy + 1)
+                        dx = x - min(max(x, ix), ix + 1)
+                        dy = y - min(max(y, iy), iy + 1)
                         distance = math.sqrt(dx * dx + dy * dy)
                         normal = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
                         found.append((distance, (ix, iy), normal))

@@ -1,9 +1,10 @@
 """Buckets of crashes: which two crashes are one and the same.
 
-Two crashes are one if the same statement of the user's code raised the same type of exception, called from the same
-function. Line numbers do not count, because they move with every edit above them; the text of the statement does, so
-that two faults in one function stay apart. Of a program, which shows us no frames, the report on its stderr says the
-same; of one that says nothing, only how it ended and where the run stood.
+Two crashes are one if the same statement of the user's code raised the same type of exception,
+called from the same function. Line numbers do not count, because they move with every edit above
+them; the text of the statement does, so that two faults in one function stay apart. Of a program,
+which shows us no frames, the report on its stderr says the same; of one that says nothing, only how
+it ended and where the run stood.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ from worldgen.world import Value
 __all__ = ["FACTS", "crash_bucket", "has_facts"]
 
 FACTS = ("reason", "message", "frames", "bump")
-"""Evidence that only buckets and people read: a replay does not compare it, and files from before have none."""
+"""Evidence that only buckets and people read.
+
+A replay does not compare it, and files from before have none.
+"""
 
 _FRAMES = 2  # the innermost ones: who raised, and who called it
 _LONGEST_WORD = 40
@@ -66,9 +70,10 @@ def _how_it_ended(error: str) -> str:
 
 
 def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
-    """Return the words that a program ended with, if it chose to end: a signal that it did not raise comes amid them.
+    """Return the words that a program ended with, if it chose to end.
 
-    An exception's name in front is all that is taken of such a line.
+    A signal that it did not raise comes amid them. An exception's name in front is all that is
+    taken of such a line.
     """
     if not evidence.stderr or not _CHOSE_TO_END.match(ended):
         return []
@@ -94,7 +99,10 @@ def _frames(evidence: FaultEvidence) -> list[Mapping[str, Value]]:
 
 
 def _name(frame: Mapping[str, Value]) -> str:
-    """Return ``mine.act``; where neither function nor statement is known the line has to do, which moves with edits."""
+    """Return ``mine.act``; where neither function nor statement is known the line has to do.
+
+    It moves with edits.
+    """
     file = PurePath(str(frame.get("file", ""))).stem
     inside = frame.get("function", "" if "code" in frame else frame.get("line", ""))
     return ".".join(_word(str(part)) for part in (file, inside) if part)
@@ -112,8 +120,15 @@ def _names(frames: list[Mapping[str, Value]]) -> list[str]:
 
 
 def _digest(reason: str, message: str, frames: list[Mapping[str, Value]]) -> str:
-    """Return a few digits that tell statements in one function apart; empty where nothing is known of them."""
-    statement = " ".join(str(frames[-1][key]) for key in ("code", "repeat") if key in frames[-1]) if frames else ""
+    """Return a few digits that tell statements in one function apart.
+
+    Empty where nothing is known of them.
+    """
+    statement = (
+        " ".join(str(frames[-1][key]) for key in ("code", "repeat") if key in frames[-1])
+        if frames
+        else ""
+    )
     parts = [statement, _plain(message), _plain(reason) if ": " in reason and not statement else ""]
     text = "\n".join(part for part in parts if part)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:_DIGITS] if text else ""

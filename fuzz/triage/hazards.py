@@ -1,4 +1,7 @@
-"""Hazards that a controller cannot sense: a robot that burns there is no fault of its controller."""
+"""Hazards that a controller cannot sense.
+
+A robot that burns there is no fault of its controller.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,8 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
         controller: Whose ``senses`` and ``reset`` count, as it declares them.
         robot: Its options in the run.
         state: What the cell was: ``burning``, or ``solid`` for debris and moving walls.
-        how: ``entered`` where the cell was so before the step, ``caught`` where it became so in the step.
+        how: ``entered`` where the cell was so before the step, ``caught`` where it became so in the
+            step.
     """
     if wants_world(controller):
         return True

@@ -1,8 +1,8 @@
 """Judging: from a run to a failure with evidence that holds, and back from a failure's file to the same run.
 
-Campaigns, shrinking, replays and regression tests all ask an oracle here (:func:`violation_in`) before a violation
-counts. If a user's oracle objects, the run's verdict stays what it is, mostly ``reached``, and the failure's evidence
-names the oracle and what it found.
+Campaigns, shrinking, replays and regression tests all ask an oracle here (:func:`violation_in`)
+before a violation counts. If a user's oracle objects, the run's verdict stays what it is, mostly
+``reached``, and the failure's evidence names the oracle and what it found.
 """
 
 from __future__ import annotations
@@ -57,7 +57,11 @@ def oracle_of(failure: Failure) -> Oracle:
     Raises:
         InvalidParameter: If it cannot be found here.
     """
-    return verdict_oracle(failure.world) if failure.oracle is None else NamedOracle.parse(failure.oracle)
+    return (
+        verdict_oracle(failure.world)
+        if failure.oracle is None
+        else NamedOracle.parse(failure.oracle)
+    )
 
 
 def failure_of(
@@ -69,20 +73,27 @@ def failure_of(
     steps: int | None = None,
     **details: Value,
 ) -> Failure | None:
-    """Return the failure that an oracle finds in a scenario; ``None`` if it finds none, or not the same one twice.
+    """Return the failure that an oracle finds in a scenario.
+
+    ``None`` if it finds none, or not the same one twice.
 
     Args:
         world: A world that carries a witness; or a cut, for a breach.
         scenario: What runs in it.
         oracle: What judges the run; if omitted, its verdict does.
-        fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
-            ``timeout`` always speak of the witness's budget, also of a robot that arrives after it.
+        fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled``
+            and ``timeout`` always speak of the witness's budget, also of a robot that arrives after
+            it.
         steps: The budget itself, for verdicts that the run itself proves.
         **details: What else to note.
     """
     oracle = oracle or verdict_oracle(world)
     options = scenario.options(world)
-    longer = replace(options, steps=steps or max(options.steps, fewest_steps)) if oracle.by_verdict else options
+    longer = (
+        replace(options, steps=steps or max(options.steps, fewest_steps))
+        if oracle.by_verdict
+        else options
+    )
     trial = Trial.recorded(world, scenario.controller, longer)
     episode = trial.episode
 
@@ -104,7 +115,11 @@ def failure_of(
         trace_digest=trial.episode.trace_digest,
         parameters=trial.options.parameters(),
         evidence=found.table,
-        details={"class": found.bucket, "motion_version": MOTIONS.get(scenario.motion).version, **details},
+        details={
+            "class": found.bucket,
+            "motion_version": MOTIONS.get(scenario.motion).version,
+            **details,
+        },
     )
     return Failure(replace(world, failure=None), record)
 
@@ -137,11 +152,14 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
         InvalidParameter: If the record names options that are unknown here.
     """
     failure = failure.driven_by(controller)
-    record, options = failure.record, failure.options
+    record = failure.record
+    options = failure.options
     if failure.oracle is not None and not failure.violation.facts:
         return Replay("error", False, "the evidence names no oracle and objection")
     if failure.oracle is None and record.verdict == Verdict.REACHED:
-        return Replay("reached", False, "the file records that the robot arrived, which is no failure")
+        return Replay(
+            "reached", False, "the file records that the robot arrived, which is no failure"
+        )
     try:
         oracle = oracle_of(failure)
         trial = Trial.recorded(failure.world, record.controller, options)
@@ -161,7 +179,11 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
         return f"oracle {failure.oracle} does not object to the run"
     if found is None:
         unchanged = Violation(failure.bucket, trial.episode.evidence)
-        return _difference(failure.record, trial.episode, unchanged.table) or trial.flaw or "the run is no failure"
+        return (
+            _difference(failure.record, trial.episode, unchanged.table)
+            or trial.flaw
+            or "the run is no failure"
+        )
     if found.is_repeatable:
         return _difference(failure.record, trial.episode, found.table)
     # Nothing else of such a run comes again.
@@ -170,9 +192,17 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
 
 
 def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
-    """Return what a run, with this evidence for it, does otherwise than its record says; empty if nothing."""
-    made, now = record.details.get("motion_version"), MOTIONS.get(record.motion).version
-    other = f" (recorded with version {made} of {record.motion}, this is {now})" if made not in (None, now) else ""
+    """Return what a run, with this evidence for it, does otherwise than its record says.
+
+    Empty if nothing.
+    """
+    made = record.details.get("motion_version")
+    now = MOTIONS.get(record.motion).version
+    other = (
+        f" (recorded with version {made} of {record.motion}, this is {now})"
+        if made not in (None, now)
+        else ""
+    )
     if episode.verdict != record.verdict:
         return f"the verdict is {episode.verdict}, not {record.verdict}{other}"
     if episode.trace_digest != record.trace_digest:
@@ -185,8 +215,9 @@ def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, 
 def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
     """Return the evidence without what may differ in a replay.
 
-    A program's stderr and how far it came with an answer depend on the clock, the line in which a class raised moves
-    when its file is edited, and files from before buckets of crashes have no facts for them.
+    A program's stderr and how far it came with an answer depend on the clock, the line in which a
+    class raised moves when its file is edited, and files from before buckets of crashes have no
+    facts for them.
     """
     unstable = ("stderr", "unfinished", "at", "remedy", *FACTS)
     return {name: value for name, value in evidence.items() if name not in unstable}

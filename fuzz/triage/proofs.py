@@ -15,16 +15,21 @@ __all__ = ["certificate_fault", "certified", "walled_off"]
 def certified(world: World) -> World | None:
     """The world with a fresh witness, or ``None`` if its target is not provably reachable."""
     decision = decide(world, cut=False)
-    return replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
+    return (
+        replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
+    )
 
 
 def walled_off(world: World) -> World | None:
     """The world with a fresh cut round its target's cell, or ``None`` if that is not provably walled off.
 
-    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from all of it. A
-    target where the robot has no room is not walled off but in a slot: that is not what is looked for.
+    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from
+    all of it. A target where the robot has no room is not walled off but in a slot: that is not
+        what is looked for.
     """
-    at_target = replace(world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None)
+    at_target = replace(
+        world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None
+    )
     if decide(at_target, certificate=False).result != REACHABLE:
         return None
     decision = decide(_with_whole_cell(world))
@@ -32,8 +37,12 @@ def walled_off(world: World) -> World | None:
 
 
 def _with_whole_cell(world: World) -> World:
-    """The world with the disc round the target's cell, or the target itself if that is larger, as target."""
-    side, target = world.cell_size, world.target
+    """The world with the disc round the target's cell, or the target itself if that is larger.
+
+    As target.
+    """
+    side = world.cell_size
+    target = world.target
     x, y = (float((math.floor(in_cells(v, side)) + 0.5) * side) for v in (target.x, target.y))
     corner = side * math.sqrt(0.5) * (1 + 1e-9)
     needed = math.dist((x, y), (target.x, target.y)) + target.radius

@@ -18,17 +18,23 @@ from worldgen.world import World
 
 __all__ = ["failure_class"]
 
-_ROUNDING = 1e-6  # cells by which a limit may be passed, so that a mirrored run is on the same side of it
+_ROUNDING = (
+    1e-6  # cells by which a limit may be passed, so that a mirrored run is on the same side of it
+)
 
 
 def failure_class(world: World, episode: Episode) -> str:
-    """A short name for the kind of failure, fit for a file name; docs/failures.md says what its words mean.
+    """A short name for the kind of failure, fit for a file name.
+
+    docs/failures.md says what its words mean.
 
     Args:
         world: Where it happened.
         episode: The run, recorded.
     """
-    verdict, trace, evidence = episode.verdict, episode.trace, episode.evidence
+    verdict = episode.verdict
+    trace = episode.trace
+    evidence = episode.evidence
     if isinstance(evidence, FaultEvidence):
         if verdict == Verdict.CRASH:
             return _joined(verdict, crash_bucket(evidence))
@@ -56,7 +62,8 @@ def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, 
     last = entry + period
     touched = contacts(world, trace, entry + 1, last)
     cells = {cell for contact in touched for cell in contact.cells}
-    side, path = world.cell_size, slice(entry, last + 1)
+    side = world.cell_size
+    path = slice(entry, last + 1)
     rounds = times_round(trace.x[path] / side, trace.y[path] / side, cells)
     shape = ("turn" if _turns(trace, entry, last) else "swing", "round", "rounds")[min(rounds, 2)]
     where = _where(world, trace, touched, entry, last)
@@ -71,7 +78,8 @@ def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, 
 
 def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
     """What is touched in the second half of a run, or shuts it in, and how far it gets there."""
-    half, last = trace.steps // 2, trace.steps
+    half = trace.steps // 2
+    last = trace.steps
     touched = contacts(world, trace, half + 1, last)
     free = "" if touched else "free"
     return free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
@@ -80,7 +88,11 @@ def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
 def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str, ...]:
     """In which state the cell is, and whether the robot drove into it or was caught by the change."""
     begun = (evidence.step - 1) * trace.time_step + 1e-9
-    changes = [event for event in world.timeline if (event.ix, event.iy) == evidence.cell and event.time <= begun]
+    changes = [
+        event
+        for event in world.timeline
+        if (event.ix, event.iy) == evidence.cell and event.time <= begun
+    ]
     entered = changes and changes[-1].state.word == evidence.state
     return evidence.state, "entered" if entered else "caught"
 
@@ -94,17 +106,24 @@ def _touches(count: int) -> str:
 
 
 def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:
-    """Of the kinds of wall touched the one that says most; else what shuts in the place nearest to the target."""
+    """Of the kinds of wall touched the one that says most.
+
+    Else what shuts in the place nearest to the target.
+    """
     if touched:
         return min((contact.kind for contact in touched), key=KINDS.index)
     apart = _apart(world, trace)[first : last + 1]
     nearest = first + np.flatnonzero(apart <= apart.min() + _ROUNDING)
-    x, y = trace.x[nearest] / world.cell_size, trace.y[nearest] / world.cell_size
+    x = trace.x[nearest] / world.cell_size
+    y = trace.y[nearest] / world.cell_size
     return enclosure(world, zip(x.tolist(), y.tolist(), strict=True))
 
 
 def _turns(trace: Trace, first: int, last: int) -> int:
-    """Whole turns of the heading, without sign, from one state to the same state again; half a turn has no side."""
+    """Whole turns of the heading, without sign, from one state to the same state again.
+
+    Half a turn has no side.
+    """
     change = np.diff(trace.heading[first : last + 1])
     wrapped = (change + math.pi) % (2 * math.pi) - math.pi
     wrapped[np.abs(wrapped) > math.pi - _ROUNDING] = 0.0
@@ -112,7 +131,8 @@ def _turns(trace: Trace, first: int, last: int) -> int:
 
 
 def _extent(world: World, trace: Trace, first: int, last: int) -> str:
-    x, y = trace.x[first : last + 1], trace.y[first : last + 1]
+    x = trace.x[first : last + 1]
+    y = trace.y[first : last + 1]
     cells = max(float(np.ptp(x)), float(np.ptp(y))) / world.cell_size
     for name, limit in (("spot", 0.5), ("near", 4.0), ("wide", 16.0)):
         if cells <= limit + _ROUNDING:
@@ -123,11 +143,14 @@ def _extent(world: World, trace: Trace, first: int, last: int) -> str:
 def _progress(world: World, trace: Trace, first: int, last: int) -> str:
     """Whether these steps come nearer to the target than the start is."""
     apart = _apart(world, trace)
-    return "closer" if float(apart[first : last + 1].min()) < float(apart[0]) - _ROUNDING else "away"
+    return (
+        "closer" if float(apart[first : last + 1].min()) < float(apart[0]) - _ROUNDING else "away"
+    )
 
 
 def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
     """Distance of each state from the target, cells."""
-    dx, dy = (trace.x - world.target.x) / world.cell_size, (trace.y - world.target.y) / world.cell_size
+    dx = (trace.x - world.target.x) / world.cell_size
+    dy = (trace.y - world.target.y) / world.cell_size
     apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
     return apart

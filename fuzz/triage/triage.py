@@ -1,4 +1,7 @@
-"""The door through which failures of every lane come: certified, run again, judged by oracles, classified."""
+"""The door through which failures of every lane come.
+
+Certified, run again, judged by oracles, classified.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +25,15 @@ from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["Door", "first_look"]
+__all__ = ["Triage", "first_look"]
 
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
-_PROVE_AT_MOST = 24  # failing runs of one verdict and cause that a unit proves and classifies; the rest it counts
+# Failing runs of one verdict and cause that a unit proves and classifies; the rest it counts.
+_PROVE_AT_MOST = 24
 _PROVE_HANGS_AT_MOST = 2  # likewise, for each run that hangs costs a whole deadline, several times
 
 
-class Door:
+class Triage:
     """Turns runs that look like failures into failures, and keeps the smallest of each class in a unit's result.
 
     Args:
@@ -38,8 +42,12 @@ class Door:
         deadline: Of the unit.
     """
 
-    def __init__(self, config: CampaignConfig, result: UnitResult, deadline: Deadline = NO_DEADLINE) -> None:
-        self._config, self.result, self._deadline = config, result, deadline
+    def __init__(
+        self, config: CampaignConfig, result: UnitResult, deadline: Deadline = NO_DEADLINE
+    ) -> None:
+        self._config = config
+        self.result = result
+        self._deadline = deadline
         self._oracles = [NamedOracle.parse(text) for text in config.oracles]
         self._failed: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
@@ -58,23 +66,33 @@ class Door:
         self.result.verdicts[verdict] += 1
 
     def look(self, world: World, scenario: Scenario, outcome: Outcome) -> str:
-        """Counts a run at first look; if it does not arrive it is proved. Oracles that are asked for judge it.
+        """Counts a run at first look; if it does not arrive it is proved.
+
+        Oracles that are asked for judge it.
 
         Returns:
             The class of a failure; empty if there is none.
 
         Raises:
-            OutOfTime: If the unit's time is over, once the run is counted and, if it failed, proved.
+            OutOfTime: If the unit's time is over, once the run is counted and, if it failed,
+                proved.
         """
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
-        # Crashes are counted by bucket, or one that occurs in every run would keep all others from being proved.
-        cause = crash_bucket(outcome.fault) if outcome.fault and verdict == Verdict.CRASH else outcome.cause
+        # Crashes are counted by bucket, or one that occurs in every run would keep all others from
+        # being proved.
+        cause = (
+            crash_bucket(outcome.fault)
+            if outcome.fault and verdict == Verdict.CRASH
+            else outcome.cause
+        )
         kind = "" if verdict == Verdict.REACHED else self.enter(world, scenario, verdict, cause)
         check_time()
         return self.ask(world, scenario) or kind
 
-    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> str:
+    def enter(
+        self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any
+    ) -> str:
         """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
 
         Args:
@@ -98,15 +116,22 @@ class Door:
             check_time()
             return self._proved(world, scenario, verdict, details)
 
-    def _proved(self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]) -> str:
+    def _proved(
+        self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]
+    ) -> str:
         """Prove, classify and keep a run; return its class, or nothing if it is no failure."""
         if verdict == "breach":
             steps = scenario.options(world).steps
             return self._judged(BREACH, BREACH.prove(world), scenario, steps=steps, **details)
-        return self._judged(VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details)
+        return self._judged(
+            VERDICT, _with_witness(world), scenario, fewest_steps=self._proof_steps, **details
+        )
 
     def ask(self, world: World, scenario: Scenario) -> str:
-        """Let every oracle that was asked for judge the run, with its witness's budget; return the last one's class."""
+        """Let every oracle that was asked for judge the run, with its witness's budget.
+
+        Return the last one's class.
+        """
         proved = _with_witness(world) if self._oracles else None
         if proved is None:
             return ""
@@ -118,17 +143,26 @@ class Door:
                 kept = self._judged(oracle, proved, scenario) or kept
         return kept
 
-    def _judged(self, oracle: Oracle, world: World | None, scenario: Scenario, **settings: Any) -> str:
-        """Judge a run in a proved world and keep the failure; return its class, or nothing if there is none."""
+    def _judged(
+        self, oracle: Oracle, world: World | None, scenario: Scenario, **settings: Any
+    ) -> str:
+        """Judge a run in a proved world and keep the failure.
+
+        Return its class, or nothing if there is none.
+        """
         if world is not None:
             # A run that is too long to be recorded is nothing that could be shown.
             with contextlib.suppress(InvalidParameter):
-                return self._keep(failure_of(world, scenario, oracle, found_by=self.result.lane, **settings))
+                return self._keep(
+                    failure_of(world, scenario, oracle, found_by=self.result.lane, **settings)
+                )
         return ""
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
-        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == Verdict.HANG else _PROVE_AT_MOST)
+        return self._failed[verdict, cause] <= (
+            _PROVE_HANGS_AT_MOST if verdict == Verdict.HANG else _PROVE_AT_MOST
+        )
 
     def _keep(self, failure: Failure | None) -> str:
         if failure is None:

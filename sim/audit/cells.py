@@ -1,4 +1,7 @@
-"""Which cells are near a piece of a path, and when they are solid or burning: tables of numpy and scipy alone."""
+"""Which cells are near a piece of a path, and when they are solid or burning.
+
+Tables of numpy and scipy alone.
+"""
 
 from __future__ import annotations
 
@@ -43,16 +46,22 @@ class Pairs:
 
     def followed_by(self, other: Pairs) -> Pairs:
         """Both."""
-        columns = ((self.piece, other.piece), (self.ix, other.ix), (self.iy, other.iy), (self.span, other.span))
+        columns = (
+            (self.piece, other.piece),
+            (self.ix, other.ix),
+            (self.iy, other.iy),
+            (self.span, other.span),
+        )
         return Pairs(*(np.concatenate(both) for both in columns))
 
 
 class Surroundings:
     """A world's cells over time, ready to be asked for those near a path.
 
-    The grid is ringed with solid cells that stand for the outside. Cells that never change are found through
-    tables of the nearest solid one to the left and to the right, so that a large disc does not look at its whole
-    area: of each row only these can be nearest. Cells that change have spans of time, in order, cell by cell.
+    The grid is ringed with solid cells that stand for the outside. Cells that never change are
+    found through tables of the nearest solid one to the left and to the right, so that a large disc
+    does not look at its whole area: of each row only these can be nearest. Cells that change have
+        spans of time, in order, cell by cell.
 
     Args:
         world: Whose cells.
@@ -79,24 +88,35 @@ class Surroundings:
         since = np.concatenate([np.full(first, -math.inf), line.times])
         was = np.where(world.walls[changing], int(CellState.SOLID), int(CellState.FREE))
         state = np.concatenate([was, line.states.astype(np.int64)])
-        order = np.lexsort((np.arange(len(cell)), since, cell))  # of equal times the later line wins
-        cell, since, state = cell[order], since[order], state[order]
+        order = np.lexsort(
+            (np.arange(len(cell)), since, cell)
+        )  # of equal times the later line wins
+        cell = cell[order]
+        since = since[order]
+        state = state[order]
         until = np.full(len(cell), math.inf)
         same = cell[1:] == cell[:-1]
         until[:-1][same] = since[1:][same]
         kept = (state != int(CellState.FREE)) & (since < until)
-        self.since, self.until, self.state, cell = since[kept], until[kept], state[kept], cell[kept]
+        self.since = since[kept]
+        self.until = until[kept]
+        self.state = state[kept]
+        cell = cell[kept]
         used, self._first = np.unique(cell, return_index=True)
         self._end = np.append(self._first[1:], len(cell))
         self._changing = np.full(world.walls.shape, -1, np.int32)
         self._changing[used // self.width, used % self.width] = np.arange(len(used), dtype=np.int32)
         self._far_changing = None
         if len(used):
-            self._far_changing = ndimage.distance_transform_cdt(self._changing < 0, metric="chessboard")
+            self._far_changing = ndimage.distance_transform_cdt(
+                self._changing < 0, metric="chessboard"
+            )
 
     def span(self, row: int) -> tuple[float, float]:
         """Begin and end of a time span, s; of what is solid always, -inf and inf."""
-        return (float(self.since[row]), float(self.until[row])) if row >= 0 else (-math.inf, math.inf)
+        return (
+            (float(self.since[row]), float(self.until[row])) if row >= 0 else (-math.inf, math.inf)
+        )
 
     def solid_spans(self, ix: int, iy: int) -> list[tuple[float, float]]:
         """When a cell is solid, s; the outside always is."""
@@ -112,7 +132,10 @@ class Surroundings:
         return blocked
 
     def at_least(self, pieces: Parts) -> Floats:
-        """A distance, in cells, that each piece keeps from every cell that is ever blocked; it may be negative."""
+        """A distance, in cells, that each piece keeps from every cell that is ever blocked.
+
+        It may be negative.
+        """
         return self._lower_bound(pieces, self._far, 1)
 
     def _lower_bound(self, pieces: Parts, far: npt.NDArray[np.int32], ring: int) -> Floats:
@@ -121,7 +144,9 @@ class Surroundings:
         return far[iy, ix] - 1.0 - 0.5 * pieces.length
 
     def near(self, pieces: Parts, times: tuple[Floats, Floats], reach: float) -> Pairs:
-        """The cells within ``reach`` cells of pieces while these are driven; of those always solid, the nearest ones.
+        """The cells within ``reach`` cells of pieces while these are driven.
+
+        Of those always solid, the nearest ones.
 
         Args:
             pieces: Short pieces of the path, inside the grid.
@@ -143,9 +168,13 @@ class Surroundings:
     def _near_still(self, pieces: Parts, reach: float) -> Pairs:
         piece, iy = self._rows(pieces, reach)
         low, high = _ends(pieces.x, pieces.dx)
-        first, last = _cell(low, self.width)[piece], _cell(high, self.width)[piece]
+        first = _cell(low, self.width)[piece]
+        last = _cell(high, self.width)[piece]
         row = iy + 1
-        columns = [self._left[row, first] - 1, self._right[row, last + 2] - 1]  # tables begin at the ring
+        columns = [
+            self._left[row, first] - 1,
+            self._right[row, last + 2] - 1,
+        ]  # tables begin at the ring
         valid = [np.ones(len(piece), np.bool_)] * 2
         for step in range(int((last - first).max(initial=-1)) + 1):
             column = np.minimum(first + step, last)
@@ -153,18 +182,22 @@ class Surroundings:
             valid.append(self._still[row, column + 1] & (first + step <= last))
         kept = np.concatenate(valid)
         size = len(columns)
-        piece, iy = np.tile(piece, size)[kept], np.tile(iy, size)[kept]
+        piece = np.tile(piece, size)[kept]
+        iy = np.tile(iy, size)[kept]
         ix = np.concatenate(columns)[kept].astype(np.int64)
         return _within_reach(pieces, Pairs(piece, ix, iy, np.full(len(piece), -1)), reach)
 
     def _near_changing(self, pieces: Parts, reach: float) -> Pairs:
         piece, iy = self._rows(pieces, reach)
         inside = (iy >= 0) & (iy < self.height)
-        piece, iy = piece[inside], iy[inside]
+        piece = piece[inside]
+        iy = iy[inside]
         low, high = _ends(pieces.x, pieces.dx)
-        first, last = _cell(low - reach, self.width)[piece], _cell(high + reach, self.width)[piece]
+        first = _cell(low - reach, self.width)[piece]
+        last = _cell(high + reach, self.width)[piece]
         row, ix = _ranges(first, last)
-        piece, iy = piece[row], iy[row]
+        piece = piece[row]
+        iy = iy[row]
         cell = self._changing[iy, ix]
         known = np.flatnonzero(cell >= 0)
         pairs = Pairs(piece[known], ix[known], iy[known], cell[known].astype(np.intp))
@@ -179,15 +212,20 @@ class Surroundings:
 
     def _in_time(self, pairs: Pairs, times: tuple[Floats, Floats]) -> Pairs:
         """The pairs of pieces and changing cells, with each span of the cell that falls into the piece's time."""
-        begin, end = times[0][pairs.piece], times[1][pairs.piece]
+        begin = times[0][pairs.piece]
+        end = times[1][pairs.piece]
         first = self._search(pairs.span, lambda middle: self.until[middle] <= begin)
         after = self._search(pairs.span, lambda middle: self.since[middle] <= end)
         row, span = _ranges(first, after - 1)
         return Pairs(pairs.piece[row], pairs.ix[row], pairs.iy[row], span.astype(np.intp))
 
     def _search(self, cell: npt.NDArray[np.intp], goes_on: Callable[[Ints], Cells]) -> Ints:
-        """Each cell's first span for which ``goes_on`` is false; its last plus one if there is none."""
-        low, high = self._first[cell].astype(np.int64), self._end[cell].astype(np.int64)
+        """Each cell's first span for which ``goes_on`` is false.
+
+        Its last plus one if there is none.
+        """
+        low = self._first[cell].astype(np.int64)
+        high = self._end[cell].astype(np.int64)
         while (low < high).any():
             middle = np.minimum((low + high) // 2, len(self.since) - 1)
             on = goes_on(middle) & (low < high)

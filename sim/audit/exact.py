@@ -1,6 +1,7 @@
-"""Close calls in rational numbers: whether the centre really got into a wall, and really left the grid.
+"""Close calls in rational numbers.
 
-A number means its shortest decimal, as in the world's file: 0.3 m in cells of 0.1 m is the face of cell 3.
+Whether the centre really got into a wall, and really left the grid. A number means its shortest
+decimal, as in the world's file: 0.3 m in cells of 0.1 m is the face of cell 3.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ from fractions import Fraction
 
 __all__ = ["Move", "decimal", "is_beyond", "meet_inside", "run_along", "run_between"]
 
-_BEFORE, _AFTER = Fraction(-1), Fraction(2)  # shares of a move that are before its begin and after its end
+# shares of a move that are before its begin and after its end
+_BEFORE = Fraction(-1)
+_AFTER = Fraction(2)
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,9 @@ def is_beyond(place: float, cells: int, cell_size: float) -> bool:
 
 def meet_inside(move: Move, ix: int, iy: int, since: float, until: float) -> bool:
     """Whether the centre is inside an open cell at some time of [since, until) s; the span meets the move."""
-    return _any_share(move, since, until, [(move.ax, move.bx, ix, ix + 1), (move.ay, move.by, iy, iy + 1)])
+    return _any_share(
+        move, since, until, [(move.ax, move.bx, ix, ix + 1), (move.ay, move.by, iy, iy + 1)]
+    )
 
 
 def run_between(move: Move, ix: int, iy: int) -> tuple[tuple[int, int], ...]:
@@ -51,7 +56,9 @@ def run_between(move: Move, ix: int, iy: int) -> tuple[tuple[int, int], ...]:
     return tuple(beside)
 
 
-def run_along(move: Move, ix: int, iy: int, other: tuple[int, int], since: float, until: float) -> bool:
+def run_along(
+    move: Move, ix: int, iy: int, other: tuple[int, int], since: float, until: float
+) -> bool:
     """Whether the centre is on the open face between two cells at some time of [since, until) s."""
     if other[0] != ix:
         return _any_share(move, since, until, [(move.ay, move.by, iy, iy + 1)])
@@ -62,17 +69,22 @@ def _meets(a: Fraction, b: Fraction, low: int) -> bool:
     return max(a, b) > low and min(a, b) < low + 1
 
 
-def _any_share(move: Move, since: float, until: float, ranges: list[tuple[Fraction, Fraction, int, int]]) -> bool:
+def _any_share(
+    move: Move, since: float, until: float, ranges: list[tuple[Fraction, Fraction, int, int]]
+) -> bool:
     """Whether at some share of the move every coordinate is inside its open range, and the time in [since, until)."""
-    open_low, open_high = _BEFORE, _AFTER
+    open_low = _BEFORE
+    open_high = _AFTER
     for a, b, low, high in ranges:
         if a == b:
             if not low < a < high:
                 return False
             continue
         shares = sorted(((low - a) / (b - a), (high - a) / (b - a)))
-        open_low, open_high = max(open_low, shares[0]), min(open_high, shares[1])
-    closed_low, closed_high = Fraction(0), Fraction(1)
+        open_low = max(open_low, shares[0])
+        open_high = min(open_high, shares[1])
+    closed_low = Fraction(0)
+    closed_high = Fraction(1)
     lasts = move.end - move.begin
     if lasts > 0:
         if math.isfinite(since):
@@ -81,7 +93,11 @@ def _any_share(move: Move, since: float, until: float, ranges: list[tuple[Fracti
             open_high = min(open_high, (decimal(until) - move.begin) / lasts)
     elif not (_reached(since, move.begin) and not _reached(until, move.begin)):
         return False
-    return max(open_low, closed_low) < open_high and open_low < closed_high and closed_low <= closed_high
+    return (
+        max(open_low, closed_low) < open_high
+        and open_low < closed_high
+        and closed_low <= closed_high
+    )
 
 
 def _reached(time: float, now: Fraction) -> bool:

@@ -36,16 +36,26 @@ def read_trajectory(path: Path) -> Trajectory:
                 data = stream.read(_MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=name) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=reason, source=name
+        ) from error
     if len(data) > _MOST_BYTES:
         raise FormatError(
-            "too-large", "is larger than {most} MiB", "cut it into parts", most=_MOST_BYTES >> 20, source=name
+            "too-large",
+            "is larger than {most} MiB",
+            "cut it into parts",
+            most=_MOST_BYTES >> 20,
+            source=name,
         )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FormatError(
-            "not-utf8", "is no UTF-8 text: byte {start}", "save it as UTF-8", start=error.start, source=name
+            "not-utf8",
+            "is no UTF-8 text: byte {start}",
+            "save it as UTF-8",
+            start=error.start,
+            source=name,
         ) from error
     return parse_trajectory(text, name)
 
@@ -54,15 +64,17 @@ def parse_trajectory(text: str, source: str) -> Trajectory:
     """Reads a trajectory.
 
     Args:
-        text: A header that names at least the columns t, x and y, then a line a sample. What the header has between
-            its names - comma, semicolon or tab - stands between the numbers. Lines that are empty do not count.
+        text: A header that names at least the columns t, x and y, then a line a sample. What the
+            header has between its names - comma, semicolon or tab - stands between the numbers.
+            Lines that are empty do not count.
         source: The file's name for messages.
 
     Raises:
         FormatError: If it is no trajectory, with the line at fault.
     """
     stream = io.StringIO(text, newline=None)
-    header_line, header = 0, ""
+    header_line = 0
+    header = ""
     for header in stream:
         header_line += 1
         if header.strip():
@@ -84,7 +96,9 @@ def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
     """What separates the columns, and which of them are t, x and y."""
     found: list[str] = []
     for delimiter in _DELIMITERS:
-        names = [name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(delimiter)]
+        names = [
+            name.strip().strip('"').strip() for name in header.strip().lstrip("#").split(delimiter)
+        ]
         lower = [name.lower() for name in names]
         if all(lower.count(name) == 1 for name in COLUMNS):
             return delimiter, [lower.index(name) for name in COLUMNS]
@@ -108,7 +122,13 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
     if not body.strip():
         return (np.zeros(0),) * 3
     columns = np.loadtxt(
-        io.StringIO(body), delimiter=delimiter, usecols=places, comments=None, quotechar='"', unpack=True, ndmin=2
+        io.StringIO(body),
+        delimiter=delimiter,
+        usecols=places,
+        comments=None,
+        quotechar='"',
+        unpack=True,
+        ndmin=2,
     )
     return tuple(columns)
 
@@ -125,7 +145,12 @@ def _slow(
             fields = next(csv.reader([text], delimiter=delimiter, strict=True))
         except csv.Error as error:
             raise FormatError(
-                "invalid-csv", "no table: {reason}", "write plain numbers", reason=str(error), line=line, source=source
+                "invalid-csv",
+                "no table: {reason}",
+                "write plain numbers",
+                reason=str(error),
+                line=line,
+                source=source,
             ) from None
         if len(fields) <= max(places):
             raise FormatError(
@@ -137,7 +162,12 @@ def _slow(
                 line=line,
                 source=source,
             )
-        rows.append([_number(name, fields[place], line, source) for name, place in zip(COLUMNS, places, strict=True)])
+        rows.append(
+            [
+                _number(name, fields[place], line, source)
+                for name, place in zip(COLUMNS, places, strict=True)
+            ]
+        )
     return tuple(np.array(rows, np.float64).reshape(-1, 3).T)
 
 

@@ -1,6 +1,7 @@
-"""Straight parts of a path against unit cells, in cells and float64: how near, how deep, from where to where.
+"""Straight parts of a path against unit cells, in cells and float64.
 
-Arrays throughout, one row a pair of part and cell. Nothing here is shared with the simulator that may be audited.
+How near, how deep, from where to where. Arrays throughout, one row a pair of part and cell. Nothing
+here is shared with the simulator that may be audited.
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ class Parts:
         """Some of the parts."""
         return Parts(self.x[rows], self.y[rows], self.dx[rows], self.dy[rows])
 
-    def seen_from(self, ix: npt.NDArray[np.int64] | Floats, iy: npt.NDArray[np.int64] | Floats) -> Parts:
+    def seen_from(
+        self, ix: npt.NDArray[np.int64] | Floats, iy: npt.NDArray[np.int64] | Floats
+    ) -> Parts:
         """The same parts with the origin in the middle of each one's cell."""
         return Parts(self.x - (ix + 0.5), self.y - (iy + 0.5), self.dx, self.dy)
 
@@ -73,11 +76,13 @@ def deepest(parts: Parts) -> tuple[Floats, Floats]:
     """How deep each part gets into the unit square round the origin, and at which share of it.
 
     Returns:
-        Distance to the nearest face, negative outside; the least that it can be is no measure of distance.
+        Distance to the nearest face, negative outside; the least that it can be is no measure of
+        distance.
     """
 
     def height(share: Floats) -> Floats:
-        x, y = parts.x + share * parts.dx, parts.y + share * parts.dy
+        x = parts.x + share * parts.dx
+        y = parts.y + share * parts.dy
         return np.maximum(np.abs(x), np.abs(y)) - 0.5
 
     def shares() -> Iterator[Floats]:
@@ -108,16 +113,20 @@ def _least(shares: Iterator[Floats], value: Callable[[Floats], Floats]) -> tuple
     for share in shares:
         found = value(share)
         better = found < best
-        best, where = np.where(better, found, best), np.where(better, share, where)
+        best = np.where(better, found, best)
+        where = np.where(better, share, where)
     return best, where
 
 
 def slab(parts: Parts, half_x: float, half_y: float) -> tuple[Floats, Floats]:
-    """Shares at which the line of each part enters and leaves a box round the origin; (inf, -inf) if it does not.
+    """Shares at which the line of each part enters and leaves a box round the origin.
+
+    (inf, -inf) if it does not.
 
     Source: slabs, Kay and Kajiya, Ray Tracing Complex Scenes (1986).
     """
-    enter, leave = np.full(len(parts.x), -np.inf), np.full(len(parts.x), np.inf)
+    enter = np.full(len(parts.x), -np.inf)
+    leave = np.full(len(parts.x), np.inf)
     for place, step, half in ((parts.x, parts.dx, half_x), (parts.y, parts.dy, half_y)):
         still = step == 0.0
         with np.errstate(over="ignore"):
@@ -135,18 +144,24 @@ def within(parts: Parts, reach: float) -> tuple[Floats, Floats]:
     The square grown by a disc is convex, so there is one interval; (inf, -inf) if there is none.
     """
     enter, leave = slab(parts, 0.5 + reach, 0.5)
-    for found in (slab(parts, 0.5, 0.5 + reach), *(_in_circle(parts, corner, reach) for corner in _CORNERS)):
-        enter, leave = np.minimum(enter, found[0]), np.maximum(leave, found[1])
+    for found in (
+        slab(parts, 0.5, 0.5 + reach),
+        *(_in_circle(parts, corner, reach) for corner in _CORNERS),
+    ):
+        enter = np.minimum(enter, found[0])
+        leave = np.maximum(leave, found[1])
     return enter, leave
 
 
 def _in_circle(parts: Parts, centre: tuple[float, float], radius: float) -> tuple[Floats, Floats]:
-    x, y = parts.x - centre[0], parts.y - centre[1]
+    x = parts.x - centre[0]
+    y = parts.y - centre[1]
     square = parts.dx * parts.dx + parts.dy * parts.dy
     still = square == 0.0
     inverse = 1.0 / np.where(still, 1.0, square)
     middle = -(x * parts.dx + y * parts.dy) * inverse
-    miss_x, miss_y = x + middle * parts.dx, y + middle * parts.dy
+    miss_x = x + middle * parts.dx
+    miss_y = y + middle * parts.dy
     rest = radius * radius - miss_x * miss_x - miss_y * miss_y
     half = np.where(still, np.inf, np.sqrt(np.maximum(rest, 0.0) * inverse))
     return np.where(rest < 0.0, np.inf, middle - half), np.where(rest < 0.0, -np.inf, middle + half)

@@ -1,6 +1,7 @@
 """Was a trajectory, recorded in any simulator, possible in this world?
 
-An independent referee: it shares no code with the simulator. Between two samples the centre moves on a straight line at
+An independent referee: it shares no code with the simulator. Between two samples the centre moves
+    on a straight line at
 constant speed. ``docs/audit.md`` says what each finding means and how exact it is.
 """
 
@@ -12,12 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim.audit.path import Way
+from sim.audit.path import AuditPath
 from sim.audit.scan import Hits, Scan, merged, scan
 from worldgen.errors import InvalidParameter, Message
 from worldgen.world import World
 
-__all__ = ["DEFAULT_TOLERANCE", "KINDS", "LEAST_TOLERANCE", "Audit", "Finding", "Trajectory", "audit"]
+__all__ = [
+    "DEFAULT_TOLERANCE",
+    "KINDS",
+    "LEAST_TOLERANCE",
+    "Audit",
+    "Finding",
+    "Trajectory",
+    "audit",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -61,12 +70,20 @@ class Trajectory:
 
     @staticmethod
     def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, Message] | None:
-        """The first sample that breaks a rule, -1 for the whole, and what is wrong; ``None`` if all is well."""
+        """The first sample that breaks a rule, -1 for the whole, and what is wrong.
+
+        ``None`` if all is well.
+        """
         if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
-            return -1, Message("wrong-shape", "trajectory: times, x and y must be flat arrays of one length")
+            return -1, Message(
+                "wrong-shape", "trajectory: times, x and y must be flat arrays of one length"
+            )
         if len(times) < 2:
             return -1, Message(
-                "too-few-samples", "a trajectory has at least two samples, not {count}", "give more", count=len(times)
+                "too-few-samples",
+                "a trajectory has at least two samples, not {count}",
+                "give more",
+                count=len(times),
             )
         for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
             with np.errstate(invalid="ignore"):
@@ -104,10 +121,13 @@ class Finding:
         t: s; when it was worst, the first time if it was so several times.
         x: m; where the centre was then.
         y: m.
-        depth: m, at worst. Of a ``tunnel``: from the centre to the nearest face of the cell that it is in. Of
-            ``overlap`` and ``burned``: radius minus distance to the cell. Of ``outside``: from the centre to the grid.
-            Of a ``jump``: how much further it went than it could. Of ``start``: from the first sample to the start.
-        cell: (ix, iy) of the cell, at worst; -1 or the grid's side stand for the outside. ``None`` where it has none.
+        depth: m, at worst. Of a ``tunnel``: from the centre to the nearest face of the cell that it
+            is in. Of ``overlap`` and ``burned``: radius minus distance to the cell. Of ``outside``:
+                from the centre to the grid.
+            Of a ``jump``: how much further it went than it could. Of ``start``: from the first
+                sample to the start.
+        cell: (ix, iy) of the cell, at worst; -1 or the grid's side stand for the outside. ``None``
+            where it has none.
         begin: s.
         end: s.
         sample: Number of the last sample at or before the worst place, from 0.
@@ -137,10 +157,11 @@ class Audit:
         reached: When the centre first was in the target, s; ``None`` if it never was.
         path_length: m.
         duration: s.
-        clearance: m: least distance of the centre to anything solid or burning at that time, or to the outside: the
-            radius of the largest disc that could have gone this way.
+        clearance: m: least distance of the centre to anything solid or burning at that time, or to
+            the outside: the radius of the largest disc that could have gone this way.
         nearest: Time (s) and place (m, m) of it.
-        shaved: Moves whose straight line cuts a corner between clear samples, which is not held against them.
+        shaved: Moves whose straight line cuts a corner between clear samples, which is not held
+            against them.
         shaved_depth: m: the deepest such cut.
     """
 
@@ -176,10 +197,11 @@ def audit(
         world: The world; its robot's radius and speed count.
         trajectory: What was recorded.
         tolerance: Cut of the disc, m, that is not reported.
-        slack: How much further, m, two samples may be apart than speed and time allow: recorded places are rounded.
-            1/256 of a cell if left out.
-        straight: Whether the robot surely went straight from sample to sample. If not, a line no longer than the
-            radius whose ends are clear may cut a corner, as it does when the robot slides round it.
+        slack: How much further, m, two samples may be apart than speed and time allow: recorded
+            places are rounded. 1/256 of a cell if left out.
+        straight: Whether the robot surely went straight from sample to sample. If not, a line no
+            longer than the radius whose ends are clear may cut a corner, as it does when the robot
+            slides round it.
         from_start: Whether a first sample away from the world's start is a finding.
 
     Returns:
@@ -193,9 +215,13 @@ def audit(
     _check("slack", slack, 0.0)
     size = world.cell_size
     _check_places(trajectory, size)
-    way = Way(world, trajectory.times, trajectory.x, trajectory.y)
+    way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
-    findings = [finding for kind, hits in result.hits.items() for finding in _findings(kind, hits, way, size)]
+    findings = [
+        finding
+        for kind, hits in result.hits.items()
+        for finding in _findings(kind, hits, way, size)
+    ]
     findings += _jumps(world, trajectory, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
     findings += elsewhere if from_start else []
@@ -227,19 +253,34 @@ def _check_places(trajectory: Trajectory, size: float) -> None:
         )
 
 
-def _findings(kind: str, hits: Hits, way: Way, unit: float) -> list[Finding]:
+def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Finding]:
     t, x, y = way.place(hits.worst)
-    begin, end = way.place(hits.begin)[0], way.place(hits.end)[0]
-    columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, np.floor(hits.worst).astype(int))
+    begin = way.place(hits.begin)[0]
+    end = way.place(hits.end)[0]
+    columns = (
+        t,
+        x,
+        y,
+        hits.depth * unit,
+        hits.ix,
+        hits.iy,
+        begin,
+        end,
+        np.floor(hits.worst).astype(int),
+    )
     return [
         Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
-        for t, x, y, depth, ix, iy, begin, end, sample in zip(*(column.tolist() for column in columns), strict=True)
+        for t, x, y, depth, ix, iy, begin, end, sample in zip(
+            *(column.tolist() for column in columns), strict=True
+        )
     ]
 
 
 def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Finding]:
     """The first sample, if it is further than ``allowed`` m from the world's start."""
-    t, x, y = float(trajectory.times[0]), float(trajectory.x[0]), float(trajectory.y[0])
+    t = float(trajectory.times[0])
+    x = float(trajectory.x[0])
+    y = float(trajectory.y[0])
     away = math.dist((x, y), (world.start.x, world.start.y))
     return [Finding("start", t, x, y, away, None, t, t, 0)] if away > allowed else []
 
@@ -253,9 +294,13 @@ def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
     nowhere = np.zeros(len(rows), np.int64)
     found = merged(Hits.at(rows, 0.0, 1.0, excess, 1.0, nowhere, nowhere), grain=LEAST_TOLERANCE)
     jumps = []
-    for begin, end, worst, depth in zip(found.begin, found.end, found.worst, found.depth, strict=True):
+    for begin, end, worst, depth in zip(
+        found.begin, found.end, found.worst, found.depth, strict=True
+    ):
         at = int(worst)
-        t, x, y = float(trajectory.times[at]), float(trajectory.x[at]), float(trajectory.y[at])
+        t = float(trajectory.times[at])
+        x = float(trajectory.x[at])
+        y = float(trajectory.y[at])
         span = float(trajectory.times[int(begin)]), float(trajectory.times[int(end)])
         lasts = t - float(trajectory.times[at - 1])
         speed = float(steps[at - 1]) / lasts if lasts > 0.0 else math.inf
@@ -266,22 +311,27 @@ def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
 def _report(
     world: World,
     trajectory: Trajectory,
-    way: Way,
+    way: AuditPath,
     result: Scan,
     findings: list[Finding],
     elsewhere: list[Finding],
 ) -> Audit:
-    size, times = world.cell_size, trajectory.times
+    size = world.cell_size
+    times = trajectory.times
     notes = [
-        f"the first sample ({found.x:.6g}, {found.y:.6g}) m is {found.depth:.6g} m away from the world's start"
+        f"the first sample ({found.x:.6g}, {found.y:.6g}) m is {found.depth:.6g} m away from the "
+        f"world's start"
         for found in elsewhere
     ]
     if world.is_dynamic and times[0] != 0.0:
-        notes.append(f"the first sample is at {times[0]:.9g} s, and the world changes in seconds from 0 on")
+        notes.append(
+            f"the first sample is at {times[0]:.9g} s, and the world changes in seconds from 0 on"
+        )
     depth = result.shaved_depth * size
     if result.shaved:
         notes.append(
-            f"{result.shaved} straight line{'s' if result.shaved > 1 else ''} between clear samples cut a corner, by "
+            f"{result.shaved} straight line{'s' if result.shaved > 1 else ''} between clear "
+            f"samples cut a corner, by "
             f"up to {depth:.3g} m; --straight counts them"
         )
     nearest = way.place(np.array([result.nearest]))
@@ -301,8 +351,12 @@ def _report(
 
 def _reached(world: World, trajectory: Trajectory) -> float | None:
     """When the centre first is in the target's disc, s."""
-    x, y = trajectory.x - world.target.x, trajectory.y - world.target.y
-    ax, ay, dx, dy = x[:-1], y[:-1], np.diff(x), np.diff(y)
+    x = trajectory.x - world.target.x
+    y = trajectory.y - world.target.y
+    ax = x[:-1]
+    ay = y[:-1]
+    dx = np.diff(x)
+    dy = np.diff(y)
     square = dx * dx + dy * dy
     share = np.clip(-(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     gap = np.hypot(ax + share * dx, ay + share * dy)
@@ -310,12 +364,14 @@ def _reached(world: World, trajectory: Trajectory) -> float | None:
     if not len(inside):
         return None
     row = int(inside[0])
-    enter, along = float(share[row]), math.sqrt(square[row])
+    enter = float(share[row])
+    along = math.sqrt(square[row])
     if math.hypot(ax[row], ay[row]) <= world.target.radius:
         enter = 0.0
     elif along > 0.0:
         across = (ax[row] * dy[row] - ay[row] * dx[row]) / along
         half = math.sqrt(max(world.target.radius**2 - across * across, 0.0))
         enter = max(-(ax[row] * dx[row] + ay[row] * dy[row]) / along - half, 0.0) / along
-    begin, end = float(trajectory.times[row]), float(trajectory.times[row + 1])
+    begin = float(trajectory.times[row])
+    end = float(trajectory.times[row + 1])
     return begin + min(enter, 1.0) * (end - begin)

@@ -9,7 +9,7 @@ from sim.audit.exact import Move, decimal, is_beyond
 from sim.audit.geometry import Parts, slab
 from worldgen.world import World
 
-__all__ = ["Way"]
+__all__ = ["AuditPath"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 _PIECE = 2.0  # cells; longer moves are looked at in pieces of at most this length
 
 
-class Way:
+class AuditPath:
     """A trajectory in cells, and what of each move is in or near the grid.
 
     Args:
@@ -28,7 +28,9 @@ class Way:
     """
 
     def __init__(self, world: World, times: Floats, x: Floats, y: Floats) -> None:
-        self.world, self.times, self.metres = world, times, (x, y)
+        self.world = world
+        self.times = times
+        self.metres = (x, y)
         self.height, self.width = world.walls.shape
         self.x, beyond_x = _coordinate(x, self.width, world.cell_size)
         self.y, beyond_y = _coordinate(y, self.height, world.cell_size)
@@ -36,7 +38,11 @@ class Way:
         self.moves = Parts(self.x[:-1], self.y[:-1], np.diff(self.x), np.diff(self.y))
         self.leaving = np.flatnonzero(self.beyond[:-1] | self.beyond[1:])
         # What burns may touch a disc whose centre is outside.
-        margin = min(world.robot_radius / world.cell_size, self.height + self.width) if world.is_dynamic else 0.0
+        margin = (
+            min(world.robot_radius / world.cell_size, self.height + self.width)
+            if world.is_dynamic
+            else 0.0
+        )
         self.low, self.high = np.zeros(len(self.moves.x)), np.ones(len(self.moves.x))
         self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)
         near = np.maximum(self.high - self.low, 0.0) * self.moves.length
@@ -50,18 +56,27 @@ class Way:
             Begin and end; 1 and 0 for moves that miss it.
         """
         own = self.moves.take(self.leaving)
-        half_x, half_y = 0.5 * self.width, 0.5 * self.height
-        low, high = slab(Parts(own.x - half_x, own.y - half_y, own.dx, own.dy), half_x + margin, half_y + margin)
+        half_x = 0.5 * self.width
+        half_y = 0.5 * self.height
+        low, high = slab(
+            Parts(own.x - half_x, own.y - half_y, own.dx, own.dy), half_x + margin, half_y + margin
+        )
         missed = (low > 1.0) | (high < 0.0)
-        return np.where(missed, 1.0, np.maximum(low, 0.0)), np.where(missed, 0.0, np.minimum(high, 1.0))
+        return np.where(missed, 1.0, np.maximum(low, 0.0)), np.where(
+            missed, 0.0, np.minimum(high, 1.0)
+        )
 
     def place(self, at: Floats) -> tuple[Floats, Floats, Floats]:
-        """Time, x and y (s, m, m) at places of the way: 3.25 is a quarter of the way from sample 3 to sample 4."""
+        """Time, x and y (s, m, m) at places of the way.
+
+        3.25 is a quarter of the way from sample 3 to sample 4.
+        """
         row = np.minimum(at.astype(np.int64), len(self.times) - 2)
         share = at - row
         found = []
         for values in (self.times, *self.metres):
-            a, b = values[row], values[row + 1]
+            a = values[row]
+            b = values[row + 1]
             found.append(np.where(share >= 1.0, b, a + share * (b - a)))
         return found[0], found[1], found[2]
 
@@ -72,16 +87,21 @@ class Way:
     def move(self, row: int) -> Move:
         """One move in rational numbers."""
         size, (x, y) = decimal(self.world.cell_size), self.metres
-        begin, end = decimal(self.times[row]), decimal(self.times[row + 1])
+        begin = decimal(self.times[row])
+        end = decimal(self.times[row + 1])
         places = [decimal(values[k]) / size for k in (row, row + 1) for values in (x, y)]
         return Move(begin, end, *places)
 
 
-def _coordinate(metres: Floats, count: int, cell_size: float) -> tuple[Floats, npt.NDArray[np.bool_]]:
+def _coordinate(
+    metres: Floats, count: int, cell_size: float
+) -> tuple[Floats, npt.NDArray[np.bool_]]:
     """A coordinate in cells, and whether it lies outside a grid of so many; the latter exactly."""
     size = decimal(cell_size)
     if max(size.numerator, size.denominator) < 2**53:
-        cells = metres * float(size.denominator) / float(size.numerator)  # so 0.3 m in cells of 0.1 m is 3, as written
+        cells = (
+            metres * float(size.denominator) / float(size.numerator)
+        )  # so 0.3 m in cells of 0.1 m is 3, as written
     else:
         cells = metres / cell_size
     outside = (cells < 0.0) | (cells > count)

@@ -19,12 +19,21 @@ Floats = npt.NDArray[np.float64]
 
 _MOST_LINES = 40
 _MOST_MARKS = 400  # of a kind; more hide the picture
-_MARKS: dict[str, MarkKind] = {"tunnel": "tunnel", "outside": "tunnel", "overlap": "overlap", "burned": "overlap"}
+_MARKS: dict[str, MarkKind] = {
+    "tunnel": "tunnel",
+    "outside": "tunnel",
+    "overlap": "overlap",
+    "burned": "overlap",
+}
 _SHARE_OF_A_PIXEL = 0.125  # points of the way that are nearer are drawn as one
 _NOUNS = {
-    "tunnel": ("tunnel", "tunnels"), "overlap": ("overlap", "overlaps"), "outside": ("way outside", "ways outside"),
-    "jump": ("jump", "jumps"), "burned": ("touch of fire", "touches of fire"), "start": ("other start", "other starts"),
-}  # fmt: skip
+    "tunnel": ("tunnel", "tunnels"),
+    "overlap": ("overlap", "overlaps"),
+    "outside": ("way outside", "ways outside"),
+    "jump": ("jump", "jumps"),
+    "burned": ("touch of fire", "touches of fire"),
+    "start": ("other start", "other starts"),
+}
 
 
 def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
@@ -69,24 +78,36 @@ def as_lines(world: World, audit: Audit) -> list[str]:
 
 
 def _line(world: World, finding: Finding) -> str:
-    span = f"{finding.begin:.6g} to {finding.end:.6g} s" if finding.end > finding.begin else f"{finding.begin:.6g} s"
+    span = (
+        f"{finding.begin:.6g} to {finding.end:.6g} s"
+        if finding.end > finding.begin
+        else f"{finding.begin:.6g} s"
+    )
     where = f"at t = {finding.t:.6g} s, ({finding.x:.6g}, {finding.y:.6g}) m"
     return f"{finding.kind} {span}: {_words(world, finding)}, {where}"
 
 
 def _words(world: World, finding: Finding) -> str:
-    depth, cell = f"{finding.depth:.4g} m", finding.cell
+    depth = f"{finding.depth:.4g} m"
+    cell = finding.cell
     what = "" if cell is None else f"cell ({cell[0]}, {cell[1]})"
     if cell is not None and not (0 <= cell[0] < world.width and 0 <= cell[1] < world.height):
         what = "the outside of the grid"
     if finding.kind == "tunnel":
         return f"the centre is up to {depth} deep in {what}"
     if finding.kind in ("overlap", "burned"):
-        return f"the disc is up to {depth} deep in {'burning ' if finding.kind == 'burned' else ''}{what}"
+        return (
+            f"the disc is up to {depth} deep in "
+            f"{'burning ' if finding.kind == 'burned' else ''}{what}"
+        )
     if finding.kind == "outside":
         return f"the centre is up to {depth} outside the grid"
     if finding.kind == "jump":
-        speed = f"at {finding.speed:.6g} m/s" if finding.speed < math.inf else "in no time, at infinite speed"
+        speed = (
+            f"at {finding.speed:.6g} m/s"
+            if finding.speed < math.inf
+            else "in no time, at infinite speed"
+        )
         return f"up to {depth} further in one step than {world.robot_speed:g} m/s allow, {speed}"
     return f"the first sample is {depth} away from the world's start"
 
@@ -101,19 +122,29 @@ def _verdict(audit: Audit) -> str:
 
 
 def _figures(world: World, audit: Audit) -> str:
-    reached = "target not reached" if audit.reached is None else f"target reached at {audit.reached:.6g} s"
+    reached = (
+        "target not reached"
+        if audit.reached is None
+        else f"target reached at {audit.reached:.6g} s"
+    )
     t, x, y = audit.nearest
     return (
-        f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; least clearance "
-        f"{audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, radius {world.robot_radius:g} m"
+        f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; "
+        f"least clearance "
+        f"{audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, radius "
+        f"{world.robot_radius:g} m"
     )
 
 
 def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes:
-    """The world, the trajectory and the findings, as the bytes of a PNG file; what is outside stands on the border."""
+    """The world, the trajectory and the findings, as the bytes of a PNG file.
+
+    What is outside stands on the border.
+    """
     frame = render.Frame.of(world)
     beside = 0.5 * frame.band / frame.scale
-    width, height = world.width * world.cell_size + beside, world.height * world.cell_size + beside
+    width = world.width * world.cell_size + beside
+    height = world.height * world.cell_size + beside
     marks = []
     for kind, mark in _MARKS.items():
         own = [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]
@@ -125,16 +156,26 @@ def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes
     fresh = np.concatenate([[True], (np.diff(pixels, axis=1) != 0).any(axis=0)])
     fresh[-1] = True
     return render.draw_png(
-        world, trail=render.Trail(x[fresh], y[fresh], None, marks), title=f"{name}: {_verdict(audit)}"
+        world,
+        trail=render.Trail(x[fresh], y[fresh], None, marks),
+        title=f"{name}: {_verdict(audit)}",
     )
 
 
-def _cut_off(x: Floats, y: Floats, x_range: tuple[float, float], y_range: tuple[float, float]) -> tuple[Floats, Floats]:
-    """The way with points where it crosses the lines of a box's sides; what is outside runs along the sides."""
+def _cut_off(
+    x: Floats, y: Floats, x_range: tuple[float, float], y_range: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """The way with points where it crosses the lines of a box's sides.
+
+    What is outside runs along the sides.
+    """
     places = [np.arange(len(x), dtype=np.float64)]
     for values, ends in ((x, x_range), (y, y_range)):
         for end in ends:
             rows = np.flatnonzero((values[:-1] < end) != (values[1:] < end))
             places.append(rows + (end - values[rows]) / (values[rows + 1] - values[rows]))
-    at, samples = np.sort(np.concatenate(places)), places[0]
-    return np.clip(np.interp(at, samples, x), *x_range), np.clip(np.interp(at, samples, y), *y_range)
+    at = np.sort(np.concatenate(places))
+    samples = places[0]
+    return np.clip(np.interp(at, samples, x), *x_range), np.clip(
+        np.interp(at, samples, y), *y_range
+    )

@@ -1,6 +1,7 @@
 """Goes along a trajectory piece by piece and notes where the disc, or its centre, is where it must not be.
 
-Everything in cells and in the way's own measure: 3.25 is a quarter of the way from sample 3 to sample 4.
+Everything in cells and in the way's own measure: 3.25 is a quarter of the way from sample 3 to
+sample 4.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy.typing as npt
 from sim.audit.cells import Pairs, Surroundings
 from sim.audit.exact import meet_inside, run_along, run_between
 from sim.audit.geometry import deepest, nearest, slab, within
-from sim.audit.path import Way
+from sim.audit.path import AuditPath
 from worldgen.timeline import CellState
 
 __all__ = ["Hits", "Scan", "merged", "scan"]
@@ -24,7 +25,8 @@ Floats = npt.NDArray[np.float64]
 
 _PIECES_AT_ONCE = 60_000
 _ROWS_AT_ONCE = 400_000
-_MARGIN = 0.25  # cells beyond the radius that are looked at, so that a clearance just above it is found at once
+# Cells beyond the radius that are looked at, so that a clearance just above it is found at once.
+_MARGIN = 0.25
 _FIRST = 16  # moves that tell about how far away everything is
 _CLOSE_CALL = 1e-9  # cells; nearer to a face than this, rational numbers decide
 _NEARLY = 1e-6  # cells; far more than rounding
@@ -65,13 +67,24 @@ class Hits:
     ) -> Hits:
         """Stretches of moves: ``begin``, ``end`` and ``worst`` are shares of the move."""
         start = row.astype(np.float64)
-        return cls(start + np.asarray(begin), start + np.asarray(end), depth, start + np.asarray(worst), ix, iy)
+        return cls(
+            start + np.asarray(begin),
+            start + np.asarray(end),
+            depth,
+            start + np.asarray(worst),
+            ix,
+            iy,
+        )
 
     @classmethod
     def of(cls, many: Sequence[Hits]) -> Hits:
         """All of them."""
         names = ("begin", "end", "depth", "worst", "ix", "iy")
-        return cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names)) if many else cls()
+        return (
+            cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names))
+            if many
+            else cls()
+        )
 
 
 def merged(hits: Hits, grain: float = 1e-9) -> Hits:
@@ -89,7 +102,9 @@ def merged(hits: Hits, grain: float = 1e-9) -> Hits:
     group = np.cumsum(fresh) - 1
     first = np.flatnonzero(fresh)
     depth = np.round(hits.depth[order] / grain)
-    ranked = order[np.lexsort((hits.worst[order], -depth, group))][first]  # groups keep their place and size
+    ranked = order[np.lexsort((hits.worst[order], -depth, group))][
+        first
+    ]  # groups keep their place and size
     ends = np.append(first[1:], len(group)) - 1
     return Hits(
         hits.begin[order][first], reached[ends], hits.depth[ranked], hits.worst[ranked], hits.ix[ranked],
@@ -103,9 +118,11 @@ class Scan:
 
     Args:
         hits: By kind of finding, merged.
-        clearance: Least distance, cells, of the centre to anything solid or burning, or to the outside.
+        clearance: Least distance, cells, of the centre to anything solid or burning, or to the
+            outside.
         nearest: Where on the way that is.
-        shaved: Moves between clear samples whose straight line cuts a corner, which is not held against them.
+        shaved: Moves between clear samples whose straight line cuts a corner, which is not held
+            against them.
         shaved_depth: The deepest such cut, cells.
     """
 
@@ -121,7 +138,8 @@ class Scan:
             least = distance.min()
             place = at[distance == least].min()
             if (least, place) < (self.clearance, self.nearest):
-                self.clearance, self.nearest = float(least), float(place)
+                self.clearance = float(least)
+                self.nearest = float(place)
 
 
 @dataclass(frozen=True)
@@ -139,7 +157,7 @@ class _Measured:
     inside: Floats  # depth of the centre in the cell, negative outside; -inf where it is far
 
 
-def scan(way: Way, radius: float, tolerance: float, *, straight: bool) -> Scan:
+def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> Scan:
     """Looks at every piece of the way.
 
     Args:
@@ -171,7 +189,9 @@ def scan(way: Way, radius: float, tolerance: float, *, straight: bool) -> Scan:
     return result
 
 
-def _portions(pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float) -> Iterator[npt.NDArray[np.intp]]:
+def _portions(
+    pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float
+) -> Iterator[npt.NDArray[np.intp]]:
     """The moves in portions that fit into memory."""
     most = max(1, min(_PIECES_AT_ONCE, int(_ROWS_AT_ONCE / rows_each)))
     total = np.cumsum(pieces[rows])
@@ -183,44 +203,65 @@ def _portions(pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float) -> Ite
         begin = end
 
 
-def _measure(way: Way, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats) -> _Measured:
-    """How near some moves come to the cells around; notes in ``least`` what they keep away at least."""
+def _measure(
+    way: AuditPath, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats
+) -> _Measured:
+    """How near some moves come to the cells around.
+
+    Notes in ``least`` what they keep away at least.
+    """
     row = np.repeat(rows, way.pieces[rows])
     count = way.pieces[row]
-    number = np.arange(len(row)) - np.repeat(np.cumsum(way.pieces[rows]) - way.pieces[rows], way.pieces[rows])
+    number = np.arange(len(row)) - np.repeat(
+        np.cumsum(way.pieces[rows]) - way.pieces[rows], way.pieces[rows]
+    )
     span = way.high[row] - way.low[row]
-    begin, end = way.low[row] + span * (number / count), way.low[row] + span * ((number + 1) / count)
+    begin = way.low[row] + span * (number / count)
+    end = way.low[row] + span * ((number + 1) / count)
     pieces = way.moves.take(row).between(begin, end)
     away = around.at_least(pieces)
     np.minimum.at(least, row, away)
     close = np.flatnonzero(away < reach)
-    row, begin, end = row[close], begin[close], end[close]
+    row = row[close]
+    begin = begin[close]
+    end = end[close]
     pairs = around.near(pieces.take(close), (way.times[row], way.times[row + 1]), reach)
     since, until, burning = _windows(way, around, pairs, row[pairs.piece])
-    low, high = np.maximum(begin[pairs.piece], since), np.minimum(end[pairs.piece], until)
+    low = np.maximum(begin[pairs.piece], since)
+    high = np.minimum(end[pairs.piece], until)
     kept = np.flatnonzero(low <= high)
-    pairs, since, until, burning = pairs.take(kept), since[kept], until[kept], burning[kept]
+    pairs = pairs.take(kept)
+    since = since[kept]
+    until = until[kept]
+    burning = burning[kept]
     return _measured(way, pairs, row[pairs.piece], (low[kept], high[kept]), (since, until), burning)
 
 
 def _windows(
-    way: Way, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
+    way: AuditPath, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
     """The shares of the move between which each pair's cell is blocked, and whether it burns."""
-    since, until = np.zeros(len(row)), np.ones(len(row))
+    since = np.zeros(len(row))
+    until = np.ones(len(row))
     burning = np.zeros(len(row), np.bool_)
     timed = np.flatnonzero(pairs.span >= 0)
     if len(timed):
-        span, begin, end = pairs.span[timed], way.times[row[timed]], way.times[row[timed] + 1]
+        span = pairs.span[timed]
+        begin = way.times[row[timed]]
+        end = way.times[row[timed] + 1]
         lasts = np.where(end > begin, end - begin, 1.0)
-        since[timed] = np.where(end > begin, np.clip((around.since[span] - begin) / lasts, 0.0, 1.0), 0.0)
-        until[timed] = np.where(end > begin, np.clip((around.until[span] - begin) / lasts, 0.0, 1.0), 1.0)
+        since[timed] = np.where(
+            end > begin, np.clip((around.since[span] - begin) / lasts, 0.0, 1.0), 0.0
+        )
+        until[timed] = np.where(
+            end > begin, np.clip((around.until[span] - begin) / lasts, 0.0, 1.0), 1.0
+        )
         burning[timed] = around.state[span] == int(CellState.BURNING)
     return since, until, burning
 
 
 def _measured(
-    way: Way,
+    way: AuditPath,
     pairs: Pairs,
     row: npt.NDArray[np.intp],
     shares: tuple[Floats, Floats],
@@ -234,18 +275,23 @@ def _measured(
     # Only parts whose bounding box meets the cell's can get into it.
     gap_x = np.minimum(np.abs(parts.x), np.abs(parts.x + parts.dx)) - 0.5
     gap_y = np.minimum(np.abs(parts.y), np.abs(parts.y + parts.dy)) - 0.5
-    passes_x, passes_y = parts.x * (parts.x + parts.dx) < 0.0, parts.y * (parts.y + parts.dy) < 0.0
+    passes_x = parts.x * (parts.x + parts.dx) < 0.0
+    passes_y = parts.y * (parts.y + parts.dy) < 0.0
     meets = np.flatnonzero(((gap_x < _NEARLY) | passes_x) & ((gap_y < _NEARLY) | passes_y))
     inside[meets], share = deepest(parts.take(meets))
     entered = inside[meets] >= 0.0
-    distance[meets[entered]], at[meets[entered]] = 0.0, share[entered]
-    return _Measured(pairs, row, burning, low, high, window, distance, low + (high - low) * at, inside)
+    distance[meets[entered]] = 0.0
+    at[meets[entered]] = share[entered]
+    return _Measured(
+        pairs, row, burning, low, high, window, distance, low + (high - low) * at, inside
+    )
 
 
-def _outside(way: Way) -> Hits:
+def _outside(way: AuditPath) -> Hits:
     """The stretches beyond the grid's edge."""
     height, width = way.world.walls.shape
-    off_x, off_y = np.maximum(-way.x, way.x - width), np.maximum(-way.y, way.y - height)
+    off_x = np.maximum(-way.x, way.x - width)
+    off_y = np.maximum(-way.y, way.y - height)
     depth = np.where(way.beyond, np.hypot(np.maximum(off_x, 0.0), np.maximum(off_y, 0.0)), 0.0)
     rows, (enter, leave) = way.leaving, way.in_grid(0.0)
     missed = enter > leave
@@ -263,13 +309,19 @@ def _outside(way: Way) -> Hits:
 
 
 def _overlaps(
-    measured: _Measured, way: Way, radius: float, tolerance: float, straight: bool, result: Scan
+    measured: _Measured,
+    way: AuditPath,
+    radius: float,
+    tolerance: float,
+    straight: bool,
+    result: Scan,
 ) -> dict[str, Hits]:
     """Stretches on which the disc cuts what is solid, and what burns."""
     hit = np.flatnonzero(radius - measured.distance > tolerance)
     if not straight and len(hit):
         hit = hit[~_shaved(measured, way, hit, radius, tolerance, result)]
-    row, pairs = measured.row[hit], measured.pairs.take(hit)
+    row = measured.row[hit]
+    pairs = measured.pairs.take(hit)
     parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
     enter, leave = within(parts, radius - tolerance)
     at = measured.nearest[hit]
@@ -285,14 +337,21 @@ def _some(hits: Hits, rows: npt.NDArray[np.bool_]) -> Hits:
 
 
 def _shaved(
-    measured: _Measured, way: Way, hit: npt.NDArray[np.intp], radius: float, tolerance: float, result: Scan
+    measured: _Measured,
+    way: AuditPath,
+    hit: npt.NDArray[np.intp],
+    radius: float,
+    tolerance: float,
+    result: Scan,
 ) -> npt.NDArray[np.bool_]:
     """Cuts by a line no longer than the radius whose both ends are clear of the cell.
 
-    A robot that slides round a corner between two samples leaves such a line. It cuts what the disc keeps clear of by
-    at most the height of an arc of radius ``radius`` over it, 0.134 of the radius.
+    A robot that slides round a corner between two samples leaves such a line. It cuts what the disc
+    keeps clear of by at most the height of an arc of radius ``radius`` over it, 0.134 of the
+    radius.
     """
-    row, pairs = measured.row[hit], measured.pairs.take(hit)
+    row = measured.row[hit]
+    pairs = measured.pairs.take(hit)
     length = way.moves.length[row]
     parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
     clear = length <= radius
@@ -304,11 +363,13 @@ def _shaved(
         clear &= radius - gap <= tolerance
     if clear.any():
         result.shaved += len(np.unique(row[clear]))
-        result.shaved_depth = max(result.shaved_depth, float((radius - measured.distance[hit][clear]).max()))
+        result.shaved_depth = max(
+            result.shaved_depth, float((radius - measured.distance[hit][clear]).max())
+        )
     return clear
 
 
-def _tunnels(measured: _Measured, way: Way, around: Surroundings) -> Hits:
+def _tunnels(measured: _Measured, way: AuditPath, around: Surroundings) -> Hits:
     """Stretches on which the centre is inside a wall."""
     pairs = measured.pairs
     height, width = way.world.walls.shape
@@ -316,29 +377,42 @@ def _tunnels(measured: _Measured, way: Way, around: Surroundings) -> Hits:
     doubt = _doubt(measured, way, around)
     near = np.flatnonzero((measured.inside > -doubt) & in_grid & ~measured.burning)
     sure = measured.inside[near] > doubt[near]
-    shift = np.zeros((len(near), 2))  # of a centre between two solid cells: from one to the face between them
+    shift = np.zeros(
+        (len(near), 2)
+    )  # of a centre between two solid cells: from one to the face between them
     doubtful = np.flatnonzero(~sure)
     for index in doubtful[~_along_a_free_cell(measured, near[doubtful], way, around)]:
         found = _way_in(pairs, int(near[index]), int(measured.row[near[index]]), way, around)
         if found is not None:
-            sure[index], shift[index] = True, found
-    hit, shift = near[sure], shift[sure]
-    row, own, low, high = measured.row[hit], pairs.take(hit), measured.low[hit], measured.high[hit]
+            sure[index] = True
+            shift[index] = found
+    hit = near[sure]
+    shift = shift[sure]
+    row = measured.row[hit]
+    own = pairs.take(hit)
+    low = measured.low[hit]
+    high = measured.high[hit]
     moves = way.moves.take(row).seen_from(own.ix + shift[:, 0], own.iy + shift[:, 1])
     enter, leave = slab(moves, 0.5, 0.5)
     depth, share = deepest(moves.between(low, high))
     at = low + (high - low) * share
-    begin, end = np.minimum(np.maximum(enter, low), at), np.maximum(np.minimum(leave, high), at)
+    begin = np.minimum(np.maximum(enter, low), at)
+    end = np.maximum(np.minimum(leave, high), at)
     return Hits.at(row, begin, end, np.maximum(depth, 0.0), at, own.ix, own.iy)
 
 
-def _doubt(measured: _Measured, way: Way, around: Surroundings) -> Floats:
-    """How wrong ``inside`` may be for rounding, cells: of places, and of shares that come from times."""
-    row, span = measured.row, measured.pairs.span
+def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
+    """How wrong ``inside`` may be for rounding, cells.
+
+    Of places, and of shares that come from times.
+    """
+    row = measured.row
+    span = measured.pairs.span
     length = way.moves.length[row]
     scale = np.abs(way.x[row]) + np.abs(way.y[row]) + length
     timed = np.flatnonzero(span >= 0)
-    begin, end = way.times[row[timed]], way.times[row[timed] + 1]
+    begin = way.times[row[timed]]
+    end = way.times[row[timed] + 1]
     lasts = np.where(end > begin, end - begin, np.inf)
     scale[timed] += length[timed] * (np.abs(begin) + np.abs(end)) / lasts
     doubt: Floats = _CLOSE_CALL + _ROUNDING * scale
@@ -346,13 +420,16 @@ def _doubt(measured: _Measured, way: Way, around: Surroundings) -> Floats:
 
 
 def _along_a_free_cell(
-    measured: _Measured, index: npt.NDArray[np.intp], way: Way, around: Surroundings
+    measured: _Measured, index: npt.NDArray[np.intp], way: AuditPath, around: Surroundings
 ) -> npt.NDArray[np.bool_]:
-    """Whether the centre keeps to a face with a cell behind it that never is blocked: no close call any more.
+    """Whether the centre keeps to a face with a cell behind it that never is blocked.
 
-    A robot that drives along a wall does this with every sample, so it is decided once for each coordinate.
+    No close call any more. A robot that drives along a wall does this with every sample, so it is
+    decided once for each coordinate.
     """
-    row, ix, iy = measured.row[index], measured.pairs.ix[index], measured.pairs.iy[index]
+    row = measured.row[index]
+    ix = measured.pairs.ix[index]
+    iy = measured.pairs.iy[index]
     free = np.zeros(len(index), np.bool_)
     for metres, cells, own, (step_x, step_y) in (
         (way.metres[0], way.x, ix, (1, 0)),
@@ -362,36 +439,47 @@ def _along_a_free_cell(
         on_face = (metres[row] == metres[row + 1]) & ((face == own) | (face == own + 1))
         on_face &= np.abs(cells[row] - face) < _NEARLY
         values, number = np.unique(metres[row[on_face]], return_inverse=True)
-        on_face[on_face] = np.array([way.is_face(value) for value in values.tolist()], np.bool_)[number]
+        on_face[on_face] = np.array([way.is_face(value) for value in values.tolist()], np.bool_)[
+            number
+        ]
         side = np.where(face == own, -1, 1)
         free |= on_face & ~around.ever_blocked(ix + side * step_x, iy + side * step_y)
     return free
 
 
-def _way_in(pairs: Pairs, index: int, row: int, way: Way, around: Surroundings) -> tuple[float, float] | None:
+def _way_in(
+    pairs: Pairs, index: int, row: int, way: AuditPath, around: Surroundings
+) -> tuple[float, float] | None:
     """Whether the centre gets inside the pair's cell, or on the face between it and another solid one; exactly.
 
     Returns:
         (0, 0) or half the step to the other cell; ``None`` if it does not.
     """
-    ix, iy, span = int(pairs.ix[index]), int(pairs.iy[index]), int(pairs.span[index])
+    ix = int(pairs.ix[index])
+    iy = int(pairs.iy[index])
+    span = int(pairs.span[index])
     since, until = around.span(span)
     move = way.move(row)
     if meet_inside(move, ix, iy, since, until):
         return 0.0, 0.0
     for other in run_between(move, ix, iy):
         for begin, end in around.solid_spans(*other):
-            low, high = max(since, begin), min(until, end)
+            low = max(since, begin)
+            high = min(until, end)
             if low < high and run_along(move, ix, iy, other, low, high):
                 return 0.5 * (other[0] - ix), 0.5 * (other[1] - iy)
     return None
 
 
-def _widest(way: Way, around: Surroundings, least: Floats, result: Scan) -> None:
-    """Finds the clearance of a way that stays far from everything: the most promising moves first."""
+def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -> None:
+    """Finds the clearance of a way that stays far from everything.
+
+    The most promising moves first.
+    """
     rows = _distinct(way, np.flatnonzero((way.pieces > 0) & (least < result.clearance)))
     rows = rows[np.argsort(least[rows], kind="stable")]
-    first, reach = rows[:_FIRST], 2.0 * (max(float(least[rows].min(initial=0.0)), 0.0) + 2.0)
+    first = rows[:_FIRST]
+    reach = 2.0 * (max(float(least[rows].min(initial=0.0)), 0.0) + 2.0)
     while len(first):
         measured = _measure(way, around, first, reach, least)
         result.note_clearance(measured.distance, measured.row + measured.nearest)
@@ -405,10 +493,12 @@ def _widest(way: Way, around: Surroundings, least: Floats, result: Scan) -> None
         result.note_clearance(measured.distance, measured.row + measured.nearest)
 
 
-def _distinct(way: Way, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+def _distinct(way: AuditPath, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
     """The moves, and where the world does not change only one of several that are the same."""
     if way.world.is_dynamic or not len(rows):
         return rows
     moves = way.moves.take(rows)
-    _, first = np.unique(np.stack([moves.x, moves.y, moves.dx, moves.dy], axis=1), axis=0, return_index=True)
+    _, first = np.unique(
+        np.stack([moves.x, moves.y, moves.dx, moves.dy], axis=1), axis=0, return_index=True
+    )
     return rows[first]

@@ -23,14 +23,28 @@ PATH = click.Path(path_type=Path)
 @click.argument("world_path", type=PATH, metavar="WORLD")
 @click.argument("trajectory_path", type=PATH, metavar="TRAJECTORY.csv")
 @click.option(
-    "--tolerance", type=float, default=1e-6, show_default=True, metavar="M", help="Cut of the disc, m, left unreported."
+    "--tolerance",
+    type=float,
+    default=1e-6,
+    show_default=True,
+    metavar="M",
+    help="Cut of the disc, m, left unreported.",
 )
 @click.option(
-    "--slack", type=float, metavar="M", help="How much further than its speed a step may be, m [default: cell / 256]."
+    "--slack",
+    type=float,
+    metavar="M",
+    help="How much further than its speed a step may be, m [default: cell / 256].",
 )
-@click.option("--straight", is_flag=True, help="The robot went straight between samples: corners that lines cut count.")
+@click.option(
+    "--straight",
+    is_flag=True,
+    help="The robot went straight between samples: corners that lines cut count.",
+)
 @click.option("--from-start", is_flag=True, help="The first sample must be the world's start.")
-@click.option("--picture", type=PATH, metavar="OUT.png", help="Draw world, trajectory and findings.")
+@click.option(
+    "--picture", type=PATH, metavar="OUT.png", help="Draw world, trajectory and findings."
+)
 @json_option
 @force_option
 def audit(
@@ -46,9 +60,10 @@ def audit(
 ) -> None:
     """Say whether a trajectory, recorded in any simulator, was possible in a world.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported are walls that the
-    centre went through (tunnel) or the disc cut into (overlap), ways outside the grid, jumps faster than the robot, and
-    touched fire; docs/audit.md tells more. Exit code 0 if it was possible, 1 if not.
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported
+    are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the
+    grid, jumps faster than the robot, and touched fire; docs/audit.md tells more. Exit code 0 if it
+    was possible, 1 if not.
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit.file import read_trajectory
@@ -60,10 +75,16 @@ def audit(
         raise click.UsageError(f"--picture {picture}: name a .png file")
     if picture is not None:
         check_output(picture, force)
-    world, trajectory = read_world(world_path), read_trajectory(trajectory_path)
+    world = read_world(world_path)
+    trajectory = read_trajectory(trajectory_path)
     with working(f"auditing {trajectory_path}"):
         result = audit_trajectory(
-            world, trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+            world,
+            trajectory,
+            tolerance=tolerance,
+            slack=slack,
+            straight=straight,
+            from_start=from_start,
         )
     if as_json:
         emit_json(as_object(result, tolerance))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from sim.compare.comparison import NamedWorld
-    from sim.compare.published import Figure
+    from sim.compare.published import PublishedRow
     from sim.scenario import Scenario
     from worldgen.world import World
 
@@ -25,8 +25,10 @@ __all__ = ["compare"]
 
 EXAMPLES = (
     "\b\n  worldgen compare worlds/ --controller turn-left,turn-right,./mine.py:Robot\n"
-    "  worldgen compare worlds/ --controller thesis-1,thesis-1+repaired --motion stepped --picture sheet.png\n"
-    "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against old.csv"
+    "  worldgen compare worlds/ --controller thesis-1,thesis-1+repaired --motion stepped --picture "
+    "sheet.png\n"
+    "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against "
+    "old.csv"
 )
 PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
@@ -46,12 +48,33 @@ _TIME_FOR_NEVER = 300.0  # s; most of the thesis's endless runs have proved to b
 )
 @click.option("--motion", help="Motion model [default: that of the published figures, else swept].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
-@click.option("--seeds", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Runs with chance.")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="The first of them.")
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 1_000_000),
+    default=100,
+    show_default=True,
+    help="Runs with chance.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**64 - 1),
+    default=0,
+    show_default=True,
+    help="The first of them.",
+)
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
-@click.option("--against", type=PATH, metavar="CSV", help="Earlier figures [default: published.csv beside the worlds].")
-@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller.")
-@click.option("--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's way.")
+@click.option(
+    "--against",
+    type=PATH,
+    metavar="CSV",
+    help="Earlier figures [default: published.csv beside the worlds].",
+)
+@click.option(
+    "--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller."
+)
+@click.option(
+    "--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's way."
+)
 @json_option
 @force_option
 def compare(
@@ -70,9 +93,9 @@ def compare(
 ) -> None:
     """Run controllers in many worlds and print one table of times, failures, best and worst.
 
-    PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its run, so that
-    thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with chance runs with many seeds.
-    docs/compare.md describes table, CSV and JSON.
+    PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its
+    run, so that thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with
+    chance runs with many seeds. docs/compare.md describes table, CSV and JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison
@@ -91,7 +114,9 @@ def compare(
     figures = _figures(paths, against)
     scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
-        raise click.UsageError(f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer")
+        raise click.UsageError(
+            f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer"
+        )
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
     note_unused(scenarios.values(), seeds=["seed", "seeds"])
@@ -112,23 +137,29 @@ def compare(
         note(f"wrote {picture}")
 
 
-def _figures(paths: Sequence[Path], against: Path | None) -> tuple[Figure, ...]:
+def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
     """Earlier figures: those of ``--against``, or those that lie beside the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 
     if against is not None:
         return read_figures(read_text(against), str(against))
-    found: list[Figure] = []
+    found: list[PublishedRow] = []
     for path in dict.fromkeys(paths):
         place = (path if path.is_dir() else path.parent) / PUBLISHED
         if place.is_file():
-            figures = read_figures(read_text(place), str(place), folder=str(path) if path.is_dir() else "")
-            found += figures if path.is_dir() else [figure for figure in figures if figure.world == _stem(path)]
+            figures = read_figures(
+                read_text(place), str(place), folder=str(path) if path.is_dir() else ""
+            )
+            found += (
+                figures
+                if path.is_dir()
+                else [figure for figure in figures if figure.world == _stem(path)]
+            )
     return tuple(found)
 
 
-def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
+def _motion(motion: str | None, figures: Sequence[PublishedRow]) -> str:
     if motion is not None:
         return motion
     named = {figure.motion for figure in figures if figure.motion}
@@ -139,7 +170,9 @@ def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
     return found
 
 
-def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
+def _scenarios(
+    controllers: Sequence[str], motion: str, time_step: float | None, seed: int
+) -> dict[str, Scenario]:
     """Columns by label."""
     from sim.controllers import CONTROLLERS, CompiledController, ProcessController, names_in
     from sim.options.run import RunOptions
@@ -152,12 +185,17 @@ def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None,
     for text in (name for value in controllers for name in names_in(value)):
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
         RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
-        if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController | ProcessController):
+        if not isinstance(
+            CONTROLLERS.get(scenario.controller), CompiledController | ProcessController
+        ):
             try_out(scenario)
         label = scenario.label(motion, duration)
         if label in found:
             raise InvalidParameter(
-                "twice", "controller {label!r} is named twice", "name each once, or vary it with +option", label=label
+                "twice",
+                "controller {label!r} is named twice",
+                "name each once, or vary it with +option",
+                label=label,
             )
         found[label] = scenario
     return found
@@ -168,20 +206,26 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
 
-    found = [(file, world, str(path) if path.is_dir() else "") for path in paths for file, world in _read(path)]
+    found = [
+        (file, world, str(path) if path.is_dir() else "")
+        for path in paths
+        for file, world in _read(path)
+    ]
     stems = Counter(_stem(file) for file, _, _ in found)
     resolved = Counter(file.resolve() for file, _, _ in found)
     worlds = []
     for file, world, folder in found:
         if resolved[file.resolve()] > 1:
-            raise InvalidParameter("twice", "{file} is given twice", "give each world once", file=file)
+            raise InvalidParameter(
+                "twice", "{file} is given twice", "give each world once", file=file
+            )
         stem = _stem(file)
         name = stem if stems[stem] == 1 else str(file.with_name(stem))
         worlds.append(NamedWorld(name, world, stem, folder))
     return worlds
 
 
-def _with_time(world: NamedWorld, figures: Sequence[Figure]) -> NamedWorld:
+def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld:
     """The world with time enough to come twice as late as published, and to prove what is said never to come."""
     own = [figure for figure in figures if figure.is_of(world)]
     times = [_TIME_FOR_NEVER if figure.never else 2.0 * (figure.time or 0.0) for figure in own]
@@ -189,7 +233,10 @@ def _with_time(world: NamedWorld, figures: Sequence[Figure]) -> NamedWorld:
 
 
 def _read(path: Path) -> Iterator[tuple[Path, World]]:
-    """The worlds of a folder, or, if there is none, of the folders below; of an archive; or of the one file."""
+    """The worlds of a folder, or, if there is none, of the folders below; of an archive.
+
+    Or of the one file.
+    """
     from worldgen.files.worlds import is_world_file, read_worlds
 
     if path.is_dir():
@@ -204,16 +251,25 @@ def _stem(file: Path) -> str:
     return name.removesuffix(".grid") or name
 
 
-def _note_strangers(figures: Sequence[Figure], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]) -> None:
+def _note_strangers(
+    figures: Sequence[PublishedRow], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]
+) -> None:
     """Says which published figures have no world here, or were made under another motion model."""
     from sim.compare.published import figures_of
 
-    strange = sorted({figure.world for figure in figures if not any(figure.is_of(world) for world in worlds)})
+    strange = sorted(
+        {figure.world for figure in figures if not any(figure.is_of(world) for world in worlds)}
+    )
     if strange:
         more = f" and {len(strange) - 5} more" if len(strange) > 5 else ""
         note(f"published figures of worlds that are not here: {', '.join(strange[:5])}{more}")
     for label, scenario in scenarios.items():
-        used = {figure.motion for world in worlds for figure in figures_of(figures, world, scenario)}
+        used = {
+            figure.motion for world in worlds for figure in figures_of(figures, world, scenario)
+        }
         other = sorted(used - {"", scenario.motion})
         if other:
-            note(f"{label} runs under {scenario.motion}, and its published figures are of {', '.join(other)}")
+            note(
+                f"{label} runs under {scenario.motion}, and its published figures are of "
+                f"{', '.join(other)}"
+            )

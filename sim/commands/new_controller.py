@@ -31,7 +31,8 @@ _COMPILERS = {
     type=click.Choice(KINDS),
     default="python",
     show_default=True,
-    help="A function of C or C++ in a shared library, one that numba compiles, a Python class for one robot, one for "
+    help="A function of C or C++ in a shared library, one that numba compiles, a Python class for "
+    "one robot, one for "
     "many robots at once with NumPy, or a program of its own that speaks JSON lines.",
 )
 @click.option(
@@ -45,10 +46,12 @@ _COMPILERS = {
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
     """Write a working, commented controller to begin from.
 
-    All kinds drive by the same rule: to the target, and after a bump away from the wall for a while. Those in C and C++
-    and the compiled one take millions of steps a second and their loops are proved; the Python class takes some hundred
-    thousand and its loops are proved too, and so are those of the vector class, which takes millions where it drives
-    many robots; the process may be in any language and hide anything, so it is at most stalled.
+    All kinds drive by the same rule: to the target, and after a bump away from the wall for a
+        while. Those in C and C++
+    and the compiled one take millions of steps a second and their loops are proved; the Python
+    class takes some hundred thousand and its loops are proved too, and so are those of the vector
+    class, which takes millions where it drives many robots; the process may be in any language and
+    hide anything, so it is at most stalled.
     """
     import importlib.resources
 
@@ -62,7 +65,10 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
     controller = _reference(path, word, kind)
     build = _build(path, kind)
     if as_json:
-        emit_json({"file": str(path), "kind": kind, "controller": controller} | ({"build": build} if build else {}))
+        emit_json(
+            {"file": str(path), "kind": kind, "controller": controller}
+            | ({"build": build} if build else {})
+        )
         return
     note(f"wrote {path}; next:")
     if build:
@@ -77,11 +83,16 @@ def _word(name: str) -> str:
     import keyword
 
     word = name.replace("-", "_")
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", word) or keyword.iskeyword(word) or keyword.issoftkeyword(word):
+    if (
+        not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", word)
+        or keyword.iskeyword(word)
+        or keyword.issoftkeyword(word)
+    ):
         raise InvalidParameter(
             "not-a-controller-name",
             "{name!r} is no name for a controller",
-            "take up to 64 letters, digits, - and _, a letter first, and no word of Python's own, such as my-robot",
+            "take up to 64 letters, digits, - and _, a letter first, and no word of Python's own, "
+            "such as my-robot",
             name=name,
         )
     return word

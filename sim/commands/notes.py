@@ -21,15 +21,21 @@ def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -
 
     Args:
         scenarios: What is run.
-        seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no run draws numbers.
+        seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no
+            run draws numbers.
     """
     from sim.options.unused import coarse_forces, random_run, unused_options
 
     runs = tuple(scenarios)
-    sentences = (one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario)))
+    sentences = (
+        one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario))
+    )
     for sentence in dict.fromkeys(sentences):
         note(f"note: {sentence}")
     source = click.get_current_context().get_parameter_source
     typed = [name for name in seeds if source(name) is ParameterSource.COMMANDLINE]
     if typed and not any(map(random_run, runs)):
-        note(f"note: --{typed[0]} has no effect: nothing in {'this run' if len(runs) == 1 else 'these runs'} is random")
+        note(
+            f"note: --{typed[0]} has no effect: nothing in "
+            f"{'this run' if len(runs) == 1 else 'these runs'} is random"
+        )

@@ -9,7 +9,14 @@ import click
 
 from sim.commands.notes import note_unused
 from sim.verdict import Verdict
-from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import (
+    CONTROLLER_HELP,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    write_bytes,
+)
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -24,7 +31,10 @@ EXAMPLES = (
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 OUT = click.Path(path_type=Path)
-_BLOCKED = "the target cannot be reached in this world, whatever the controller does: `worldgen verify` says why"
+_BLOCKED = (
+    "the target cannot be reached in this world, whatever the controller does: `worldgen "
+    "verify` says why"
+)
 _UNDECIDED = "it is undecided whether the target can be reached in this world"
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
@@ -35,8 +45,15 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
-@click.option("--trail", type=OUT, metavar="OUT", help="Draw world and trail: .png, .svg, .html, or .gif, which moves.")
+@click.option(
+    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers."
+)
+@click.option(
+    "--trail",
+    type=OUT,
+    metavar="OUT",
+    help="Draw world and trail: .png, .svg, .html, or .gif, which moves.",
+)
 @click.option("--trace", type=OUT, metavar="OUT", help="Write t,x,y,heading per step, as CSV.")
 @click.option(
     "--transcript",
@@ -65,7 +82,7 @@ def run(
     """
     from sim.controllers.contract import check_contract
     from sim.controllers.programs.transcript import transcribed
-    from sim.describe import frames_in_words
+    from sim.describe import describe_frames
     from sim.episode import simulate
     from sim.options.run import RunOptions
     from sim.scenario import Scenario
@@ -84,15 +101,20 @@ def run(
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
-    with transcribed(scenario.controller, transcript, force=force), working(f"running {scenario.label()} in {path}"):
-        episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
+    with (
+        transcribed(scenario.controller, transcript, force=force),
+        working(f"running {scenario.label()} in {path}"),
+    ):
+        episode = simulate(
+            world, scenario.controller, options, record=trail is not None or trace is not None
+        )
     check_contract(scenario.controller, episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
     if as_json:
         emit_json({**_summary(episode), "reachable": reachable})
     else:
         click.echo(_sentence(episode))
-        click.echo(shown_lines(frames_in_words(episode.evidence)), nl=False)
+        click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
     if reachable is not True and episode.verdict != Verdict.REACHED:
@@ -113,7 +135,8 @@ def run(
 def _is_reachable(world: World, episode: Episode) -> bool | None:
     """Whether the target can be reached at all; None where that is undecided.
 
-    A file without a certificate is decided only if the robot did not arrive, for that can take as long as the run.
+    A file without a certificate is decided only if the robot did not arrive, for that can take as
+    long as the run.
     """
     from worldgen.reach import decide
     from worldgen.world import Witness
@@ -140,12 +163,14 @@ def _summary(episode: Episode) -> dict[str, object]:
 
 
 def _sentence(episode: Episode) -> str:
-    from sim.describe import evidence_in_words
+    from sim.describe import describe_evidence
     from worldgen.support.plain_text import counted
 
     return (
-        f"{episode.verdict}{evidence_in_words(episode)}: {counted(episode.steps, 'step')}, {episode.time:g} s, "
-        f"{episode.path_length:.3f} m driven, {counted(episode.collisions, 'collision')}, trace {episode.trace_digest}"
+        f"{episode.verdict}{describe_evidence(episode)}: {counted(episode.steps, 'step')}, "
+        f"{episode.time:g} s, "
+        f"{episode.path_length:.3f} m driven, {counted(episode.collisions, 'collision')}, trace "
+        f"{episode.trace_digest}"
     )
 
 

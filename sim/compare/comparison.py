@@ -1,7 +1,7 @@
 """Controllers over worlds and seeds: what each did where, who was best, and what that adds up to.
 
-A controller with chance runs with many seeds, any other once. Its time in a world is the median over the seeds
-that arrive, and it counts as arriving where at least half of them do.
+A controller with chance runs with many seeds, any other once. Its time in a world is the median
+over the seeds that arrive, and it counts as arriving where at least half of them do.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ __all__ = [
     "MAX_SEEDS",
     "PERCENTILES",
     "Cell",
+    "ComparedRun",
     "Comparison",
     "NamedWorld",
-    "Run",
     "Total",
     "compare",
     "standing",
@@ -63,7 +63,7 @@ class NamedWorld:
 
 
 @dataclass(frozen=True)
-class Run:
+class ComparedRun:
     """One run's verdict, as :func:`sim.episode.simulate` gives it; ``time`` in s."""
 
     seed: int
@@ -91,14 +91,15 @@ class Cell:
     scenario: Scenario
     budget: int
     random: bool
-    runs: tuple[Run, ...]
+    runs: tuple[ComparedRun, ...]
     evidence: Evidence | None = None
 
     @property
-    def arrivals(self) -> list[Run]:
+    def arrivals(self) -> list[ComparedRun]:
         """The runs that arrived, earliest first."""
         return sorted(
-            (run for run in self.runs if run.verdict == Verdict.REACHED), key=lambda run: (run.steps, run.seed)
+            (run for run in self.runs if run.verdict == Verdict.REACHED),
+            key=lambda run: (run.steps, run.seed),
         )
 
     @property
@@ -138,19 +139,27 @@ class Cell:
         """``reached`` if the controller counts as arriving, else the most frequent other verdict."""
         if self.arrives:
             return Verdict.REACHED
-        failures = {verdict: count for verdict, count in self.verdicts.items() if verdict != Verdict.REACHED}
+        failures = {
+            verdict: count for verdict, count in self.verdicts.items() if verdict != Verdict.REACHED
+        }
         return max(failures, key=lambda verdict: failures[verdict])
 
     @property
     def never(self) -> bool:
-        """Whether it drives on for ever; with chance, whether so few arrive that this is to be expected of a run."""
+        """Whether it drives on for ever.
+
+        With chance, whether so few arrive that this is to be expected of a run.
+        """
         if self.random:
             return 20 * self.reached <= len(self.runs) and self.verdict in UNENDED
         return self.verdict in NEVER
 
     @property
     def detail(self) -> str:
-        """More of a single run's verdict: ``period 104``, ``drifting``, ``confined``, ``slide``; may be empty."""
+        """More of a single run's verdict: ``period 104``, ``drifting``, ``confined``, ``slide``.
+
+        May be empty.
+        """
         match self.evidence:
             case LoopEvidence(period=period):
                 return f"period {period}"
@@ -166,23 +175,32 @@ class Cell:
         return interval_95(self.reached, len(self.runs)) if self.random else None
 
     @property
-    def shown(self) -> Run:
+    def shown(self) -> ComparedRun:
         """The run to draw: the one with the median time of those that arrived, or the first."""
         arrived = self.arrivals
         return arrived[(len(arrived) - 1) // 2] if arrived else self.runs[0]
 
     def percentile(self, percent: int) -> float | None:
-        """Time in which that many percent of the arriving runs had arrived, s; ``None`` if none arrived."""
+        """Time in which that many percent of the arriving runs had arrived, s.
+
+        ``None`` if none arrived.
+        """
         arrived = self.arrivals
-        return arrived[max(math.ceil(len(arrived) * percent / 100), 1) - 1].time if arrived else None
+        return (
+            arrived[max(math.ceil(len(arrived) * percent / 100), 1) - 1].time if arrived else None
+        )
 
     def share_until(self, time: float) -> float:
         """Share of all runs that arrived no later than ``time``, s."""
-        return sum(run.verdict == Verdict.REACHED and run.time <= time + _SAME for run in self.runs) / len(self.runs)
+        return sum(
+            run.verdict == Verdict.REACHED and run.time <= time + _SAME for run in self.runs
+        ) / len(self.runs)
 
     def share_before(self, time: float) -> float:
         """Share of all runs that arrived earlier than ``time``, s."""
-        return sum(run.verdict == Verdict.REACHED and run.time < time - _SAME for run in self.runs) / len(self.runs)
+        return sum(
+            run.verdict == Verdict.REACHED and run.time < time - _SAME for run in self.runs
+        ) / len(self.runs)
 
 
 @dataclass(frozen=True)
@@ -231,7 +249,9 @@ class Comparison:
     @property
     def common(self) -> tuple[int, ...]:
         """Rows in which every controller arrives: only there are times compared fairly."""
-        return tuple(row for row, cells in enumerate(self.cells) if all(cell.arrives for cell in cells))
+        return tuple(
+            row for row, cells in enumerate(self.cells) if all(cell.arrives for cell in cells)
+        )
 
     def totals(self) -> tuple[Total, ...]:
         """One a controller."""
@@ -240,8 +260,11 @@ class Comparison:
 
     def _total(self, index: int, best: Sequence[tuple[int, ...]]) -> Total:
         cells = [row[index] for row in self.cells]
-        runs, reached = sum(len(cell.runs) for cell in cells), sum(cell.reached for cell in cells)
-        failures = Counter(run.verdict for cell in cells for run in cell.runs if run.verdict != Verdict.REACHED)
+        runs = sum(len(cell.runs) for cell in cells)
+        reached = sum(cell.reached for cell in cells)
+        failures = Counter(
+            run.verdict for cell in cells for run in cell.runs if run.verdict != Verdict.REACHED
+        )
         times = [cells[row].rank_time for row in self.common]
         chance = cells[0].random
         return Total(
@@ -265,11 +288,19 @@ def standing(times: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:
         times: s; ``inf`` for never.
 
     Returns:
-        Indices of the best and of the worst; nobody is best if nobody arrives, nor worst if all are equal.
+        Indices of the best and of the worst; nobody is best if nobody arrives, nor worst if all are
+        equal.
     """
-    first, last = min(times), max(times)
-    best = tuple(index for index, time in enumerate(times) if time == first) if math.isfinite(first) else ()
-    worst = tuple(index for index, time in enumerate(times) if time == last) if first != last else ()
+    first = min(times)
+    last = max(times)
+    best = (
+        tuple(index for index, time in enumerate(times) if time == first)
+        if math.isfinite(first)
+        else ()
+    )
+    worst = (
+        tuple(index for index, time in enumerate(times) if time == last) if first != last else ()
+    )
     return best, worst
 
 
@@ -291,16 +322,26 @@ def compare(
         progress: Told what was done.
 
     Raises:
-        InvalidParameter: If there is nothing to compare, a name is unknown, or parts do not fit each other.
+        InvalidParameter: If there is nothing to compare, a name is unknown, or parts do not fit
+            each other.
         InvalidWorld: If the robot cannot stand in a world, which is named.
     """
     if not worlds or not scenarios:
-        raise InvalidParameter("nothing-given", "nothing to compare", "give at least one world and one controller")
+        raise InvalidParameter(
+            "nothing-given", "nothing to compare", "give at least one world and one controller"
+        )
     if not 1 <= seeds <= MAX_SEEDS:
-        raise InvalidParameter("out-of-range", "seeds={seeds} is outside 1 to {most}", seeds=seeds, most=MAX_SEEDS)
-    columns = [_Column(label, scenario, CONTROLLERS.get(scenario.controller)) for label, scenario in scenarios.items()]
+        raise InvalidParameter(
+            "out-of-range", "seeds={seeds} is outside 1 to {most}", seeds=seeds, most=MAX_SEEDS
+        )
+    columns = [
+        _Column(label, scenario, CONTROLLERS.get(scenario.controller))
+        for label, scenario in scenarios.items()
+    ]
     for column in columns:
-        RunOptions(motion=MOTIONS.get(column.scenario.motion).name, time_step=column.scenario.time_step)
+        RunOptions(
+            motion=MOTIONS.get(column.scenario.motion).name, time_step=column.scenario.time_step
+        )
         if column.scenario.seed + seeds > 2**64:
             raise InvalidParameter(
                 "seeds-run-out",
@@ -317,7 +358,7 @@ def compare(
 class _Look:
     """One run, and what may be told of it."""
 
-    run: Run
+    run: ComparedRun
     evidence: Evidence | None
     draws: int
 
@@ -339,8 +380,9 @@ class _Column:
     ) -> list[Cell]:
         """One cell a world.
 
-        A Python controller has chance if it says ``used_random`` in any world with the first seed. Until it
-        first does, its run is the same for every seed; so a run without draws stands for all seeds.
+        A Python controller has chance if it says ``used_random`` in any world with the first seed.
+        Until it first does, its run is the same for every seed; so a run without draws stands for
+        all seeds.
         """
         options = [self._options(world, steps) for world in worlds]
         looks = [] if self.declared_random else list(map(self._look, worlds, options))
@@ -350,7 +392,17 @@ class _Column:
             first = looks[row] if looks else self._look(world, options[row])
             runs = self._over_seeds(world, options[row], first, seeds) if random else (first.run,)
             evidence = None if random else first.evidence
-            cells.append(Cell(world.name, self.label, self.scenario, options[row].steps, random, runs, evidence))
+            cells.append(
+                Cell(
+                    world.name,
+                    self.label,
+                    self.scenario,
+                    options[row].steps,
+                    random,
+                    runs,
+                    evidence,
+                )
+            )
             if progress is not None:
                 progress(f"{self.label}: {row + 1} of {len(worlds)} worlds")
         return cells
@@ -358,9 +410,15 @@ class _Column:
     def _options(self, world: NamedWorld, steps: int | None) -> RunOptions:
         options = self.scenario.options(world.world, steps)
         least = math.ceil(world.least_time / options.time_step)
-        return options if steps is not None else replace(options, steps=min(max(options.steps, least), MAX_STEPS))
+        return (
+            options
+            if steps is not None
+            else replace(options, steps=min(max(options.steps, least), MAX_STEPS))
+        )
 
-    def _over_seeds(self, world: NamedWorld, options: RunOptions, first: _Look, seeds: int) -> tuple[Run, ...]:
+    def _over_seeds(
+        self, world: NamedWorld, options: RunOptions, first: _Look, seeds: int
+    ) -> tuple[ComparedRun, ...]:
         own = range(options.seed + 1, options.seed + seeds)
         if not first.draws and not self.scenario.random:
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
@@ -370,9 +428,13 @@ class _Column:
         try:
             return self._unnamed_look(world.world, options)
         except InvalidWorld as error:
-            raise InvalidWorld.of(error.message.behind("world {world}: ", world=world.name)) from error
+            raise InvalidWorld.of(
+                error.message.behind("world {world}: ", world=world.name)
+            ) from error
         except InvalidParameter as error:
-            place = error.message.behind("world {world}, {column}: ", world=world.name, column=self.label)
+            place = error.message.behind(
+                "world {world}, {column}: ", world=world.name, column=self.label
+            )
             raise InvalidParameter.of(place) from error
 
     def _unnamed_look(self, world: World, options: RunOptions) -> _Look:
@@ -383,11 +445,15 @@ class _Column:
         verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
         if outcome.steps > MAX_RECORDED // 2:
-            verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict  # too long a run to prove or to explain
+            verdict = (
+                Verdict.STALLED if verdict == Verdict.LOOP else verdict
+            )  # too long a run to prove or to explain
         elif outcome.ending == Verdict.LOOP or (verdict == Verdict.STALLED and explained):
             episode = simulate(world, self.controller, options)
-            run = Run(options.seed, episode.verdict, episode.steps, episode.time)
+            run = ComparedRun(options.seed, episode.verdict, episode.steps, episode.time)
             return _Look(run, episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
         evidence = wall_evidence(outcome) if outcome.cause else None
-        return _Look(Run(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws)
+        return _Look(
+            ComparedRun(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws
+        )

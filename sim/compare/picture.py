@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sim.compare.comparison import Cell, Comparison
-from sim.compare.report import outcome_in_words
+from sim.compare.report import describe_outcome
 from sim.controllers import CONTROLLERS
 from sim.drawing.picture import trail_of
 from sim.episode import simulate
@@ -24,12 +24,13 @@ def draw_comparison(comparison: Comparison) -> bytes:
     Of a controller with chance the run with the median time is drawn, or the first if none arrives.
 
     Raises:
-        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which a picture cannot tell apart.
+        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which a picture cannot
+            tell apart.
     """
     panels = []
     for world, cells in zip(comparison.worlds, comparison.cells, strict=True):
         trails = tuple(_way(world.world, cell) for cell in cells)
-        notes = tuple(f"{_short(cell.label)}: {outcome_in_words(cell)}" for cell in cells)
+        notes = tuple(f"{_short(cell.label)}: {describe_outcome(cell)}" for cell in cells)
         panels.append(Panel(world.world, world.name, trails, notes))
     return draw_sheet(panels, comparison.labels)
 
@@ -45,4 +46,6 @@ def _way(world: World, cell: Cell) -> Trail | None:
     if steps < 1:
         return None
     options = cell.scenario.with_seed(shown.seed).options(world, steps)
-    return trail_of(simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world)
+    return trail_of(
+        simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world
+    )

@@ -16,7 +16,15 @@ from sim.scenario import Scenario
 from sim.verdict import FAILURES, NEVER, Verdict
 from worldgen.errors import FormatError, InvalidParameter
 
-__all__ = ["Agreement", "Deviation", "Figure", "agreement", "figures_of", "read_figures", "relative"]
+__all__ = [
+    "Agreement",
+    "Deviation",
+    "PublishedRow",
+    "agreement",
+    "figures_of",
+    "read_figures",
+    "relative",
+]
 
 _NEEDED = ("world", "controller", "time")
 _LONGEST = 1e9  # s
@@ -25,7 +33,7 @@ _VERDICTS = (Verdict.REACHED, "never", *FAILURES)
 
 
 @dataclass(frozen=True)
-class Figure:
+class PublishedRow:
     """One line of an earlier table.
 
     Args:
@@ -67,7 +75,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far our time is from an earlier one: ``relative`` is (ours - theirs) / theirs; times in s."""
+    """How far our time is from an earlier one: ``relative`` is (ours - theirs) / theirs.
+
+    Times in s.
+    """
 
     world: str
     label: str
@@ -82,20 +93,22 @@ class Agreement:
 
     Args:
         figures: By (row, column); a cell may have several.
-        rankings: Worlds in which the order of the controllers is the same, of how many with two or more figures.
+        rankings: Worlds in which the order of the controllers is the same, of how many with two or
+            more figures.
         never: Cells in which both say never, of how many in which one does.
         within: Earlier times within the middle 95 % of our seeds, of how many.
-        largest: The cell without chance whose time deviates most; of several figures the nearest counts.
+        largest: The cell without chance whose time deviates most; of several figures the nearest
+            counts.
     """
 
-    figures: Mapping[tuple[int, int], tuple[Figure, ...]]
+    figures: Mapping[tuple[int, int], tuple[PublishedRow, ...]]
     rankings: tuple[int, int]
     never: tuple[int, int]
     within: tuple[int, int]
     largest: Deviation | None
 
 
-def read_figures(text: str, source: str, folder: str = "") -> tuple[Figure, ...]:
+def read_figures(text: str, source: str, folder: str = "") -> tuple[PublishedRow, ...]:
     """Reads an earlier table.
 
     Args:
@@ -120,7 +133,11 @@ def read_figures(text: str, source: str, folder: str = "") -> tuple[Figure, ...]
                 line=1,
                 source=source,
             )
-        return tuple(_figure(header, row, rows.line_num, source, folder) for row in rows if any(map(str.strip, row)))
+        return tuple(
+            _figure(header, row, rows.line_num, source, folder)
+            for row in rows
+            if any(map(str.strip, row))
+        )
     except csv.Error as error:
         raise FormatError(
             "invalid-csv",
@@ -132,7 +149,9 @@ def read_figures(text: str, source: str, folder: str = "") -> tuple[Figure, ...]
         ) from None
 
 
-def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, folder: str) -> Figure:
+def _figure(
+    header: Sequence[str], row: Sequence[str], line: int, source: str, folder: str
+) -> PublishedRow:
     if len(row) != len(header):
         raise FormatError(
             "wrong-count",
@@ -145,8 +164,11 @@ def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, f
         )
     values = {name: text.strip() for name, text in zip(header, row, strict=True)}
     if not values["world"] or not values["controller"]:
-        raise FormatError("empty-name", "world or controller is empty", "name both", line=line, source=source)
-    text, verdict = values["time"], values.get("verdict", "").lower()
+        raise FormatError(
+            "empty-name", "world or controller is empty", "name both", line=line, source=source
+        )
+    text = values["time"]
+    verdict = values.get("verdict", "").lower()
     time = None if text.lower() in ("", "never") else _seconds("time", text, line, source)
     if not verdict:
         verdict = "never" if time is None else Verdict.REACHED
@@ -161,14 +183,18 @@ def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, f
         )
     if verdict == Verdict.REACHED and time is None:
         raise FormatError(
-            "time-missing", "reached, but no time", "give seconds, or the verdict never", line=line, source=source
+            "time-missing",
+            "reached, but no time",
+            "give seconds, or the verdict never",
+            line=line,
+            source=source,
         )
     if verdict != Verdict.REACHED:
         time = None  # of those few that arrived all the same
     controller, motion, step = _scenario(values["controller"], values.get("motion", ""))
     if values.get("time_step"):
         step = _seconds("time_step", values["time_step"], line, source)
-    return Figure(
+    return PublishedRow(
         values["world"], controller, verdict, time, motion, step,
         values.get("source", ""), values.get("note", ""), folder,
     )  # fmt: skip
@@ -203,8 +229,13 @@ def _seconds(name: str, text: str, line: int, source: str) -> float:
     return value
 
 
-def figures_of(figures: Iterable[Figure], world: NamedWorld, scenario: Scenario) -> tuple[Figure, ...]:
-    """The figures for one cell: those of its motion model and time step, if there are any, else all."""
+def figures_of(
+    figures: Iterable[PublishedRow], world: NamedWorld, scenario: Scenario
+) -> tuple[PublishedRow, ...]:
+    """The figures for one cell.
+
+    Those of its motion model and time step, if there are any, else all.
+    """
     name = scenario.label(scenario.motion, scenario.time_step)
     found = [figure for figure in figures if figure.controller == name and figure.is_of(world)]
     found = [figure for figure in found if figure.motion in ("", scenario.motion)] or found
@@ -219,23 +250,27 @@ def relative(ours: float, theirs: float) -> float:
     return (ours - theirs) / theirs
 
 
-def agreement(comparison: Comparison, figures: Iterable[Figure]) -> Agreement:
+def agreement(comparison: Comparison, figures: Iterable[PublishedRow]) -> Agreement:
     """How far an earlier table and ours agree."""
     known = tuple(figures)
-    found: dict[tuple[int, int], tuple[Figure, ...]] = {}
+    found: dict[tuple[int, int], tuple[PublishedRow, ...]] = {}
     for row, world in enumerate(comparison.worlds):
         for column, cell in enumerate(comparison.cells[row]):
             own = figures_of(known, world, cell.scenario)
             if own:
                 found[row, column] = own
     pairs = [(comparison.cells[row][column], own) for (row, column), own in found.items()]
-    return Agreement(found, _rankings(comparison, found), _never(pairs), _within(pairs), _largest(pairs))
+    return Agreement(
+        found, _rankings(comparison, found), _never(pairs), _within(pairs), _largest(pairs)
+    )
 
 
-_Pairs = Sequence[tuple[Cell, tuple[Figure, ...]]]
+_Pairs = Sequence[tuple[Cell, tuple[PublishedRow, ...]]]
 
 
-def _rankings(comparison: Comparison, found: Mapping[tuple[int, int], tuple[Figure, ...]]) -> tuple[int, int]:
+def _rankings(
+    comparison: Comparison, found: Mapping[tuple[int, int], tuple[PublishedRow, ...]]
+) -> tuple[int, int]:
     same = total = 0
     for row, cells in enumerate(comparison.cells):
         columns = [column for column in range(len(cells)) if (row, column) in found]
@@ -247,11 +282,16 @@ def _rankings(comparison: Comparison, found: Mapping[tuple[int, int], tuple[Figu
     return same, total
 
 
-def _nearest(cell: Cell, figures: Sequence[Figure]) -> float:
+def _nearest(cell: Cell, figures: Sequence[PublishedRow]) -> float:
     """The published time to rank by, s: of several the one nearest to ours."""
     ours = cell.rank_time
     times = sorted(figure.rank_time for figure in figures)
-    return min(times, key=lambda time: 0.0 if time == ours else abs(time - ours) if math.isfinite(ours) else -time)
+    return min(
+        times,
+        key=lambda time: (
+            0.0 if time == ours else abs(time - ours) if math.isfinite(ours) else -time
+        ),
+    )
 
 
 def _order(times: Sequence[float]) -> list[int]:
@@ -284,7 +324,8 @@ def _within(pairs: _Pairs) -> tuple[int, int]:
 def _largest(pairs: _Pairs) -> Deviation | None:
     deviations = []
     for cell, own in pairs:
-        ours, theirs = cell.time, [figure.time for figure in own if figure.time is not None]
+        ours = cell.time
+        theirs = [figure.time for figure in own if figure.time is not None]
         if cell.random or ours is None or not theirs:
             continue
         nearest = min(theirs, key=lambda time: abs(relative(ours, time)))

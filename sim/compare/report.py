@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sim.compare.comparison import PERCENTILES, Cell, Comparison, Total, standing
-from sim.compare.published import Agreement, Figure
+from sim.compare.published import Agreement, PublishedRow
 from sim.evidence import evidence_table
 from sim.verdict import NEVER, Verdict
 from worldgen.support.plain_text import aligned
 
-__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "outcome_in_words"]
+__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "describe_outcome"]
 
 CSV_COLUMNS = (
     "world", "controller", "motion", "time_step", "budget", "seeds", "first_seed", "reached", "low", "high",
@@ -24,14 +24,21 @@ CSV_COLUMNS = (
 _WIDTH = 116  # of sentences below a table
 
 
-def outcome_in_words(cell: Cell) -> str:
-    """What a controller did in a world: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``."""
+def describe_outcome(cell: Cell) -> str:
+    """What a controller did in a world.
+
+    ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
+    """
     if cell.random:
         share = f"({cell.reached}/{len(cell.runs)})"
         if cell.time is not None:
             return f"{cell.time:.3f} {share}"
         failures = ", ".join(f"{verdict} {count}" for verdict, count in cell.verdicts.items())
-        return f"never ({failures})" if set(cell.verdicts) <= set(NEVER) else f"none arrives ({failures})"
+        return (
+            f"never ({failures})"
+            if set(cell.verdicts) <= set(NEVER)
+            else f"none arrives ({failures})"
+        )
     if cell.time is not None:
         return f"{cell.time:.3f}"
     if cell.verdict == Verdict.LOOP:
@@ -54,16 +61,29 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
     rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
     for index, cells in enumerate(comparison.cells):
         ranks = _ranks([cell.rank_time for cell in cells], comparison.labels) if several else []
-        rows.append([comparison.worlds[index].name, *map(outcome_in_words, cells), *ranks])
-        known = {} if beside is None else {c: own for (row, c), own in beside.figures.items() if row == index}
+        rows.append([comparison.worlds[index].name, *map(describe_outcome, cells), *ranks])
+        known = (
+            {}
+            if beside is None
+            else {c: own for (row, c), own in beside.figures.items() if row == index}
+        )
         if known:
-            rows.append(["  published", *_published_row(cells, known), *(_published_ranks(comparison, known))])
+            rows.append(
+                [
+                    "  published",
+                    *_published_row(cells, known),
+                    *(_published_ranks(comparison, known)),
+                ]
+            )
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
         keys.append("(k/n): k of n seeds arrive, the time is their median.")
     if beside is not None and beside.figures:
-        keys.append("In brackets behind a published time: ours less that; for chance the share of seeds no later.")
+        keys.append(
+            "In brackets behind a published time: ours less that; for chance the share of seeds no "
+            "later."
+        )
     return text + "\n" + _wrapped(" ".join(keys))
 
 
@@ -72,18 +92,28 @@ def _ranks(times: Sequence[float], labels: Sequence[str]) -> list[str]:
     return [", ".join(labels[index] for index in places) or "-" for places in (best, worst)]
 
 
-def _published_row(cells: Sequence[Cell], known: Mapping[int, tuple[Figure, ...]]) -> list[str]:
-    return ["; ".join(_figure_in_words(cell, figure) for figure in known.get(c, ())) for c, cell in enumerate(cells)]
+def _published_row(
+    cells: Sequence[Cell], known: Mapping[int, tuple[PublishedRow, ...]]
+) -> list[str]:
+    return [
+        "; ".join(_describe_figure(cell, figure) for figure in known.get(c, ()))
+        for c, cell in enumerate(cells)
+    ]
 
 
-def _published_ranks(comparison: Comparison, known: Mapping[int, tuple[Figure, ...]]) -> list[str]:
+def _published_ranks(
+    comparison: Comparison, known: Mapping[int, tuple[PublishedRow, ...]]
+) -> list[str]:
     """Best and worst by the first figure of each cell."""
     if len(known) < 2:
         return []
-    return _ranks([own[0].rank_time for own in known.values()], [comparison.labels[column] for column in known])
+    return _ranks(
+        [own[0].rank_time for own in known.values()],
+        [comparison.labels[column] for column in known],
+    )
 
 
-def _figure_in_words(cell: Cell, figure: Figure) -> str:
+def _describe_figure(cell: Cell, figure: PublishedRow) -> str:
     if figure.time is None:
         return figure.verdict
     time = f"{figure.time:.3f}"
@@ -97,7 +127,9 @@ def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list
     columns = max(map(len, rows))
     filled = [[*row, *[""] * (columns - len(row))] for row in rows]
     for column in numbers:
-        lead = max((text.find(".") for row in filled[1:] if (text := row[column])[:1].isdigit()), default=0)
+        lead = max(
+            (text.find(".") for row in filled[1:] if (text := row[column])[:1].isdigit()), default=0
+        )
         for row in filled[1:]:
             if row[column][:1].isdigit():
                 row[column] = " " * (lead - row[column].find(".")) + row[column]
@@ -107,15 +139,29 @@ def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list
 def _totals_table(comparison: Comparison) -> str:
     totals = comparison.totals()
     rows = [["total", *comparison.labels], ["arrived", *map(_arrived, totals)]]
-    rows.append(["failed", *(", ".join(f"{kind} {n}" for kind, n in t.failures.items()) or "-" for t in totals)])
+    rows.append(
+        [
+            "failed",
+            *(", ".join(f"{kind} {n}" for kind, n in t.failures.items()) or "-" for t in totals),
+        ]
+    )
     if len(totals) > 1:
-        rows.append(["best", *(f"{t.wins}" + (f" + {t.shared_wins} shared" if t.shared_wins else "") for t in totals)])
+        rows.append(
+            [
+                "best",
+                *(
+                    f"{t.wins}" + (f" + {t.shared_wins} shared" if t.shared_wins else "")
+                    for t in totals
+                ),
+            ]
+        )
         if comparison.common:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
     text = aligned(rows)
     if len(totals) > 1:
-        count, of = len(comparison.common), len(comparison.worlds)
+        count = len(comparison.common)
+        of = len(comparison.worlds)
         which = f"the {count} of {of} worlds" if count else f"no world of {of}, so none are given,"
         text += f"\nMean and median times are over {which} in which every controller arrives."
     if any(total.random for total in totals):
@@ -140,7 +186,10 @@ def _agreement_text(beside: Agreement) -> str:
     if beside.never[1]:
         parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
     if beside.within[1]:
-        parts.append(f"{beside.within[0]} of {beside.within[1]} figures lie within the middle 95 % of our seeds")
+        parts.append(
+            f"{beside.within[0]} of {beside.within[1]} figures lie within the middle 95 % of our "
+            f"seeds"
+        )
     if beside.largest is not None:
         far = beside.largest
         parts.append(
@@ -168,7 +217,8 @@ def as_csv(comparison: Comparison) -> str:
 
 
 def _csv_row(cell: Cell) -> list[object]:
-    scenario, interval = cell.scenario, cell.interval
+    scenario = cell.scenario
+    interval = cell.interval
     verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
     verdict = "never" if cell.never and cell.verdict not in NEVER else cell.verdict
     return [
@@ -191,7 +241,9 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
         worlds.append(
             {
                 "world": comparison.worlds[index].name,
-                "cells": [_json_cell(cell, figures.get((index, c), ())) for c, cell in enumerate(cells)],
+                "cells": [
+                    _json_cell(cell, figures.get((index, c), ())) for c, cell in enumerate(cells)
+                ],
                 "best": [comparison.labels[place] for place in best],
                 "worst": [comparison.labels[place] for place in worst],
             }
@@ -205,7 +257,7 @@ def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str
     }
 
 
-def _json_cell(cell: Cell, figures: Sequence[Figure]) -> dict[str, Any]:
+def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
     scenario = cell.scenario
     return {
         "controller": cell.label,
@@ -227,7 +279,7 @@ def _json_cell(cell: Cell, figures: Sequence[Figure]) -> dict[str, Any]:
     }
 
 
-def _json_figure(cell: Cell, figure: Figure) -> dict[str, Any]:
+def _json_figure(cell: Cell, figure: PublishedRow) -> dict[str, Any]:
     difference = None
     if figure.time is not None and cell.time is not None and not cell.random:
         difference = round(cell.time - figure.time, 9)
@@ -238,7 +290,9 @@ def _json_figure(cell: Cell, figure: Figure) -> dict[str, Any]:
         "source": figure.source,
         "note": figure.note,
         "difference": difference,
-        "share_no_later": cell.share_until(figure.time) if cell.random and figure.time is not None else None,
+        "share_no_later": cell.share_until(figure.time)
+        if cell.random and figure.time is not None
+        else None,
     }
 
 

@@ -1,10 +1,12 @@
 """Controllers: observation and memory in, command and memory out; one file each.
 
 Contents:
-    CompiledController, PythonController, VectorController, ProcessController: the ways to bring one.
+    CompiledController, PythonController, VectorController, ProcessController: the ways to bring
+        one.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     MemoryField, MemoryMap: how its memory is shown to people.
-    CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
+    CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or
+        ``cmd:./program --flag``.
     controller_of: the same, or the thing itself, checked.
     names_in: the controllers of a list with commas.
     in_plain_place: one name for all ways to write a controller's file.

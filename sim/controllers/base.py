@@ -1,4 +1,7 @@
-"""The controller contract: a compiled function on arrays, or a class. Programs: :mod:`sim.controllers.programs`."""
+"""The controller contract: a compiled function on arrays, or a class.
+
+Programs: :mod:`sim.controllers.programs`.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +73,9 @@ class Observation(NamedTuple):
         values: list[Any] = array.tolist()
         values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
-        return tuple.__new__(cls, values)  # as _make does, in half the time: this runs in every step
+        return tuple.__new__(
+            cls, values
+        )  # as _make does, in half the time: this runs in every step
 
 
 class Observations(NamedTuple):
@@ -105,7 +110,10 @@ class Observations(NamedTuple):
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
-"""What a controller senses that does not say what it looks at: all but the clock, which no loop can outlast."""
+"""What a controller senses that does not say what it looks at.
+
+All but the clock, which no loop can outlast.
+"""
 
 
 class Command(NamedTuple):
@@ -123,7 +131,10 @@ class Command(NamedTuple):
 
 
 class Commands(NamedTuple):
-    """What many robots are asked for: a :class:`Command` of arrays of shape (n,), or of numbers for all."""
+    """What many robots are asked for.
+
+    A :class:`Command` of arrays of shape (n,), or of numbers for all.
+    """
 
     speed: npt.ArrayLike = 0.0
     turn_rate: npt.ArrayLike = 0.0
@@ -137,25 +148,27 @@ class CompiledController:
     Args:
         name: For messages and files.
         act: A function of the core; or ``act(observation, memory, command)`` on flat float64 arrays
-            (:mod:`sim.kernels.layout`), which numba compiles: it changes ``memory`` and ``command`` in place, and all
-            its state is in ``memory``.
+            (:mod:`sim.kernels.layout`), which numba compiles: it changes ``memory`` and ``command``
+            in place, and all its state is in ``memory``.
         memory: Memory at reset, numbers.
-        start_speed: m/s during the first step, before anything has been seen; more than the robot's top speed is
-            that speed.
+        start_speed: m/s during the first step, before anything has been seen; more than the robot's
+            top speed is that speed.
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: Whether it uses random numbers.
-        senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan. Without
-            names it gets all but ``time``, and a step takes up to twice as long. Who looks at ``time`` never comes
-            back to a state, so no loop is proved.
-        needs: Options of the robot without which it cannot work, such as ``RobotOptions(beams=36)``; a run that says
-            otherwise has its way.
-        slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does less in a unit.
+        senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan.
+            Without names it gets all but ``time``, and a step takes up to twice as long. Who looks
+            at ``time`` never comes back to a state, so no loop is proved.
+        needs: Options of the robot without which it cannot work, such as
+            ``RobotOptions(beams=36)``; a run that says otherwise has its way.
+        slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does
+            less in a unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
         memory_map: What the memory (m,) says about the world, also for pages; no run calls it.
         memory_map_on: Indices of the numbers that the map hangs on; without any it hangs on all.
 
     Raises:
-        InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is below 0 or nan.
+        InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is
+            below 0 or nan.
     """
 
     name: str
@@ -186,7 +199,9 @@ class CompiledController:
 
 
 def check_declared(name: str, senses: object, needs: object) -> None:
-    """Refuses what a controller cannot declare: names of senses that there are not, needs that are no options.
+    """Refuses what a controller cannot declare.
+
+    Names of senses that there are not, needs that are no options.
 
     Raises:
         InvalidParameter: If it does.
@@ -220,13 +235,15 @@ def check_declared(name: str, senses: object, needs: object) -> None:
 
 
 class PythonController(Protocol):
-    """A controller as a Python class; make it a frozen dataclass and keep all its state in ``memory``.
+    """A controller as a Python class.
 
-    ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
-    changes itself is at most ``stalled`` or ``timeout``. One that plans first writes ``reset(self, world)`` and gets
-    the :class:`~worldgen.world.World`, without certificate and provenance. Attributes ``senses`` and ``needs`` may say
-    what it looks at and which robot it needs, as for a :class:`CompiledController`; so may ``memory_fields``, a method
-    ``memory_map(self, memory)`` and ``memory_map_on`` how its memory is shown.
+    Make it a frozen dataclass and keep all its state in ``memory``. ``memory`` is a tuple of
+    numbers. A loop is only proved for a controller that keeps to this; one that changes itself is
+    at most ``stalled`` or ``timeout``. One that plans first writes ``reset(self, world)`` and gets
+    the :class:`~worldgen.world.World`, without certificate and provenance. Attributes ``senses``
+    and ``needs`` may say what it looks at and which robot it needs, as for a
+    :class:`CompiledController`; so may ``memory_fields``, a method ``memory_map(self, memory)`` and
+    ``memory_map_on`` how its memory is shown.
     """
 
     def reset(self) -> Memory:
@@ -240,11 +257,12 @@ class PythonController(Protocol):
 
 @runtime_checkable
 class VectorController(Protocol):
-    """A controller as a Python class that acts for many robots at once, with NumPy: millions of steps a second.
+    """A controller as a Python class that acts for many robots at once, with NumPy.
 
-    Row i of everything belongs to robot i and must depend on nothing else. There may be any number of robots, also
-    one, and there are fewer and fewer as they arrive. A run is to the bit the same alone and among others if NumPy
-    works out each row likewise: a matrix product may not. All else is as for a :class:`PythonController`.
+    Millions of steps a second. Row i of everything belongs to robot i and must depend on nothing
+    else. There may be any number of robots, also one, and there are fewer and fewer as they arrive.
+    A run is to the bit the same alone and among others if NumPy works out each row likewise: a
+        matrix product may not. All else is as for a :class:`PythonController`.
     """
 
     def reset(self) -> Memory:
@@ -292,7 +310,11 @@ def wants_world(controller: Any) -> bool:
     """Whether a class plans first: its ``reset`` takes an argument, the world."""
     try:
         parameters = inspect.signature(controller.reset).parameters.values()
-    except (AttributeError, TypeError, ValueError):  # no such method, or one that does not say what it takes
+    except (
+        AttributeError,
+        TypeError,
+        ValueError,
+    ):  # no such method, or one that does not say what it takes
         return False
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return any(one.default is one.empty and one.kind in by_place for one in parameters)

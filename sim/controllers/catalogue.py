@@ -1,6 +1,7 @@
 """Finds a controller by name and checks it.
 
-A name is a registered one, ``module:name``, ``./file.py:name``, ``lib:./file.so:name`` or ``cmd:PROGRAM``.
+A name is a registered one, ``module:name``, ``./file.py:name``, ``lib:./file.so:name`` or
+``cmd:PROGRAM``.
 """
 
 from __future__ import annotations
@@ -64,7 +65,8 @@ def _program_hint(name: str) -> Message | None:
             "needs-a-class",
             "controller {name!r} is a Python file, and "
             + ("it has {classes!l}" if classes else "it has no class with act"),
-            "name a class, such as {file}:{example}, or run the file as a program, 'cmd:python {file}'",
+            "name a class, such as {file}:{example}, or run the file as a program, 'cmd:python "
+            "{file}'",
             name=name,
             classes=classes,
             file=first,
@@ -75,7 +77,11 @@ def _program_hint(name: str) -> Message | None:
     if is_here or (arguments and shutil.which(first) is not None):
         command = name if "/" in first or not is_here else f"./{name}"
         return Message(
-            "needs-cmd", "controller {name!r} is a program", "write 'cmd:{command}'", name=name, command=command
+            "needs-cmd",
+            "controller {name!r} is a program",
+            "write 'cmd:{command}'",
+            name=name,
+            command=command,
         )
     if "/" in place and not place.endswith(".py"):
         return Message(
@@ -95,7 +101,11 @@ def _classes_in(file: Path) -> list[str]:
     except (OSError, ValueError, SyntaxError):
         return []
     classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
-    return [one.name for one in classes if {"act", "act_many"} & {getattr(part, "name", "") for part in one.body}]
+    return [
+        one.name
+        for one in classes
+        if {"act", "act_many"} & {getattr(part, "name", "") for part in one.body}
+    ]
 
 
 def _accept(name: str, thing: Any) -> Controller:
@@ -106,8 +116,11 @@ def _accept(name: str, thing: Any) -> Controller:
         return thing
     with user_code(f"controller {name!r}: looking at its attributes"):
         act = "act_many" if hasattr(thing, "act_many") else "act"
-        missing = [method for method in ("reset", act) if not callable(getattr(thing, method, None))]
-        senses, needs = getattr(thing, "senses", DEFAULT_SENSES), getattr(thing, "needs", RobotOptions())
+        missing = [
+            method for method in ("reset", act) if not callable(getattr(thing, method, None))
+        ]
+        senses = getattr(thing, "senses", DEFAULT_SENSES)
+        needs = getattr(thing, "needs", RobotOptions())
     if missing:
         raise InvalidParameter(
             "not-a-controller",
@@ -126,16 +139,21 @@ CONTROLLERS: Registry[Controller] = _Controllers("worldgen.controllers", "contro
 
 
 def controller_of(given: str | Controller | type) -> Controller:
-    """The controller of that name, or the thing itself: a controller, or a class that makes one without arguments.
+    """The controller of that name, or the thing itself.
+
+    A controller, or a class that makes one without arguments.
 
     Raises:
-        InvalidParameter: If nothing is called so, it is no controller, or it raises when it is made.
+        InvalidParameter: If nothing is called so, it is no controller, or it raises when it is
+            made.
     """
     return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
 
 
 def in_plain_place(name: str, *, resolve: bool = False) -> str:
-    """Return the one name for all ways to write a controller's file: ``mine.py:Robot`` for ``./mine.py:Robot``.
+    """Return the one name for all ways to write a controller's file.
+
+    ``mine.py:Robot`` for ``./mine.py:Robot``.
 
     Args:
         name: With options or without; names of other kinds come back as they are.
@@ -151,7 +169,8 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 def names_in(text: str) -> list[str]:
     """Return the controllers of a list with commas between them.
 
-    A comma in the command line of a program belongs to it, unless another controller follows: a registered one,
+    A comma in the command line of a program belongs to it, unless another controller follows: a
+        registered one,
     ``file.py:name`` or ``module:name``, or another program.
     """
     names: list[str] = []

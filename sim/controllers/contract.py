@@ -1,8 +1,10 @@
 """The contract of a Python controller, and what to say where one does not keep it.
 
-A controller that returns the wrong thing has not crashed: it is incomplete. If it does so from the start, no run can
-show anything, and that is an error of usage. If only some branch forgets the memory, the search has found that branch:
-the verdict is ``invalid-command``, and the world in which the branch is taken is the failure.
+A controller that returns the wrong thing has not crashed: it is incomplete. If it does so from the
+    start, no run can
+show anything, and that is an error of usage. If only some branch forgets the memory, the search has
+found that branch: the verdict is ``invalid-command``, and the world in which the branch is taken is
+    the failure.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.programs.program import ControllerError
 from sim.evidence import Evidence, FaultEvidence
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
@@ -24,7 +26,7 @@ _RETURN = "end {} with: return Command(speed, turn_rate), memory"
 _MEMORY = "return a tuple of numbers whose length never changes, such as () or (0.0, 1.0)"
 
 
-class ContractBroken(Misbehaviour, TypeError):
+class ContractBroken(ControllerError, TypeError):
     """A controller returned what the contract does not allow.
 
     Args:
@@ -34,7 +36,9 @@ class ContractBroken(Misbehaviour, TypeError):
     """
 
     def __init__(self, error: str, answer: object, remedy: str) -> None:
-        super().__init__(Verdict.INVALID_COMMAND, error, {"answer": _in_short(answer), "remedy": remedy})
+        super().__init__(
+            Verdict.INVALID_COMMAND, error, {"answer": _in_short(answer), "remedy": remedy}
+        )
 
 
 def no_memory(answer: object, method: str = "act") -> ContractBroken:
@@ -63,7 +67,9 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
     Raises:
         ContractBroken: If it is not a tuple of numbers, or of another length.
     """
-    if not isinstance(memory, tuple) or not all(isinstance(value, int | float | np.number) for value in memory):
+    if not isinstance(memory, tuple) or not all(
+        isinstance(value, int | float | np.number) for value in memory
+    ):
         raise ContractBroken("the memory is not a tuple of numbers", memory, _MEMORY)
     if size is not None and len(memory) != size:
         error = f"the memory had {size} numbers and now has {len(memory)}"

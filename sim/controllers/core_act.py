@@ -1,6 +1,7 @@
 """Controllers of the C core: their functions by name, and what stands where in their memories.
 
-``sim/core/controllers/wg_controllers.h`` declares each memory as a struct; its fields are named there and nowhere else.
+``sim/core/controllers/wg_controllers.h`` declares each memory as a struct; its fields are named
+there and nowhere else.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.programs.program import ControllerError
 from sim.controllers.shared.guarded import DEADLINE, HANG
 from sim.verdict import Verdict
 
-__all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]
+__all__ = ["CoreAct", "controller_error_of", "default_of", "memory_at_reset", "place", "size_of"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -63,15 +64,19 @@ class CoreAct:
         """
         beams = np.ascontiguousarray(observation[SENSES:], np.float64)
         seen = ffi.new("WgObservation *")
-        ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(observation[:SENSES], np.float64).tobytes()
+        ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(
+            observation[:SENSES], np.float64
+        ).tobytes()
         seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
         seen.beam_count = beams.size
         asked = ffi.new("WgCommand *")
-        own = ffi.from_buffer("double[]", memory, require_writable=True) if memory.size else ffi.NULL
+        own = (
+            ffi.from_buffer("double[]", memory, require_writable=True) if memory.size else ffi.NULL
+        )
         ffi.cast("WgAct", self.address)(seen, own, asked)
         command[:] = (asked.speed, asked.turn_rate, asked.used_random)
         if asked.error != ffi.NULL:
-            raise misbehaviour_of(ffi.string(asked.error).decode("utf-8", "replace"))
+            raise controller_error_of(ffi.string(asked.error).decode("utf-8", "replace"))
 
 
 @functools.cache
@@ -82,20 +87,23 @@ def _address(name: str) -> int:
     return int(ffi.cast("uintptr_t", act))
 
 
-def misbehaviour_of(error: str) -> Misbehaviour:
+def controller_error_of(error: str) -> ControllerError:
     """Return what a function of C did wrong.
 
     Args:
         error: ``WgReport.error``.
     """
     if error == HANG:
-        return Misbehaviour(Verdict.HANG, error, {"deadline": DEADLINE})
+        return ControllerError(Verdict.HANG, error, {"deadline": DEADLINE})
     _, colon, message = error.partition(": ")
-    return Misbehaviour(Verdict.CRASH, error, {"message": message} if colon else {})
+    return ControllerError(Verdict.CRASH, error, {"message": message} if colon else {})
 
 
 def place(struct: str, *fields: str | int) -> int:
-    """Return the index in a memory of a field of its struct; of a field of a field where several are named."""
+    """Return the index in a memory of a field of its struct.
+
+    Of a field of a field where several are named.
+    """
     return int(ffi.offsetof(struct, *fields)) // _NUMBER
 
 

@@ -1,7 +1,7 @@
 """Where a Python controller raised: the frames of the user's code, in short.
 
-The frames name files without their folders, so that a failure reads the same in another checkout, and quote the
-statement, which stays the same when other lines of its file move.
+The frames name files without their folders, so that a failure reads the same in another checkout,
+and quote the statement, which stays the same when other lines of its file move.
 """
 
 from __future__ import annotations
@@ -21,12 +21,18 @@ MOST_FRAMES = 6
 """Frames that are kept, the innermost ones."""
 
 _LONGEST_CODE = 160  # characters of a statement that are kept
-_INSTALLED = frozenset(("site-packages", "dist-packages"))  # folders of libraries; the second one is Debian's
+_INSTALLED = frozenset(
+    ("site-packages", "dist-packages")
+)  # folders of libraries; the second one is Debian's
 _OURS = Path(__file__).resolve().parents[2]
-_OUR_PACKAGES = tuple(f"{_OURS / name}/" for name in ("sim", "fuzz", "worldgen", "worldgen_plugins"))
+_OUR_PACKAGES = tuple(
+    f"{_OURS / name}/" for name in ("sim", "fuzz", "worldgen", "worldgen_plugins")
+)
 _LIBRARIES = tuple(
     f"{Path(path).resolve()}/"
-    for path in {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
+    for path in {
+        sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
+    }
 )
 
 
@@ -38,14 +44,16 @@ def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
         controller: The controller, whose own file counts as the user's wherever it is installed.
 
     Returns:
-        ``at``, the innermost line of the controller's own file, and ``frames``, the innermost frames of the user's
-        code: ``file``, ``line``, ``function``, ``code``, and ``repeat`` of a line that occurs several times in its
-        function; the outermost first. What is unknown is left out.
+        ``at``, the innermost line of the controller's own file, and ``frames``, the innermost
+        frames of the user's code: ``file``, ``line``, ``function``, ``code``, and ``repeat`` of a
+        line that occurs several times in its function; the outermost first. What is unknown is left
+        out.
     """
     act = getattr(controller, "act", None) or getattr(controller, "act_many", None)
     own_file = getattr(getattr(act, "__code__", None), "co_filename", "")
 
-    # Only frames that are kept have their source read, so a recursion of any depth is cheap to look through.
+    # Only frames that are kept have their source read, so a recursion of any depth is cheap to look
+    # through.
     calls = list(_calls(error))
     lines = [call.tb_lineno for call in calls if call.tb_frame.f_code.co_filename == own_file]
     of_the_user = [call for call in calls if _is_the_users(call, own_file)]
@@ -76,7 +84,10 @@ def _without_repetitions(calls: list[TracebackType]) -> list[TracebackType]:
     for call in reversed(calls):
         if len(kept) == MOST_FRAMES:
             break
-        if not kept or (call.tb_frame.f_code, call.tb_lineno) != (kept[-1].tb_frame.f_code, kept[-1].tb_lineno):
+        if not kept or (call.tb_frame.f_code, call.tb_lineno) != (
+            kept[-1].tb_frame.f_code,
+            kept[-1].tb_lineno,
+        ):
             kept.append(call)
     return kept[::-1]
 
@@ -90,18 +101,24 @@ def _frame(call: TracebackType) -> Value:
 
 def _statement(call: TracebackType) -> dict[str, Value]:
     """Return the source of what was being done, on one line, and which of equal lines in its function that is."""
-    code, line, instruction = call.tb_frame.f_code, call.tb_lineno, call.tb_lasti // 2
+    code = call.tb_frame.f_code
+    line = call.tb_lineno
+    instruction = call.tb_lasti // 2
 
     # A call may span lines; the first alone would not tell one `raise ValueError(` from another.
     positions = list(code.co_positions())
     last = positions[instruction][1] if 0 <= instruction < len(positions) else None
     linecache.checkcache(code.co_filename)
     source = linecache.getlines(code.co_filename)
-    text = shown(" ".join(" ".join(source[line - 1 : min(max(last or line, line), line + 9)]).split()))
+    text = shown(
+        " ".join(" ".join(source[line - 1 : min(max(last or line, line), line + 9)]).split())
+    )
     if not text:
         return {}
 
-    found: dict[str, Value] = {"code": text if len(text) <= _LONGEST_CODE else f"{text[:_LONGEST_CODE]}..."}
+    found: dict[str, Value] = {
+        "code": text if len(text) <= _LONGEST_CODE else f"{text[:_LONGEST_CODE]}..."
+    }
     begin = source[line - 1].strip()
     before = sum(other.strip() == begin for other in source[code.co_firstlineno - 1 : line - 1])
     return found | ({"repeat": before + 1} if before else {})

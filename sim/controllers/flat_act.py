@@ -1,4 +1,7 @@
-"""Functions of a user's that numba compiles, as the core calls them. numba is an extra, ``worldgen[numba]``."""
+"""Functions of a user's that numba compiles, as the core calls them.
+
+Numba is an extra, ``worldgen[numba]``.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,8 @@ def compiled_act(act: Act) -> Any:
     if any("_random_state" in code for code in compiled.inspect_llvm().values()):
         raise InvalidParameter(
             "draws-outside-seed",
-            "controller function {function} draws random numbers of Python or NumPy, which no seed of a run decides",
+            "controller function {function} draws random numbers of Python or NumPy, which no seed "
+            "of a run decides",
             "use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0",
             function=_name(act),
         )
@@ -51,7 +55,9 @@ def compiled_act(act: Act) -> Any:
 
 @functools.cache
 def flat_address(act: Act) -> int:
-    """Return the address of an act function as the core calls it: a ``WgFlatAct``, which says whether it raised.
+    """Return the address of an act function as the core calls it.
+
+    A ``WgFlatAct``, which says whether it raised.
 
     Raises:
         InvalidParameter: If numba is not installed, or cannot compile it.
@@ -61,7 +67,9 @@ def flat_address(act: Act) -> int:
     numbers = numba.types.CPointer(numba.float64)
 
     @numba.cfunc(numba.int64(numbers, numba.int64, numbers, numba.int64, numbers))  # type: ignore[untyped-decorator]
-    def flat(observation: Any, observation_size: int, memory: Any, memory_size: int, command: Any) -> int:
+    def flat(
+        observation: Any, observation_size: int, memory: Any, memory_size: int, command: Any
+    ) -> int:
         try:
             compiled(
                 numba.carray(observation, (observation_size,)),
@@ -99,8 +107,15 @@ def _name(act: Act) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Return what numba says, without the stages that it was in; with the call that it does not know, if that is it."""
+    """Return what numba says, without the stages that it was in.
+
+    With the call that it does not know, if that is it.
+    """
     lines = (line.strip() for line in str(error).splitlines())
-    said = [line for line in lines if line and not line.startswith(("Failed in", "During:", "- Resolution"))]
+    said = [
+        line
+        for line in lines
+        if line and not line.startswith(("Failed in", "During:", "- Resolution"))
+    ]
     with_call = len(said) > 1 and said[1].startswith(">>>")
     return " ".join(said[: 2 if with_call else 1])

@@ -1,6 +1,7 @@
 """How a controller's memory reads for people: names of its numbers, and the map that it keeps.
 
-Both are declared beside the controller and only ever read what a run has left; a run is the same without them.
+Both are declared beside the controller and only ever read what a run has left; a run is the same
+without them.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ class MemoryMap:
     """What a memory says about the world; lengths in m, in the world's frame.
 
     Args:
-        blocked: (n, 4) lines, x and y of both ends, that the controller holds for walls or ways that are closed.
+        blocked: (n, 4) lines, x and y of both ends, that the controller holds for walls or ways
+            that are closed.
         cells: (n, 4) rectangles, x and y of two corners, that it holds for occupied.
         plan: (n, 2) corners of the way that it means to drive.
         places: Points that it remembers, x and y by name.
@@ -62,7 +64,9 @@ def check_fields(name: str, fields: Any) -> None:
     Raises:
         InvalidParameter: If it is none.
     """
-    if not isinstance(fields, tuple | list) or not all(isinstance(one, MemoryField) for one in fields):
+    if not isinstance(fields, tuple | list) or not all(
+        isinstance(one, MemoryField) for one in fields
+    ):
         raise InvalidParameter(
             "wrong-declaration",
             "controller {name!r} has memory_fields={fields!r}, which is no tuple of them",

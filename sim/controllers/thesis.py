@@ -1,15 +1,16 @@
 """The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
 
-Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is done.
-Under ``stepped`` the thesis's own program runs, to the last bit (``sim/core/thesis_episode.c``). For the
-other motion models ``sim/core/controllers/thesis_rules.c`` has the same idea on the pose lattice, with
-the same arbiter.
+Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is
+done. Under ``stepped`` the thesis's own program runs, to the last bit
+(``sim/core/thesis_episode.c``). For the other motion models ``sim/core/controllers/thesis_rules.c``
+has the same idea on the pose lattice, with the same arbiter.
 
-Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to a
-heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the screen's
-side where the robot then passes, and its text contradicts itself.
+Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to
+a heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the
+screen's side where the robot then passes, and its text contradicts itself.
 
-Source: the thesis on behaviour-based search and rescue robots that this program descends from (2005-2006),
+Source: the thesis on behaviour-based search and rescue robots that this program descends from
+    (2005-2006),
 sections 3 and 4 and its listing; the arbiter is rebuilt from the prose.
 """
 
@@ -46,7 +47,10 @@ _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
 
 def _controller(name: str, rule: int) -> CompiledController:
-    """Return the robot under one of the thesis's rules; it drives at its top speed from the start."""
+    """Return the robot under one of the thesis's rules.
+
+    It drives at its top speed from the start.
+    """
     return CompiledController(
         name,
         CoreAct(name),

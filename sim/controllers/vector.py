@@ -7,7 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
+from sim.controllers.base import (
+    Command,
+    Commands,
+    Memory,
+    Observation,
+    Observations,
+    VectorController,
+)
 from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.kernels import layout
 from sim.runners.controller_time import timed
@@ -28,7 +35,9 @@ class Asker:
         command: (n, CMD_SIZE), filled in each step.
     """
 
-    def __init__(self, controller: VectorController, seen: Floats, memory: Floats, command: Floats) -> None:
+    def __init__(
+        self, controller: VectorController, seen: Floats, memory: Floats, command: Floats
+    ) -> None:
         self._act = timed(controller.act_many)
         self._seen = _locked(seen)
         self._memory = _locked(memory)
@@ -72,8 +81,12 @@ class Asker:
                 error = f"{name} is of shape {np.shape(value)} for {count} robots"
                 raise ContractBroken(error, value, "give one number, or one for each robot")
         if np.shape(kept) != after.shape:
-            error = f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
-            raise ContractBroken(error, kept, "return it in the shape in which it came: a row for each robot")
+            error = (
+                f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
+            )
+            raise ContractBroken(
+                error, kept, "return it in the shape in which it came: a row for each robot"
+            )
 
         command = self._command[:count]
         command[:, layout.CMD_SPEED] = asked.speed
@@ -94,8 +107,10 @@ class OneOfMany:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """The only robot's command and memory."""
-        seen, before = np.array([[*observation[:-1], *observation.beams]]), np.array([memory])
-        command, after = np.zeros((1, layout.CMD_SIZE)), np.empty_like(before)
+        seen = np.array([[*observation[:-1], *observation.beams]])
+        before = np.array([memory])
+        command = np.zeros((1, layout.CMD_SIZE))
+        after = np.empty_like(before)
         Asker(self.controller, seen, before, command).ask(1, after)
         speed, turn_rate, used_random = command[0].tolist()
         return Command(speed, turn_rate, used_random != 0.0), tuple(after[0].tolist())

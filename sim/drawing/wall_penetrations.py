@@ -1,4 +1,7 @@
-"""Walls that a robot went into: which cells, when, and where it broke in. The player marks the same ones."""
+"""Walls that a robot went into: which cells, when, and where it broke in.
+
+The player marks the same ones.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,11 @@ import numpy.typing as npt
 from sim.episode import Episode
 from sim.evidence import WallEvidence
 from sim.trace import Trace
-from worldgen.render import Pierced
+from worldgen.render import WallPenetration
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["pierced_cells"]
+__all__ = ["penetrated_cells"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -25,14 +28,17 @@ _FURTHEST = 6  # cells: of a larger robot only the cells that its centre enters 
 _FINENESS = 0.125  # cells between two places of a way that are looked at
 
 
-def pierced_cells(episode: Episode, world: World) -> list[Pierced]:
-    """The wall cells that the robot cut into, the first to come first; the one that the verdict names is among them.
+def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
+    """The wall cells that the robot cut into, the first to come first.
+
+    The one that the verdict names is among them.
 
     Args:
         episode: A recorded run.
         world: Where it was.
     """
-    trace, evidence = episode.trace, episode.evidence
+    trace = episode.trace
+    evidence = episode.evidence
     if trace is None or not episode.went_into_a_wall:
         return []
     first: dict[tuple[int, int], int] = {}
@@ -43,22 +49,32 @@ def pierced_cells(episode: Episode, world: World) -> list[Pierced]:
         named = evidence.cell
         first[named] = min(evidence.step, trace.steps)
     return [
-        Pierced(ix, iy, step * trace.time_step, _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None)
+        WallPenetration(
+            ix,
+            iy,
+            step * trace.time_step,
+            _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None,
+        )
         for (ix, iy), step in sorted(first.items(), key=lambda item: (item[1], item[0]))
     ]
 
 
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
     """Steps and cells, more than once where the robot stays in one."""
-    side, line = world.cell_size, world.timeline
-    steps, x, y = trace.path_step, trace.path_x / side, trace.path_y / side
+    side = world.cell_size
+    line = world.timeline
+    steps = trace.path_step
+    x = trace.path_x / side
+    y = trace.path_y / side
     changes = np.searchsorted(steps * trace.time_step, line.times, side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         done = int(np.searchsorted(changes, begin, side="right"))
         cells = world.cells_after(done)
         solid = np.pad(cells == CellState.SOLID, 1, constant_values=True)
-        yield from _discs(solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side)
+        yield from _discs(
+            solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side
+        )
         before = max(0, begin - 1)
         yield from _centres(solid, steps[before:end], x[before:end], y[before:end])
 
@@ -71,16 +87,17 @@ def _discs(
     most = max(0.0, radius - _TOLERANCE)
     for di in range(-reach, reach + 1):
         for dj in range(-reach, reach + 1):
-            ix, iy = np.floor(x).astype(np.int64) + di, np.floor(y).astype(np.int64) + dj
-            across, up = (
-                np.maximum(np.maximum(ix - x, x - ix - 1.0), 0.0),
-                np.maximum(np.maximum(iy - y, y - iy - 1.0), 0.0),
-            )
+            ix = np.floor(x).astype(np.int64) + di
+            iy = np.floor(y).astype(np.int64) + dj
+            across = np.maximum(np.maximum(ix - x, x - ix - 1.0), 0.0)
+            up = np.maximum(np.maximum(iy - y, y - iy - 1.0), 0.0)
             near = (across * across + up * up < most * most) & _is_solid(solid, ix, iy)
             yield from _firsts(steps[near], ix[near], iy[near])
 
 
-def _centres(solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats) -> Iterator[tuple[int, int, int]]:
+def _centres(
+    solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats
+) -> Iterator[tuple[int, int, int]]:
     """Walls that the centre goes through between two points of its way."""
     lengths = np.hypot(np.diff(x), np.diff(y))
     for k in np.flatnonzero(lengths > _FINENESS).tolist():
@@ -93,7 +110,9 @@ def _centres(solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats) ->
 
 def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[np.bool_]:
     """Whether cells of the grid, or of what lies around it, are walls."""
-    found: npt.NDArray[np.bool_] = solid[np.clip(iy + 1, 0, solid.shape[0] - 1), np.clip(ix + 1, 0, solid.shape[1] - 1)]
+    found: npt.NDArray[np.bool_] = solid[
+        np.clip(iy + 1, 0, solid.shape[0] - 1), np.clip(ix + 1, 0, solid.shape[1] - 1)
+    ]
     return found
 
 
@@ -106,10 +125,12 @@ def _firsts(steps: Ints, ix: Ints, iy: Ints) -> Iterator[tuple[int, int, int]]:
 
 def _broken_in(trace: Trace, world: World, step: int, ix: int, iy: int) -> tuple[float, float]:
     """The centre's first place in a cell during a step, or the cell's place that it came nearest to, m."""
-    side, share = world.cell_size, np.linspace(0.0, 1.0, 65)
+    side = world.cell_size
+    share = np.linspace(0.0, 1.0, 65)
     before = max(0, step - 1)
     x = (trace.x[before] + (trace.x[step] - trace.x[before]) * share) / side
     y = (trace.y[before] + (trace.y[step] - trace.y[before]) * share) / side
-    near_x, near_y = np.clip(x, ix, ix + 1), np.clip(y, iy, iy + 1)
+    near_x = np.clip(x, ix, ix + 1)
+    near_y = np.clip(y, iy, iy + 1)
     k = int(np.argmin(np.round(np.hypot(near_x - x, near_y - y), 9)))
     return float(near_x[k] * side), float(near_y[k] * side)

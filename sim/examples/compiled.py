@@ -23,8 +23,8 @@ WAITING = 0  # what stands where in the memory: the steps still to drive on
 def act(observation: Floats, memory: Floats, command: Floats) -> None:
     """One step: drives to the target; after a bump turns away and drives straight on for a while.
 
-    Numbers, arrays, math and other compiled functions only. All state is in the memory; a global that changes would
-    be frozen at its first value. The command is all zero when this is called.
+    Numbers, arrays, math and other compiled functions only. All state is in the memory; a global
+    that changes would be frozen at its first value. The command is all zero when this is called.
     """
     if observation[layout.OBS_BUMP] != 0.0:
         turn = TURN
@@ -43,5 +43,11 @@ example = CompiledController(
     "example",
     act,
     memory=(0.0,),  # at the start of a run
-    senses=("bump", "heading", "target_heading", "time_step", "top_speed"),  # all others are nan, and cost no time
+    senses=(
+        "bump",
+        "heading",
+        "target_heading",
+        "time_step",
+        "top_speed",
+    ),  # all others are nan, and cost no time
 )

@@ -22,20 +22,26 @@ class Example:
         """Memory at the start of a run: here the steps still to drive on."""
         return (0.0,)
 
-    def act(self, observation: Observation, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
+    def act(
+        self, observation: Observation, memory: tuple[float, ...]
+    ) -> tuple[Command, tuple[float, ...]]:
         """One step: what the robot sees and its memory in, command and new memory out.
 
-        All state is in the memory, whose length stays the same; an attribute of self that changes would be state too,
-        and then no loop could be proved.
+        All state is in the memory, whose length stays the same; an attribute of self that changes
+        would be state too, and then no loop could be proved.
         """
         (waiting,) = memory
         if observation.bump:
-            turn, waiting = self.turn, float(self.patience)
+            turn = self.turn
+            waiting = float(self.patience)
         elif waiting > 0.0:
-            turn, waiting = 0.0, waiting - 1.0
+            turn = 0.0
+            waiting = waiting - 1.0
         else:
             turn = _shortest(observation.target_heading - observation.heading)
-        return Command(speed=observation.top_speed, turn_rate=turn / observation.time_step), (waiting,)
+        return Command(speed=observation.top_speed, turn_rate=turn / observation.time_step), (
+            waiting,
+        )
 
 
 def _shortest(turn: float) -> float:

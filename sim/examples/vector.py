@@ -20,7 +20,13 @@ class Example:
 
     turn: float = 1.5  # rad, counter-clockwise, after each bump
     patience: int = 20  # steps for which it drives on before it looks at the target again
-    senses = ("bump", "heading", "target_heading", "time_step", "top_speed")  # all others are nan, and cost no time
+    senses = (
+        "bump",
+        "heading",
+        "target_heading",
+        "time_step",
+        "top_speed",
+    )  # all others are nan, and cost no time
 
     def reset(self) -> tuple[float, ...]:
         """Memory of each robot at the start of a run: here the steps still to drive on."""
@@ -31,15 +37,18 @@ class Example:
     ) -> tuple[Commands, npt.NDArray[np.float64]]:
         """One step of n robots: what they see and their memories in, commands and new memories out.
 
-        Each field of the observation is an array (n,), of the beams (n, beams); the memory is an array (n, 1). Row i
-        is robot i, and must depend on nothing but row i. ``sim.simulate_many`` runs a thousand robots at once; one
-        robot alone is an array with one row.
+        Each field of the observation is an array (n,), of the beams (n, beams); the memory is an
+        array (n, 1). Row i is robot i, and must depend on nothing but row i. ``sim.simulate_many``
+        runs a thousand robots at once; one robot alone is an array with one row.
         """
-        bump, waiting = observation.bump, memory[:, 0]
+        bump = observation.bump
+        waiting = memory[:, 0]
         ahead = _shortest(observation.target_heading - observation.heading)
         turn = np.where(bump, self.turn, np.where(waiting > 0.0, 0.0, ahead))
         waiting = np.where(bump, float(self.patience), np.maximum(waiting - 1.0, 0.0))
-        return Commands(speed=observation.top_speed, turn_rate=turn / observation.time_step), waiting[:, np.newaxis]
+        return Commands(
+            speed=observation.top_speed, turn_rate=turn / observation.time_step
+        ), waiting[:, np.newaxis]
 
 
 def _shortest(turn: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

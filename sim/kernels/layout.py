@@ -1,7 +1,8 @@
-"""What is where in the flat arrays of a controller that numba compiles: ``act(observation, memory, command)``.
+"""What is where in the flat arrays of a controller that numba compiles.
 
-The names are those of ``worldgen_controller.h``, which says what each number means and in which unit: ``OBS_BUMP`` is
-``WgObservation.bump``. From ``OBS_SIZE`` on an observation has its range beams, in metres.
+``act(observation, memory, command)``. The names are those of ``worldgen_controller.h``, which says
+what each number means and in which unit: ``OBS_BUMP`` is ``WgObservation.bump``. From ``OBS_SIZE``
+    on an observation has its range beams, in metres.
 """
 
 from __future__ import annotations

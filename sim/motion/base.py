@@ -24,9 +24,11 @@ class Motion:
         version: Goes up when equal scenarios no longer give equal traces; failures record it.
         kernel: Which simulator runs it, ``LATTICE`` or ``THESIS``.
         code: The core's number for it.
-        overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as ``overlap``.
+        overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as
+            ``overlap``.
         summary: One line for people.
-        exact_events: Whether events count at their time inside a step, else from the beginning of that step.
+        exact_events: Whether events count at their time inside a step, else from the beginning of
+            that step.
     """
 
     name: str
@@ -39,7 +41,9 @@ class Motion:
 
 
 class Motions:
-    """The motion models, by name. There is a simulator for each in C, so none can be added from elsewhere.
+    """The motion models, by name.
+
+    There is a simulator for each in C, so none can be added from elsewhere.
 
     Args:
         *models: All of them.
@@ -85,8 +89,9 @@ MOTIONS = Motions(
         exact_events=True,
         summary="exact: the disc stops at walls and slides along them; it cannot tunnel",
     ),
-    # It looks only where a step ends, as most small simulators do. Between two clear ends a short step can shave a
-    # corner by its sagitta: 0.016 cell at 0.3 cell a step and radius 0.7. A tenth of a cell leaves that unreported.
+    # It looks only where a step ends, as most small simulators do. Between two clear ends a short
+    # step can shave a corner by its sagitta: 0.016 cell at 0.3 cell a step and radius 0.7. A tenth
+    # of a cell leaves that unreported.
     Motion(
         "endpoint",
         version=2,
@@ -95,8 +100,8 @@ MOTIONS = Motions(
         overlap_tolerance=0.1,
         summary="checks only the end of each step: fast robots tunnel",
     ),
-    # The thesis's motion in steps of one pixel, a tenth of a cell, with its faults. What it calls touching is up to
-    # half a pixel inside (its corner case).
+    # The thesis's motion in steps of one pixel, a tenth of a cell, with its faults. What it calls
+    # touching is up to half a pixel inside (its corner case).
     Motion(
         "stepped",
         version=1,

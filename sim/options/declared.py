@@ -1,4 +1,7 @@
-"""Dataclasses of declared options: checked when made, stored if they are not at their default, read from text."""
+"""Dataclasses of declared options.
+
+Checked when made, stored if they are not at their default, read from text.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,8 @@ __all__ = ["OptionSet"]
 class OptionSet:
     """Base of option sets: dataclasses whose fields declare bounds, words, heading and help.
 
-    A field is ``slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0``, and its help is its entry in the
+    A field is ``slip: Annotated[float, Bounds(0, 1), Group("Forces")] = 0.0``, and its help is its
+        entry in the
     docstring's ``Args``. Nothing else has to be written for a new option.
     """
 
@@ -56,9 +60,15 @@ class OptionSet:
         """Return options from names and values.
 
         Raises:
-            InvalidParameter: If a name is unknown, or a value has the wrong type or is out of range.
+            InvalidParameter: If a name is unknown, or a value has the wrong type or is out of
+                range.
         """
-        return cls(**{find_parameter(name, cls.declared(), cls.OWNER).name: value for name, value in values.items()})
+        return cls(
+            **{
+                find_parameter(name, cls.declared(), cls.OWNER).name: value
+                for name, value in values.items()
+            }
+        )
 
     @classmethod
     def parse(cls, name: str, text: str | None) -> dict[str, Value]:
@@ -73,5 +83,7 @@ class OptionSet:
         """
         if name in cls.TOGETHER and text in (None, "true"):
             return dict.fromkeys(cls.TOGETHER[name], True)
-        found = find_parameter(name, cls.declared(), cls.OWNER, also=("motion", "time_step", *cls.TOGETHER))
+        found = find_parameter(
+            name, cls.declared(), cls.OWNER, also=("motion", "time_step", *cls.TOGETHER)
+        )
         return {found.name: found.parse(text, cls.OWNER)}

@@ -49,7 +49,9 @@ DEFAULT_TIME_STEP = 0.015  # s: the thesis's
 TIME_STEPS = (0.001, 10.0)  # s, the least and the largest
 MAX_STEPS = 100_000_000
 MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
-BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
+BUDGET_FACTOR = (
+    50  # a run may take this many times the witness's time before it counts as stalled or timed out
+)
 _ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
 _LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 FEWEST_STEPS = 4_000  # of a budget, however short the witness
@@ -107,8 +109,16 @@ class RunOptions:
         return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
 
     def parameters(self) -> dict[str, Value]:
-        """What a failure file stores beside motion and seed: the switches that are not at their default."""
-        return {"steps": self.steps, "time_step": self.time_step, **self.thesis.changed(), **self.robot.changed()}
+        """What a failure file stores beside motion and seed.
+
+        The switches that are not at their default.
+        """
+        return {
+            "steps": self.steps,
+            "time_step": self.time_step,
+            **self.thesis.changed(),
+            **self.robot.changed(),
+        }
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
@@ -122,7 +132,9 @@ class RunOptions:
         return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
 
-TIME_STEP = next(option for option in parameters_of_fields(RunOptions) if option.name == "time_step")
+TIME_STEP = next(
+    option for option in parameters_of_fields(RunOptions) if option.name == "time_step"
+)
 """The option, for whoever reads one from text."""
 
 
@@ -171,7 +183,8 @@ def check_recordable(steps: int) -> None:
     if steps > MAX_RECORDED:
         raise InvalidParameter(
             "run-too-long",
-            "this run takes {steps} steps, and at most {most} can be recorded to show or prove them",
+            "this run takes {steps} steps, and at most {most} can be recorded to show or prove "
+            "them",
             "give a smaller --steps",
             at_terminal=True,
             steps=steps,
@@ -214,7 +227,10 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
 
 
 def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
-    """Steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without one."""
+    """Steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000.
+
+    20,000 without one.
+    """
     if not isinstance(world.certificate, Witness):
         return _STEPS_WITHOUT_WITNESS
     wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
@@ -227,14 +243,20 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
     Raises:
         InvalidParameter: If a name or a value is unknown or out of range.
     """
-    own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
+    own = {
+        name: value
+        for name, value in settings.items()
+        if name in ("motion", "steps", "time_step", "seed")
+    }
     rest = {name: value for name, value in settings.items() if name not in own}
     options = RunOptions(**own)  # type: ignore[arg-type]
     budget = options.steps if "steps" in own else step_budget(world, options.time_step)
     return replace(options, steps=budget, **(switch_sets(options.motion, rest) if rest else {}))
 
 
-def options_from(world: World, options: RunOptions | None, settings: Mapping[str, Value]) -> RunOptions:
+def options_from(
+    world: World, options: RunOptions | None, settings: Mapping[str, Value]
+) -> RunOptions:
     """Return the options that a caller gave: all of them at once, or as single settings.
 
     Raises:
@@ -250,7 +272,9 @@ def options_from(world: World, options: RunOptions | None, settings: Mapping[str
             options=options,
         )
     if settings:
-        raise InvalidParameter("options-given-twice", "give options or {settings!l}, not both", settings=list(settings))
+        raise InvalidParameter(
+            "options-given-twice", "give options or {settings!l}, not both", settings=list(settings)
+        )
     return options
 
 
@@ -262,8 +286,14 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = "read it: worldgen.read_world({path!r})" if isinstance(world, str | Path) else "give a World"
-    raise InvalidParameter("wrong-type", "{world} is no world", way, world=quote(world), path=str(world))
+    way = (
+        "read it: worldgen.read_world({path!r})"
+        if isinstance(world, str | Path)
+        else "give a World"
+    )
+    raise InvalidParameter(
+        "wrong-type", "{world} is no world", way, world=quote(world), path=str(world)
+    )
 
 
 def worlds_of(worlds: object) -> list[World]:
@@ -272,7 +302,9 @@ def worlds_of(worlds: object) -> list[World]:
     Raises:
         InvalidParameter: If one of them is none.
     """
-    found = list(worlds) if isinstance(worlds, Iterable) and not isinstance(worlds, str) else [worlds]
+    found = (
+        list(worlds) if isinstance(worlds, Iterable) and not isinstance(worlds, str) else [worlds]
+    )
     return [check_world(world) for world in found]
 
 
@@ -283,11 +315,15 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         InvalidParameter: If they are no list of poses of finite numbers.
     """
     if not isinstance(starts, Iterable):
-        raise InvalidParameter("wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts))
+        raise InvalidParameter(
+            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=quote(starts)
+        )
     poses = tuple(starts)
     for pose in poses:
         numbers = (pose.x, pose.y, pose.heading) if isinstance(pose, Pose) else ()
-        if not numbers or not all(_is_number(number) and math.isfinite(number) for number in numbers):
+        if not numbers or not all(
+            _is_number(number) and math.isfinite(number) for number in numbers
+        ):
             raise InvalidParameter(
                 "not-a-pose",
                 "start {pose} is no pose of finite numbers",

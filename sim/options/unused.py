@@ -12,7 +12,15 @@ from sim.thesis.options import ThesisOptions
 __all__ = ["coarse_forces", "random_run", "unused_options"]
 
 _SIGNAL = ("signal", "signal_heading")
-_SENSOR = ("sensor_cells", "sensor_range", "sensor_field", "sensor_noise", "signal", "smoke", "smoke_reach")
+_SENSOR = (
+    "sensor_cells",
+    "sensor_range",
+    "sensor_field",
+    "sensor_noise",
+    "signal",
+    "smoke",
+    "smoke_reach",
+)
 _BEAMS = ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout")
 # What a controller must read for an option to matter: any of these fields of its observation.
 _READ_BY = {
@@ -45,12 +53,17 @@ def unused_options(scenario: Scenario) -> list[str]:
         if shaped is not None and not getattr(scenario.robot, shaped):
             sentences.append(f"+{name} has no effect without +{shaped}")
         elif senses is not None and needed and not set(needed) & set(senses):
-            sentences.append(f"+{name} has no effect: {scenario.controller} does not read {' or '.join(needed)}")
+            sentences.append(
+                f"+{name} has no effect: {scenario.controller} does not read {' or '.join(needed)}"
+            )
     return sentences
 
 
 def coarse_forces(scenario: Scenario) -> list[str]:
-    """Return a sentence about forces under a motion model that rounds every move to whole pixels; else nothing."""
+    """Return a sentence about forces under a motion model that rounds every move to whole pixels.
+
+    Else nothing.
+    """
     if switch_class(scenario.motion) is not ThesisOptions:
         return []
     known = {one.name for one in ThesisOptions.declared() if one.group == "Forces"}
@@ -59,16 +72,23 @@ def coarse_forces(scenario: Scenario) -> list[str]:
         return []
     options = ", ".join(f"+{name}" for name in forces)
     return [
-        f"{options}: {scenario.motion} moves by whole pixels (a tenth of a cell) and drops the rest of each tick's "
-        "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m and ticks of 15 ms, "
+        f"{options}: {scenario.motion} moves by whole pixels (a tenth of a cell) and drops the "
+        f"rest of each tick's "
+        "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m "
+        "and ticks of 15 ms, "
         "one below 0.67 m/s"
     ]
 
 
 def random_run(scenario: Scenario) -> bool:
-    """Return True if a seed can change a run of the scenario; of a Python class or a program that cannot be known."""
+    """Return True if a seed can change a run of the scenario.
+
+    Of a Python class or a program that cannot be known.
+    """
     controller = CONTROLLERS.get(scenario.controller)
-    return not isinstance(controller, CompiledController) or controller.randomised or scenario.random
+    return (
+        not isinstance(controller, CompiledController) or controller.randomised or scenario.random
+    )
 
 
 def _unused_in_the_thesis(controller: object, scenario: Scenario) -> list[str]:

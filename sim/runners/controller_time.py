@@ -1,6 +1,7 @@
-"""How much of this process's time goes into controllers' own code: classes that act, and programs that are waited for.
+"""How much of this process's time goes into controllers' own code.
 
-A compiled controller is part of a kernel, where nothing can be measured.
+Classes that act, and programs that are waited for. A compiled controller is part of a kernel, where
+nothing can be measured.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 MEASURED_EVERY = 17
-"""One call in so many is measured and counts for all: measuring each would take a third of a quick class's time.
+"""One call in so many is measured and counts for all.
 
-It is a prime, because a controller may do its heavy work in every tenth or sixteenth step. The first call is always
-measured, and counts once: many controllers do in it what they do only once."""
+Measuring each would take a third of a quick class's time. It is a prime, because a controller may
+do its heavy work in every tenth or sixteenth step. The first call is always measured, and counts
+    once: many controllers do in it what they do only once.
+"""
 
 _spent = [0.0]  # s of this process, in all
 
@@ -52,7 +55,9 @@ class Effort:
 
     def __add__(self, other: Effort) -> Effort:
         """Return both together."""
-        return Effort(self.seconds + other.seconds, self.own + other.own, self.broken + other.broken)
+        return Effort(
+            self.seconds + other.seconds, self.own + other.own, self.broken + other.broken
+        )
 
     @property
     def share(self) -> float:

@@ -1,4 +1,7 @@
-"""What the C core takes, made of arrays: surroundings, controllers and episodes. No maths of its own."""
+"""What the C core takes, made of arrays: surroundings, controllers and episodes.
+
+No maths of its own.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +18,15 @@ from sim.controllers.base import Act, CompiledController
 from sim.controllers.core_act import CoreAct
 from sim.controllers.flat_act import flat_address
 from sim.controllers.shared import guarded
-from sim.controllers.shared.guarded import PRIVATE, ControllerDied, Memory, before_start, call
+from sim.controllers.shared.guarded import PRIVATE, ControllerDied, CoreMemory, before_start, call
 from worldgen.support.ccall import check, pointer, writable
 
 __all__ = [
     "REPORT",
-    "Arena",
     "BeamTables",
+    "CoreArena",
+    "CoreEpisode",
     "Driver",
-    "Episode",
     "Workspace",
     "beam_tables",
     "copy_of",
@@ -45,19 +48,25 @@ EVENT_FIELDS = 5
 _MOST_CELLS_OF_RUNS = 65535
 MOST_CORNERS = int(lib.WG_MOST_CORNERS)
 _FIRST_PORTION = 1 << 12  # steps
-_PORTION_TIME = 0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
+_PORTION_TIME = (
+    0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
+)
 
 
 def _report_type() -> np.dtype[Any]:
     """Return WgReport as a type of NumPy, so that many of them are columns."""
     kinds = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
-    names, formats, offsets = [], [], []
+    names = []
+    formats = []
+    offsets = []
     for name, field in ffi.typeof("WgReport").fields:
         if field.type.cname in kinds:
             names.append(name)
             formats.append(kinds[field.type.cname])
             offsets.append(field.offset)
-    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof("WgReport")})
+    return np.dtype(
+        {"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof("WgReport")}
+    )
 
 
 REPORT = _report_type()
@@ -87,7 +96,9 @@ def ray_table() -> Any:
     return table
 
 
-before_start.append(ray_table)  # and, for it, headings: both are made once, and are no part of the shared memory
+before_start.append(
+    ray_table
+)  # and, for it, headings: both are made once, and are no part of the shared memory
 
 
 class BeamTables(NamedTuple):
@@ -102,8 +113,10 @@ class BeamTables(NamedTuple):
     spread: Ints
 
 
-def beam_tables(cells: Cells, settings: Any, memory: Memory = PRIVATE) -> BeamTables | None:
-    """Return the tables for beams as a WgSettings says; None if it asks for none, or the grid is too large.
+def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
+    """Return the tables for beams as a WgSettings says.
+
+    None if it asks for none, or the grid is too large.
 
     Args:
         cells: (height, width) that never change.
@@ -125,7 +138,7 @@ def grid_of(cells: Cells) -> Any:
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
 
-def memory_for(controller: object) -> Memory:
+def memory_for(controller: object) -> CoreMemory:
     """Return where everything must be that the core works on while it runs a controller."""
     is_guarded = isinstance(controller, CompiledController) and _guarded_address(controller) != 0
     return guarded.SHARED if is_guarded else PRIVATE
@@ -137,19 +150,19 @@ def _guarded_address(controller: CompiledController) -> int:
     return act.address if isinstance(act, CoreAct) and act.is_guarded else 0
 
 
-def copy_of(settings: Any, memory: Memory = PRIVATE) -> Any:
+def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
     """Return a copy of a WgSettings."""
     return memory.new("WgSettings *", settings[0])
 
 
-class Arena:
+class CoreArena:
     """What surrounds a robot; ``cells``, ``near`` and ``visited`` change during an episode.
 
     Args:
         cells: (height, width) uint8, cell states now.
         near: (height, width) int32, :func:`near_masks` of ``cells``.
-        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
-            the masks reach as far as any step.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no
+            rows where the masks reach as far as any step.
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
         beams: What makes range beams three times as fast in cells that never change.
@@ -164,7 +177,7 @@ class Arena:
         events: Ints,
         visited: Cells,
         beams: BeamTables | None = None,
-        memory: Memory = PRIVATE,
+        memory: CoreMemory = PRIVATE,
     ) -> None:
         self.cells = cells = memory.own(cells)
         self.near = near = memory.own(near)
@@ -185,7 +198,8 @@ class Arena:
         self.c.visited = writable(ffi, visited, np.uint8)
         if beams is not None:
             beams = BeamTables(memory.own(beams.runs), memory.own(beams.spread))
-            # Kept here too: of two threads that first ask for the table at once, one gets a table of its own.
+            # Kept here too: of two threads that first ask for the table at once, one gets a table
+            # of its own.
             self._rays = ray_table()
             self.c.rays = self._rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
@@ -234,25 +248,28 @@ class Workspace:
         command: (3,) speed, turn rate, and whether the random number was used.
     """
 
-    def __init__(self, episode: Episode) -> None:
+    def __init__(self, episode: CoreEpisode) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
         numbers = SENSES + int(c.workspace.observation.beam_count)
         self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
-        self.memory = np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
+        self.memory = (
+            np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
+        )
         self.command = np.frombuffer(_buffer(episode, ffi.addressof(c.workspace, "command"), 3))
 
 
 def _buffer(owner: object, address: Any, count: int) -> Any:
-    """Return so many float64s in the memory of an owner, which lives as long as the buffer and what is made of it.
+    """Return so many float64s in the memory of an owner.
 
-    A controller of the user's may keep a view of what it was given.
+    It lives as long as the buffer and what is made of it. A controller of the user's may keep a
+    view of what it was given.
     """
     held = ffi.gc(address, lambda _, owner=owner: None)
     return ffi.buffer(held, 8 * count)
 
 
-class Episode:
+class CoreEpisode:
     """An episode of the core, at its start.
 
     Args:
@@ -263,14 +280,17 @@ class Episode:
 
     Attributes:
         words: Of the complete state.
-        guarded: Address of the controller's function if it is run in another process, else 0. Then all that a call
-            takes must be in :data:`sim.controllers.shared.guarded.SHARED`, the settings too.
+        guarded: Address of the controller's function if it is run in another process, else 0. Then
+            all that a call takes must be in :data:`sim.controllers.shared.guarded.SHARED`, the
+            settings too.
 
     Raises:
         MemoryError: If there is not enough memory.
     """
 
-    def __init__(self, arena: Arena, settings: Any, driver: Driver, log_steps: int | None = None) -> None:
+    def __init__(
+        self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int | None = None
+    ) -> None:
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
         self._blocks: tuple[Any, ...] = ()
@@ -288,7 +308,7 @@ class Episode:
         self._recording: tuple[Ints, Ints] | None = None
         self.begin()
 
-    def _place(self, arena: Arena, settings: Any, driver: Driver, log_steps: int) -> None:
+    def _place(self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> None:
         """Make the episode where the process that runs it finds it."""
         sizes = ffi.new("int64_t[2]")
         check(lib.wg_episode_sizes(arena.c, settings, driver.c, log_steps, sizes))
@@ -328,12 +348,17 @@ class Episode:
         """Write the next steps into arrays.
 
         Args:
-            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the state.
+            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the
+                state.
             path: (points, 4) int64, WgPathPoint.
         """
         self._recording = (rows, path)
         points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
-        check(lib.wg_episode_record(self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)))
+        check(
+            lib.wg_episode_record(
+                self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)
+            )
+        )
 
     def run(self, steps: int) -> bool:
         """Run at most so many steps; return whether the episode goes on."""

@@ -13,7 +13,7 @@ from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.options.run import RunOptions
-from sim.runners.core_calls import Arena, Driver, Episode, copy_of, grid_of
+from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, grid_of
 from sim.runners.lattice import LatticeRun
 from sim.runners.packing import disc_numbers, target_sq
 from worldgen.lattice import metres_to_lattice
@@ -21,13 +21,15 @@ from worldgen.support.ccall import check, pointer, writable
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_way"]
+__all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_path"]
 
 ANY_ENDING = int(lib.WG_ANY_ENDING)
 """How a run ends that neither went through a wall, nor burned, nor failed."""
 
 _STEPS_AT_ONCE = 200_000  # then Ctrl-C is heard: 0.02 to 2 s
-_IX, _IY = 2, 3  # columns of an event
+# columns of an event
+_IX = 2
+_IY = 3
 
 Ints = npt.NDArray[np.int64]
 
@@ -76,8 +78,8 @@ class Wanted(NamedTuple):
     """How an edited world's run is to end.
 
     Args:
-        ending: ``WG_LIMIT`` and the like of the core; :data:`ANY_ENDING` for one of ``WG_LIMIT``, ``WG_REACHED`` and
-            ``WG_LOOP``.
+        ending: ``WG_LIMIT`` and the like of the core; :data:`ANY_ENDING` for one of ``WG_LIMIT``,
+            ``WG_REACHED`` and ``WG_LOOP``.
         overlap: Whether with an overlap; ``None`` if that does not matter.
         crash: Whether the controller is to crash instead.
         hang: Whether a step of the controller is not to come back instead.
@@ -90,7 +92,9 @@ class Wanted(NamedTuple):
 
 
 class EditedRuns:
-    """One world, compiled controller and set of options; edits of the world's cells are tried in compiled code.
+    """One world, compiled controller and set of options.
+
+    Edits of the world's cells are tried in compiled code.
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
@@ -103,10 +107,13 @@ class EditedRuns:
         run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
         run.settings.start_x = metres_to_lattice(world.start.x, world.cell_size)
         run.settings.start_y = metres_to_lattice(world.start.y, world.cell_size)
-        self._controller, self._world = controller, world
+        self._controller = controller
+        self._world = world
         self.trials = 0
 
-    def first(self, edits: Sequence[CellEdit], wanted: Wanted, *, way: bool) -> tuple[int | None, int]:
+    def first(
+        self, edits: Sequence[CellEdit], wanted: Wanted, *, way: bool
+    ) -> tuple[int | None, int]:
         """Tries edits in their order, for a while.
 
         Args:
@@ -115,29 +122,37 @@ class EditedRuns:
             way: Whether, where rows or columns go, the target is surely to be reached.
 
         Returns:
-            Index of the first edit whose run ends so, ``None`` if there is none yet, and the number of edits done with.
+            Index of the first edit whose run ends so, ``None`` if there is none yet, and the number
+            of edits done with.
         """
         shape = edits[0].shape(*self._world.walls.shape)
         alike = 1
         if min(shape) < 1:
             return None, 1
         changing = self._world.is_dynamic and not edits[0].frees  # then each has events of its own
-        while not changing and alike < len(edits) and edits[alike].shape(*self._world.walls.shape) == shape:
+        while (
+            not changing
+            and alike < len(edits)
+            and edits[alike].shape(*self._world.walls.shape) == shape
+        ):
             alike += 1
         found, done = self._try(edits[:alike], shape, wanted, way=way)
         return (done - 1 if found else None), done
 
-    def _try(self, edits: Sequence[CellEdit], shape: tuple[int, int], wanted: Wanted, *, way: bool) -> tuple[bool, int]:
-        run, controller = self._run, self._controller
+    def _try(
+        self, edits: Sequence[CellEdit], shape: tuple[int, int], wanted: Wanted, *, way: bool
+    ) -> tuple[bool, int]:
+        run = self._run
+        controller = self._controller
         fresh = run.arena()
         events = run.events if edits[0].frees else _moved_events(run.events, edits[0])
         clearance = np.zeros(shape if len(fresh.clearance) else (0, 0), np.int32)
         cells = np.zeros(shape, np.uint8)
         near = np.zeros(shape, np.int32)
         visited = np.zeros(shape, np.uint8)
-        work = Arena(cells, near, clearance, events, visited, memory=run.memory)
+        work = CoreArena(cells, near, clearance, events, visited, memory=run.memory)
         settings = copy_of(run.settings, run.memory)
-        episode = Episode(work, settings, Driver(controller, controller.memory))
+        episode = CoreEpisode(work, settings, Driver(controller, controller.memory))
 
         fails = wanted.crash or wanted.hang
         wanted_struct = run.memory.new("WgWanted *")
@@ -157,35 +172,48 @@ class EditedRuns:
             return bool(tried.found), int(tried.next)
         count = len(todo)
         while count > tried.next or tried.running:
-            check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried))
-            count = tried.next  # a run that is not over is run on, in portions between which Ctrl-C is heard
+            check(
+                lib.wg_first_edit(
+                    episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried
+                )
+            )
+            count = (
+                tried.next
+            )  # a run that is not over is run on, in portions between which Ctrl-C is heard
         self.trials += int(tried.runs)
         return bool(tried.found), int(tried.next)
 
 
-def _try_guarded(episode: Episode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
-    """Try edits in another process. Where it ends, that is how the run of the last edit has ended."""
+def _try_guarded(episode: CoreEpisode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
+    """Try edits in another process.
+
+    Where it ends, that is how the run of the last edit has ended.
+    """
     tried = objects[-1]
     work = ffi.addressof(lib, "wg_call_first_edit")
     report = ffi.addressof(episode.report)
     try:
         while count > tried.next or tried.running:
-            check(call(work, episode.guarded, objects, count, report=report, progress=(tried,)).result)
+            check(
+                call(work, episode.guarded, objects, count, report=report, progress=(tried,)).result
+            )
             count = tried.next
     except ControllerDied as death:
         tried.running = 0
         tried.found = wanted.hang if death.is_hang else wanted.crash
 
 
-def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
+def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
     """Whether a quick look shows that the target can be reached, without touching what is ever not free.
 
-    ``False`` shows nothing. The robot's place is taken on the lattice, so it may be wrong by half a lattice unit.
+    ``False`` shows nothing. The robot's place is taken on the lattice, so it may be wrong by half a
+    lattice unit.
 
     Args:
         world: The world.
-        regardless_of_time: Whether to keep away only from what is solid for ever: then ``True`` shows nothing either
-            of a world that changes, but without such a way there is hardly another.
+        regardless_of_time: Whether to keep away only from what is solid for ever: then ``True``
+            shows nothing either of a world that changes, but without such a way there is hardly
+            another.
     """
     side = world.cell_size
     shape = world.walls.shape
@@ -193,7 +221,9 @@ def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
     if regardless_of_time:
         cells[world.timeline.cells_that_become(CellState.FREE, shape=shape)] = lib.WG_FREE
     else:
-        cells[world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=shape)] = lib.WG_SOLID
+        cells[world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=shape)] = (
+            lib.WG_SOLID
+        )
     points = (world.start.x, world.start.y, world.target.x, world.target.y)
     sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
     disc = ffi.new("WgDisc *", disc_numbers(world))[0]

@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
-from sim.controllers.core_act import CoreAct, misbehaviour_of
+from sim.controllers.core_act import CoreAct, controller_error_of
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.flat_act import compiled_act
-from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.programs.program import ControllerError
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
 from sim.options.robot import SIGNALS
@@ -27,9 +27,9 @@ from sim.runners.core_calls import (
     REPORT,
     SENSES,
     STATE_WORDS,
-    Arena,
+    CoreArena,
+    CoreEpisode,
     Driver,
-    Episode,
     Workspace,
     beam_tables,
     copy_of,
@@ -78,16 +78,21 @@ class LatticeRun:
         world: Where.
         controller: Who.
         options: How.
-        lean: Whether the recording of a compiled controller leaves its memory out if that would take much.
+        lean: Whether the recording of a compiled controller leaves its memory out if that would
+            take much.
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
         InvalidParameter: If the controller does not compile.
     """
 
-    def __init__(self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False) -> None:
+    def __init__(
+        self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False
+    ) -> None:
         robot = robot_for(controller, options.robot)
-        self.world, self.controller, self.options = world, controller, replace(options, robot=robot)
+        self.world = world
+        self.controller = controller
+        self.options = replace(options, robot=robot)
         self._lean = lean
         self.memory = memory_for(controller)
         check_step_length(world, options.time_step, Fraction(1, UNIT))
@@ -103,7 +108,8 @@ class LatticeRun:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
 
     def _fill_settings(self, motion_code: int, tolerance: float) -> None:
-        world, settings = self.world, self.settings
+        world = self.world
+        settings = self.settings
         step = self.options.time_step
         settings.clear_sq, settings.reach = disc_numbers(world)
         settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
@@ -129,7 +135,8 @@ class LatticeRun:
 
     def _fill_dynamics(self) -> None:
         """An option that is off becomes a limit that nothing reaches."""
-        settings, robot = self.settings, self.options.robot
+        settings = self.settings
+        robot = self.options.robot
         gain = self.options.time_step * settings.speed * lib.WG_SPEED_UNIT
         settings.turn_limit = robot.turn_limit or math.inf
         settings.gain = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
@@ -140,7 +147,8 @@ class LatticeRun:
         settings.lattice = UNIT // robot.lattice if robot.lattice else 1
 
     def _fill_sensors(self) -> None:
-        settings, robot = self.settings, self.options.robot
+        settings = self.settings
+        robot = self.options.robot
         unit = settings.metres
         settings.senses = senses_of(self.controller) & ~(0 if robot.beams else lib.WG_SENSE_BEAMS)
         settings.sensor_cells = robot.sensor_cells
@@ -159,27 +167,39 @@ class LatticeRun:
         settings.coin = robot.coin
 
     def _clearance_table(self) -> npt.NDArray[np.int32]:
-        """Distances to cells that are ever not free; of no rows where the masks reach as far as the fastest step."""
+        """Distances to cells that are ever not free.
+
+        Of no rows where the masks reach as far as the fastest step.
+        """
         fastest = int(self.settings.top_speed * self.settings.speed) + 1
         if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
             return np.zeros((0, 0), np.int32)
-        closing = self.world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=self._cells.shape)
+        closing = self.world.timeline.cells_that_become(
+            CellState.SOLID, CellState.BURNING, shape=self._cells.shape
+        )
         ever = self._cells | closing
         table = np.zeros(ever.shape, np.int32)
         lib.wg_chessboard_clearance(grid_of(ever), writable(ffi, table, np.int32))
         return table
 
     def start_of(self, pose: Pose) -> tuple[int, int, int]:
-        """A start on the lattice: heading, and the clear point nearest to the place, among the nine next to it.
+        """A start on the lattice.
+
+        Heading, and the clear point nearest to the place, among the nine next to it.
 
         Raises:
             InvalidWorld: If none of them is clear of walls.
         """
-        side, settings = self.world.cell_size, self.settings
-        x, y = metres_to_lattice(pose.x, side), metres_to_lattice(pose.y, side)
+        side = self.world.cell_size
+        settings = self.settings
+        x = metres_to_lattice(pose.x, side)
+        y = metres_to_lattice(pose.y, side)
         grid = grid_of(self._cells)
         disc = ffi.new("WgDisc *", (settings.clear_sq, settings.reach))[0]
-        near = sorted(((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)), key=lambda d: (d[0] ** 2 + d[1] ** 2, d))
+        near = sorted(
+            ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)),
+            key=lambda d: (d[0] ** 2 + d[1] ** 2, d),
+        )
         for dx, dy in near:
             if lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x + dx, y + dy):
                 return x + dx, y + dy, heading_to_lattice(pose.heading)
@@ -191,9 +211,15 @@ class LatticeRun:
         return int(self.events[-1, 0]) if len(self.events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
-        """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
-        self.settings.steps, self.settings.digest = steps, int(digest)
-        self.settings.find_loop = lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
+        """Runs up to ``steps`` steps from the start.
+
+        With ``find_loop`` a recurrence ends the run.
+        """
+        self.settings.steps = steps
+        self.settings.digest = int(digest)
+        self.settings.find_loop = (
+            lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
+        )
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, record)[0]
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
@@ -203,21 +229,28 @@ class LatticeRun:
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
 
-        A controller that is not compiled may be in a state that we do not see: it must repeat a second period too.
+        A controller that is not compiled may be in a state that we do not see: it must repeat a
+            second period too.
         """
         if not isinstance(self.controller, CompiledController):
             return self._prove_by_recording(entry, period, record)
         settings = self.settings
-        settings.steps, settings.digest = entry + period, 1
-        settings.find_loop, settings.loop_entry = lib.WG_PROVE_LOOP, entry
+        settings.steps = entry + period
+        settings.digest = 1
+        settings.find_loop = lib.WG_PROVE_LOOP
+        settings.loop_entry = entry
         outcome, episode = self._run_compiled(self.controller, record)
         return (outcome, episode.known_words()) if outcome.ending == Verdict.LOOP else None
 
-    def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
+    def _prove_by_recording(
+        self, entry: int, period: int, record: bool
+    ) -> tuple[Outcome, Words] | None:
         if record:
             check_recordable(entry + 2 * period)
         elif entry + 2 * period > MAX_RECORDED:
-            return None  # too long to be proved; nobody asked for a recording, so the budget decides
+            return (
+                None  # too long to be proved; nobody asked for a recording, so the budget decides
+            )
         whole = self.run(entry + 2 * period, find_loop=False, record=True)
         if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None
@@ -229,20 +262,27 @@ class LatticeRun:
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """What runs in lockstep must have in common: the shapes of the grid and of the table of distances."""
+        """What runs in lockstep must have in common.
+
+        The shapes of the grid and of the table of distances.
+        """
         return self._cells.shape, self._clearance.shape
 
     @property
     def bytes_per_robot(self) -> int:
-        """What a robot takes of a fleet's memory: where it has been, and a world that changes as it goes."""
+        """What a robot takes of a fleet's memory.
+
+        Where it has been, and a world that changes as it goes.
+        """
         own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
         return int(own + self._cells.size)
 
     @property
     def can_loop(self) -> bool:
-        """Whether a state can come back: not if the controller reads the clock, or noise that is new in each step.
+        """Whether a state can come back.
 
-        What a controller does not declare among its ``senses`` it does not get, so noise there decides nothing.
+        Not if the controller reads the clock, or noise that is new in each step. What a controller
+        does not declare among its ``senses`` it does not get, so noise there decides nothing.
         """
         robot = self.options.robot
         noisy = lib.WG_SENSE_TIME
@@ -277,10 +317,11 @@ class LatticeRun:
             one, which is the last.
         """
         settings = copy_of(self.settings, self.memory)
-        settings.steps, settings.digest = self.options.steps, int(digest)
+        settings.steps = self.options.steps
+        settings.digest = int(digest)
         settings.find_loop = lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP
         fresh = self.arena()
-        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
         reports = np.zeros(len(seeds), REPORT)
         stop = np.zeros(1, np.int64) if stop is None else stop
         if episode.guarded:
@@ -294,17 +335,35 @@ class LatticeRun:
             places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
             check(
                 lib.wg_run_many(
-                    episode.c, settings, fresh.c, places, pointer(ffi, numbers, np.uint64), len(numbers), stop_at, into
+                    episode.c,
+                    settings,
+                    fresh.c,
+                    places,
+                    pointer(ffi, numbers, np.uint64),
+                    len(numbers),
+                    stop_at,
+                    into,
                 )
             )
             if (reports["ending"][part] == lib.WG_CRASH).any():
-                return reports[: first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1]
+                return reports[
+                    : first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1
+                ]
         return reports
 
     def _run_many_guarded(
-        self, episode: Episode, settings: Any, fresh: Arena, starts: Ints, seeds: npt.NDArray[np.uint64], stop: Ints
+        self,
+        episode: CoreEpisode,
+        settings: Any,
+        fresh: CoreArena,
+        starts: Ints,
+        seeds: npt.NDArray[np.uint64],
+        stop: Ints,
     ) -> Reports:
-        """The same in another process, a run at a time, so that it soon hears that it is to stop."""
+        """The same in another process, a run at a time.
+
+        So that it soon hears that it is to stop.
+        """
         memory = self.memory
         reports = memory.zeros(len(seeds), REPORT)
         own_starts = memory.own(starts)
@@ -325,7 +384,15 @@ class LatticeRun:
             )
             report = ffi.addressof(episode.report)
             try:
-                check(call(ffi.addressof(lib, "wg_call_run_many"), episode.guarded, objects, 1, report=report).result)
+                check(
+                    call(
+                        ffi.addressof(lib, "wg_call_run_many"),
+                        episode.guarded,
+                        objects,
+                        1,
+                        report=report,
+                    ).result
+                )
             except ControllerDied:
                 reports["ending"][n] = lib.WG_CRASH
             if reports["ending"][n] == lib.WG_CRASH:
@@ -339,7 +406,8 @@ class LatticeRun:
             states: (n, 3) x, y and heading, lattice units.
 
         Returns:
-            (n, 17 + beams) observations in which the signal and the beams count, if it looks at them.
+            (n, 17 + beams) observations in which the signal and the beams count, if it looks at
+            them.
         """
         settings = copy_of(self.settings)
         settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
@@ -347,19 +415,33 @@ class LatticeRun:
         poses = np.ascontiguousarray(states)
         arena = self.arena()
         starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))
-        check(lib.wg_sensed_of_walls(arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)))
+        check(
+            lib.wg_sensed_of_walls(
+                arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)
+            )
+        )
         return seen
 
-    def arena(self) -> Arena:
+    def arena(self) -> CoreArena:
         """The world before the first event."""
         visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
         height, width = visited.shape
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._beams, self.memory)
+        return CoreArena(
+            self._cells.copy(),
+            near,
+            self._clearance,
+            self.events,
+            visited,
+            self._beams,
+            self.memory,
+        )
 
-    def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Episode]:
+    def _run_compiled(
+        self, controller: CompiledController, record: bool
+    ) -> tuple[Outcome, CoreEpisode]:
         episode = self._episode(controller)
         episode.run_to_the_end()
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
@@ -378,21 +460,23 @@ class LatticeRun:
         episode.run_to_the_end()
         return self._outcome(episode, (rows, path), fault=fault), episode
 
-    def _episode(self, controller: CompiledController) -> Episode:
-        return Episode(self.arena(), self.settings, Driver(controller, controller.memory))
+    def _episode(self, controller: CompiledController) -> CoreEpisode:
+        return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
 
-    def _fault(self, controller: CompiledController, failed: Episode) -> Misbehaviour:
+    def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
         """What went wrong in the last step of an episode.
 
         What a function of numba raised is found by asking it once more, in Python.
         """
         if isinstance(controller.act, CoreAct):
-            return misbehaviour_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
+            return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
-        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
         episode.run(int(failed.report.steps) - 1)
-        episode.c.controller.act = ffi.NULL  # from here on the episode stops where the controller is to act
+        episode.c.controller.act = (
+            ffi.NULL
+        )  # from here on the episode stops where the controller is to act
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
         room = Workspace(episode)
@@ -401,8 +485,10 @@ class LatticeRun:
             act(room.observation, room.memory, room.command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
-            return Misbehaviour(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
-        return Misbehaviour(Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace"))
+            return ControllerError(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
+        return ControllerError(
+            Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace")
+        )
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
@@ -410,9 +496,11 @@ class LatticeRun:
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
         rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)
-        path, filled = np.zeros((points, _POINT_FIELDS), np.int64), 0
+        path = np.zeros((points, _POINT_FIELDS), np.int64)
+        filled = 0
         for portion in portions(controller, self.arena(), settings, steps):
-            steps, new = portion.first + len(portion.rows) - 1, len(portion.path)
+            steps = portion.first + len(portion.rows) - 1
+            new = len(portion.path)
             rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
             path[filled : filled + new] = portion.path
             filled += new
@@ -424,14 +512,18 @@ class LatticeRun:
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])
 
-        return replace(self._trace(rows[: steps + 1], path[:filled], True, lean=True), recall=recall, recalled=size)
+        return replace(
+            self._trace(rows[: steps + 1], path[:filled], True, lean=True),
+            recall=recall,
+            recalled=size,
+        )
 
     def _outcome(
         self,
-        episode: Episode | None,
+        episode: CoreEpisode | None,
         recording: tuple[Ints, Ints] | None,
         complete: bool = True,
-        fault: Misbehaviour | None = None,
+        fault: ControllerError | None = None,
     ) -> Outcome:
         report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
@@ -456,14 +548,16 @@ class LatticeRun:
 
     def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
         """The recorded rows in metres and radians."""
-        states, side = rows[:, _STATE:], self.world.cell_size
+        states = rows[:, _STATE:]
+        side = self.world.cell_size
         turned = states[:, _HEADING]
         way = _with_stands(rows, path)
         return Trace(
             time_step=self.options.time_step,
             x=_metres(states[:, 0], side),
             y=_metres(states[:, 1], side),
-            heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.settings.radians),
+            heading=np.where(turned > TURN // 2, turned - TURN, turned)
+            * float(self.settings.radians),
             bump=rows[:, _BUMP] != 0,
             path_x=_metres(way[:, _POINT_X], side),
             path_y=_metres(way[:, _POINT_Y], side),
@@ -491,7 +585,10 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
 
 
 def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
-    """What the digest runs over: of each step the contact, the points of its path, and the state after it."""
+    """What the digest runs over.
+
+    Of each step the contact, the points of its path, and the state after it.
+    """
     steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])
     kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
     order = np.lexsort((np.arange(len(steps)), kinds, steps))
@@ -525,6 +622,7 @@ def _metres(units: Ints, cell_size: float) -> Floats:
 def _event_rows(world: World, time_step: float) -> Ints:
     """Events as the core takes them, sorted by time."""
     rows = [
-        (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state)) for event in world.timeline
+        (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state))
+        for event in world.timeline
     ]
     return np.array(rows, np.int64).reshape(-1, EVENT_FIELDS)

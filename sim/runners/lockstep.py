@@ -47,14 +47,18 @@ class FleetRun:
         starts: Ints,
         seeds: npt.NDArray[np.uint64],
     ) -> None:
-        self._controller, self._runs, self._world = controller, runs, world
-        self._starts, self._seeds = starts, seeds
+        self._controller = controller
+        self._runs = runs
+        self._world = world
+        self._starts = starts
+        self._seeds = seeds
         self._memory: Floats = np.zeros(0)
 
     def run(self, *, digest: bool) -> Any:
         """Runs all; as :meth:`sim.runners.lattice.LatticeRun.run_many` reports it.
 
-        ``None`` if the controller raised, or changed what is outside its memory: then no robot's run can be trusted
+        ``None`` if the controller raised, or changed what is outside its memory: then no robot's
+            run can be trusted
         to be its own, and each must be run alone.
         """
         before = hidden_state(self._controller)
@@ -74,7 +78,9 @@ class FleetRun:
         budgets = np.array([run.options.steps for run in self._runs])[self._world]
         everyone = np.arange(len(self._world))
         find_loop = np.where(can_loop, int(lib.WG_SEEK_LOOP), int(lib.WG_NO_LOOP))
-        reports, entries = self._drive(everyone, budgets, find_loop, np.zeros_like(everyone), digest=digest)
+        reports, entries = self._drive(
+            everyone, budgets, find_loop, np.zeros_like(everyone), digest=digest
+        )
 
         # Loops are run again, up to the end of their first period, which also proves them.
         looped = np.flatnonzero(reports["ending"] == int(lib.WG_LOOP))
@@ -85,7 +91,9 @@ class FleetRun:
         # Where two different states had one fingerprint, the budget counts.
         unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
         no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
-        again = self._drive(unproved, budgets[unproved], no_loop, np.zeros_like(unproved), digest=digest)
+        again = self._drive(
+            unproved, budgets[unproved], no_loop, np.zeros_like(unproved), digest=digest
+        )
         reports[unproved] = again[0]
         return reports
 
@@ -109,7 +117,9 @@ class FleetRun:
         fleet = _Fleet(self._runs, self._world[robots], self._memory)
         for k, robot in enumerate(robots.tolist()):
             settings = fleet.settings[k]
-            settings.start_x, settings.start_y, settings.start_heading = self._starts[robot].tolist()
+            settings.start_x, settings.start_y, settings.start_heading = self._starts[
+                robot
+            ].tolist()
             settings.seed = int(self._seeds[robot])
             settings.digest = int(digest)
             settings.steps = int(steps[k])
@@ -153,7 +163,8 @@ class _Fleet:
         self.memory = np.zeros((n, memory.size))
         self.command = np.zeros((n, 3))
 
-        # What changes as a robot goes is its own: where it has been, and cells in which something happens.
+        # What changes as a robot goes is its own: where it has been, and cells in which something
+        # happens.
         shape = self._fresh[0].cells.shape
         self._visited = np.zeros((n, *shape), np.uint8)
         happens = any(len(arena.events) for arena in self._fresh)
@@ -174,11 +185,19 @@ class _Fleet:
                 arena.cells = writable(ffi, self._cells[k], np.uint8)
                 arena.near = writable(ffi, self._near[k], np.int32)
         seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]
-        logs = np.array([settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)], np.int64)
+        logs = np.array(
+            [settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)],
+            np.int64,
+        )
         n = len(self.settings)
         check(
             lib.wg_fleet_new(
-                self._arenas, self.settings, self._driver.c, pointer(ffi, logs, np.int64), n, self._episodes
+                self._arenas,
+                self.settings,
+                self._driver.c,
+                pointer(ffi, logs, np.int64),
+                n,
+                self._episodes,
             )
         )
         ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
@@ -207,7 +226,10 @@ class _Fleet:
         reports = np.zeros(n, REPORT)
         entries = np.zeros(n, np.int64)
         lib.wg_fleet_reports(
-            self._episodes, n, ffi.cast("WgReport *", ffi.from_buffer(reports)), writable(ffi, entries, np.int64)
+            self._episodes,
+            n,
+            ffi.cast("WgReport *", ffi.from_buffer(reports)),
+            writable(ffi, entries, np.int64),
         )
         return reports, entries
 
@@ -225,7 +247,8 @@ def its_own_fault() -> Iterator[None]:
     """Tell what a controller raises from what is raised elsewhere.
 
     Raises:
-        ControllerRaised: If anything is raised inside but ``KeyboardInterrupt`` and :class:`OutOfTime`.
+        ControllerRaised: If anything is raised inside but ``KeyboardInterrupt`` and
+            :class:`OutOfTime`.
     """
     try:
         yield

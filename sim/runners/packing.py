@@ -1,4 +1,7 @@
-"""What every simulator needs of a world before it starts: the disc in lattice numbers, events by step."""
+"""What every simulator needs of a world before it starts.
+
+The disc in lattice numbers, events by step.
+"""
 
 from __future__ import annotations
 

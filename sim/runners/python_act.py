@@ -1,4 +1,7 @@
-"""Let a controller that is a Python object act in the loop of the core (``sim/core/python_act.c``)."""
+"""Let a controller that is a Python object act in the loop of the core.
+
+``sim/core/python_act.c``.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,8 @@ def _address(of: Any, thing: Any) -> int:
     return int(of.cast("uintptr_t", thing))
 
 
-# cffi would give up Python's lock in this call; ctypes keeps it, and raises what the controller raises.
+# cffi would give up Python's lock in this call; ctypes keeps it, and raises what the controller
+# raises.
 _act_in_python: Any = ctypes.PYFUNCTYPE(
     ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.py_object, ctypes.c_int64
 )(_address(ffi, ffi.addressof(lib, "wg_act_in_python")))
@@ -55,14 +59,17 @@ class Stops:
 
 
 @breakable
-def act_in_core(act: Callable[..., Any], stops: Stops, memory: Memory, *, is_measured: bool) -> Memory:
+def act_in_core(
+    act: Callable[..., Any], stops: Stops, memory: Memory, *, is_measured: bool
+) -> Memory:
     """Let a controller act wherever a run stops, until the run is over.
 
     Args:
         act: The controller's.
         stops: The run.
         memory: At its start, floats.
-        is_measured: Whether its time counts as the controller's own (:mod:`sim.runners.controller_time`).
+        is_measured: Whether its time counts as the controller's own
+            (:mod:`sim.runners.controller_time`).
 
     Returns:
         The memory after the last step.

@@ -1,4 +1,7 @@
-"""The episode loop for a Python controller or a program: the core stops in each step, and the controller acts."""
+"""The episode loop for a Python controller or a program.
+
+The core stops in each step, and the controller acts.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,10 @@ from sim.controllers.base import Memory, PythonController, VectorController, wan
 from sim.controllers.contract import flat_memory
 from sim.controllers.crash_frames import crash_facts
 from sim.controllers.programs.process import ProcessController
-from sim.controllers.programs.program import Misbehaviour, WantsMemory
+from sim.controllers.programs.program import ControllerError, WantsMemory
 from sim.controllers.vector import Asker
 from sim.runners.controller_time import timed
-from sim.runners.core_calls import MOST_CORNERS, Arena, Driver, Episode, Workspace
+from sim.runners.core_calls import MOST_CORNERS, CoreArena, CoreEpisode, Driver, Workspace
 from sim.runners.python_act import Stops, act_in_core
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
@@ -52,24 +55,32 @@ class PythonLoop:
     """
 
     def __init__(
-        self, controller: PythonController | VectorController, arena: Arena, settings: Any, world: World
+        self,
+        controller: PythonController | VectorController,
+        arena: CoreArena,
+        settings: Any,
+        world: World,
     ) -> None:
         self._world = world
-        self._controller, self._arena, self._settings = controller, arena, settings
-        self.episode: Episode | None = None
+        self._controller = controller
+        self._arena = arena
+        self._settings = settings
+        self.episode: CoreEpisode | None = None
         self.complete = True
-        self.fault: Misbehaviour | None = None
-        self._rows, self._path = np.zeros((0, 1), np.int64), np.zeros((0, 1), np.int64)
+        self.fault: ControllerError | None = None
+        self._rows = np.zeros((0, 1), np.int64)
+        self._path = np.zeros((0, 1), np.int64)
 
     def run(self, steps: int, *, record: bool) -> None:
         """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
 
-        What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen: its run is not
-        complete, and no recurrence ends it.
+        What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen:
+        its run is not complete, and no recurrence ends it.
         """
         if isinstance(self._controller, ProcessController):
             self.complete = False
-            self._controller.start()  # outside the guard: a program that is not there is nobody's crash
+            # Outside the guard: a program that is not there is nobody's crash.
+            self._controller.start()
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
             return
@@ -94,7 +105,7 @@ class PythonLoop:
         try:
             world = self._world if plans(self._controller) else None
             self._episode(memory_at_start(self._controller, world), steps, record)
-        except Misbehaviour as fault:
+        except ControllerError as fault:
             self.fault = fault
         except (KeyboardInterrupt, OutOfTime, WantsMemory):
             raise
@@ -104,7 +115,7 @@ class PythonLoop:
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
         """Lets the core stop in each step, and the controller act."""
         self._settings.steps = steps
-        self.episode = episode = Episode(self._arena, self._settings, Driver(None, memory))
+        self.episode = episode = CoreEpisode(self._arena, self._settings, Driver(None, memory))
         if record:
             self._rows = np.zeros((steps + 1, 1 + episode.words), np.int64)
             self._path = np.zeros((MOST_CORNERS * (steps + len(self._arena.events)), 4), np.int64)
@@ -115,11 +126,11 @@ class PythonLoop:
             driver_of(self._controller)(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
 
 
-def crash_of(error: BaseException, controller: object) -> Misbehaviour:
+def crash_of(error: BaseException, controller: object) -> ControllerError:
     """Return the finding that a controller raised, with where it did."""
     text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
     text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
-    return Misbehaviour(Verdict.CRASH, text, crash_facts(error, controller))
+    return ControllerError(Verdict.CRASH, text, crash_facts(error, controller))
 
 
 def plans(controller: PythonController | VectorController) -> bool:
@@ -141,7 +152,9 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     resetting: Any = controller
     if world is None:
         return flat_memory(timed(resetting.reset)())
-    return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
+    return flat_memory(
+        timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None))
+    )
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:
@@ -151,12 +164,17 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Stop
     """
     if isinstance(controller, VectorController):
         return functools.partial(_act_as_one_of_many, controller)
-    is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
+    is_program = isinstance(
+        controller, ProcessController
+    )  # which is measured where it is waited for
     return functools.partial(act_in_core, controller.act, is_measured=not is_program)
 
 
 def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memory) -> Memory:
-    """The same for a controller of many robots, of which there is one; the core keeps its memory."""
+    """The same for a controller of many robots, of which there is one.
+
+    The core keeps its memory.
+    """
     room = Workspace(stops.episode)
     seen = room.observation[np.newaxis]
     kept = room.memory[np.newaxis]
@@ -170,17 +188,28 @@ def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memo
 
 
 def hidden_state(controller: Any) -> bytes | None:
-    """All state outside ``memory`` that we can see: of the object, its classes, their modules, of random generators.
+    """All state outside ``memory`` that we can see.
 
-    ``None`` if some of it cannot be pickled and so cannot be compared.
+    Of the object, its classes, their modules, of random generators. ``None`` if some of it cannot
+    be pickled and so cannot be compared.
     """
     kind = type(controller)
-    slots = [name for base in kind.__mro__ for name in getattr(base, "__slots__", ()) if hasattr(controller, name)]
+    slots = [
+        name
+        for base in kind.__mro__
+        for name in getattr(base, "__slots__", ())
+        if hasattr(controller, name)
+    ]
     seen = [
         _data(getattr(controller, "__dict__", {})),
         {name: getattr(controller, name) for name in slots},
         *(_data_of_class(base) for base in kind.__mro__ if base is not object),
-        *(_data_of_module(module) for base in kind.__mro__ if _is_of_a_user(base) for module in _modules_of(base)),
+        *(
+            _data_of_module(module)
+            for base in kind.__mro__
+            if _is_of_a_user(base)
+            for module in _modules_of(base)
+        ),
         random.getstate(),
         np.random.get_state(),
     ]
@@ -192,7 +221,10 @@ def hidden_state(controller: Any) -> bytes | None:
 
 def _is_of_a_user(kind: type) -> bool:
     package = kind.__module__.partition(".")[0]
-    return package not in {"builtins", "typing", "sim", "fuzz", "worldgen"} and kind.__module__ in sys.modules
+    return (
+        package not in {"builtins", "typing", "sim", "fuzz", "worldgen"}
+        and kind.__module__ in sys.modules
+    )
 
 
 def _modules_of(kind: type) -> list[types.ModuleType]:
@@ -204,9 +236,14 @@ def _modules_of(kind: type) -> list[types.ModuleType]:
 def _data_of_module(module: types.ModuleType) -> list[Any]:
     """Its variables, and those of the classes and functions that it defines.
 
-    A module that was imported is no file of the controller's own: what cannot be pickled there is not looked at.
+    A module that was imported is no file of the controller's own: what cannot be pickled there is
+    not looked at.
     """
-    own = [thing for thing in vars(module).values() if getattr(thing, "__module__", None) == module.__name__]
+    own = [
+        thing
+        for thing in vars(module).values()
+        if getattr(thing, "__module__", None) == module.__name__
+    ]
     classes = [_data_of_class(thing) for thing in own if isinstance(thing, type)]
     data = [*_data(vars(module)).items(), *classes, *_data_of_functions(own)]
     own_file = module.__name__.startswith("_worldgen_user_") and "." not in module.__name__
@@ -221,7 +258,10 @@ def _pickled_if_it_can_be(data: Any) -> bytes:
 
 
 def _pickled(data: Any) -> bytes:
-    """Equal bytes for equal data, whether or not two equal parts of it are one object; but for what holds itself."""
+    """Equal bytes for equal data, whether or not two equal parts of it are one object.
+
+    But for what holds itself.
+    """
     stream = io.BytesIO()
     pickler = pickle.Pickler(stream)
     pickler.fast = True
@@ -240,7 +280,12 @@ def _data_of_functions(things: Iterable[Any]) -> list[Any]:
     """Defaults, which may change, attributes, and variables of functions around it, of each that is a function."""
     functions = [getattr(thing, "__func__", thing) for thing in things]
     return [
-        [list(one.__defaults__ or ()), one.__kwdefaults__ or {}, _data(one.__dict__), _data(_around(one))]
+        [
+            list(one.__defaults__ or ()),
+            one.__kwdefaults__ or {},
+            _data(one.__dict__),
+            _data(_around(one)),
+        ]
         for one in functions
         if isinstance(one, types.FunctionType)
     ]
@@ -248,11 +293,23 @@ def _data_of_functions(things: Iterable[Any]) -> list[Any]:
 
 def _around(function: types.FunctionType) -> dict[str, Any]:
     cells = function.__closure__ or ()
-    return {str(number): cell.cell_contents for number, cell in enumerate(cells) if cell != types.CellType()}
+    return {
+        str(number): cell.cell_contents
+        for number, cell in enumerate(cells)
+        if cell != types.CellType()
+    }
 
 
 def _data(names: Mapping[str, Any]) -> dict[str, Any]:
-    code = (type, types.FunctionType, types.ModuleType, types.MethodType, classmethod, staticmethod, property)
+    code = (
+        type,
+        types.FunctionType,
+        types.ModuleType,
+        types.MethodType,
+        classmethod,
+        staticmethod,
+        property,
+    )
     return {
         name: value
         for name, value in names.items()

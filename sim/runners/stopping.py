@@ -1,8 +1,9 @@
-"""Ends runs that are under way when whoever asked for them has no more time: a campaign whose budget is spent, say.
+"""Ends runs that are under way when whoever asked for them has no more time.
 
-A run of a Python controller may take minutes, and nothing but the run itself can end it without harm. So it asks before
-its steps. A single step that does not end is broken off by a signal; that needs the main thread and Python code, so a
-step inside a compiled library ends when the library returns.
+A campaign whose budget is spent, say. A run of a Python controller may take minutes, and nothing
+but the run itself can end it without harm. So it asks before its steps. A single step that does not
+end is broken off by a signal; that needs the main thread and Python code, so a step inside a
+compiled library ends when the library returns.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ _MOST_STEPS = 16  # steps between two looks at the clock, of a fast controller
 _UNWATCHED = 1 << 10  # steps of a portion where nobody looks at the clock
 _SLOW = 0.1  # s: after a batch of steps that took longer, each step is looked at
 _TICK = 0.2  # s between two looks at the clock in the middle of a step
-_PATIENT = 2  # such looks that find the time over before a step is broken off: most steps end by themselves
+# Such looks that find the time over before a step is broken off: most steps end by themselves.
+_PATIENT = 2
 
 
 class _Watch(NamedTuple):
@@ -52,19 +54,25 @@ _may_break: dict[CodeType, bool] = {}  # by function, whether what it has called
 
 
 class OutOfTime(BaseException):
-    """Raised in the middle of work that has no more time; no ``Exception``, lest it pass for a controller's fault."""
+    """Raised in the middle of work that has no more time.
+
+    No ``Exception``, lest it pass for a controller's fault.
+    """
 
 
 @contextmanager
-def stopping_when(is_over: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> Iterator[None]:
-    """End what is done inside with :class:`OutOfTime` once ``is_over`` returns True; an outer one no longer counts.
+def stopping_when(
+    is_over: Callable[[], bool], clock: Callable[[], float] = time.monotonic
+) -> Iterator[None]:
+    """End what is done inside with :class:`OutOfTime` once ``is_over`` returns True.
 
-    In the main thread a controller's step that goes on for a while after that is broken off, too; not where a program
-    uses SIGALRM itself, nor by another clock than the system's.
+    An outer one no longer counts. In the main thread a controller's step that goes on for a while
+    after that is broken off, too; not where a program uses SIGALRM itself, nor by another clock
+    than the system's.
 
     Args:
-        is_over: Returns True when there is no more time. A signal asks it too, in the middle of anything, so it must
-            not wait for a lock.
+        is_over: Returns True when there is no more time. A signal asks it too, in the middle of
+            anything, so it must not wait for a lock.
         clock: Seconds, by which slow steps are told from fast ones.
     """
     token = _watch.set(_Watch(is_over, clock))
@@ -79,7 +87,11 @@ def stopping_when(is_over: Callable[[], bool], clock: Callable[[], float] = time
 def _ticking() -> Iterator[None]:
     """Look at the clock by a signal, unless an outer block does, or the signal is not to be had."""
     is_main = threading.current_thread() is threading.main_thread()
-    if not is_main or not hasattr(signal, "setitimer") or signal.getsignal(signal.SIGALRM) is not signal.SIG_DFL:
+    if (
+        not is_main
+        or not hasattr(signal, "setitimer")
+        or signal.getsignal(signal.SIGALRM) is not signal.SIG_DFL
+    ):
         yield
         return
     late = 0
@@ -160,14 +172,17 @@ def _watched_portions(watch: _Watch) -> Iterator[int]:
             raise OutOfTime
         yield size
 
-        # Here the portion is done. Begin small and grow, because a first step may already take seconds.
+        # Here the portion is done. Begin small and grow, because a first step may already take
+        # seconds.
         now = watch.clock()
         size = 1 if now - began > _SLOW else min(2 * size, _MOST_STEPS)
         began = now
 
 
 def in_time(steps: Iterable[int]) -> Iterable[int]:
-    """Return the same steps, with a look at the clock every few of them: before each one if they are slow.
+    """Return the same steps, with a look at the clock every few of them.
+
+    Before each one if they are slow.
 
     Raises:
         OutOfTime: While iterating, once the time is over.

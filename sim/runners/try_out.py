@@ -53,15 +53,15 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
 
     Args:
         scenario: What runs.
-        seconds: The most that these steps may take of a Python class; a program has deadlines of its own, and a
-            compiled step cannot be broken off. Loading the simulator does not count.
+        seconds: The most that these steps may take of a Python class; a program has deadlines of
+            its own, and a compiled step cannot be broken off. Loading the simulator does not count.
 
     Returns:
         How the run ended.
 
     Raises:
-        InvalidParameter: If the controller does not compile, does not fit the motion model, or returns what the
-            contract does not allow; or if its two steps take too long.
+        InvalidParameter: If the controller does not compile, does not fit the motion model, or
+            returns what the contract does not allow; or if its two steps take too long.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if seconds is None or isinstance(controller, CompiledController | ProcessController):
@@ -76,7 +76,8 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
             raise InvalidParameter(
                 "first-steps-too-slow",
                 "{controller} did not finish two steps within {seconds:g} s",
-                "give a larger --budget, or run it as a program, whose steps have a deadline (docs/controllers.md)",
+                "give a larger --budget, or run it as a program, whose steps have a deadline "
+                "(docs/controllers.md)",
                 at_terminal=True,
                 controller=scenario.controller,
                 seconds=seconds,
@@ -87,4 +88,6 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
 
 def _two_steps(scenario: Scenario, controller: Any) -> Outcome:
     options = scenario.options(EMPTY_ARENA, _STEPS)
-    return prepare(EMPTY_ARENA, controller, options).run(_STEPS, find_loop=False, record=False, digest=False)
+    return prepare(EMPTY_ARENA, controller, options).run(
+        _STEPS, find_loop=False, record=False, digest=False
+    )

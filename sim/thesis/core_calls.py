@@ -1,10 +1,11 @@
 """Run the thesis's simulator, which is in C: arrays in, a finished run out.
 
-The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is -y (up), growing
-clockwise on the screen; milliseconds.
+The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is
+-y (up), growing clockwise on the screen; milliseconds.
 
-``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there), changed by the noise
-filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop the robot. The border must be ``WALL``.
+``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there),
+changed by the noise filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop
+the robot. The border must be ``WALL``.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ __all__ = [
     "ROW",
     "STATE_FIELDS",
     "WALL",
-    "Setup",
     "ThesisEpisode",
+    "ThesisSetup",
     "add_noise",
     "new_rows",
     "signal_map",
@@ -48,12 +49,17 @@ ROW = np.dtype([(name, np.float64) for name, _ in _ffi.typeof("WgThesisRow").fie
 STATE_FIELDS: tuple[str, ...] = ROW.names[: _lib.WG_THESIS_WORDS] if ROW.names else ()
 """Those fields of a row that decide the robot's future."""
 
-_FIRST_COUNT = STATE_FIELDS.index("collision")  # of these fields: from here on they are whole numbers
+_FIRST_COUNT = STATE_FIELDS.index(
+    "collision"
+)  # of these fields: from here on they are whole numbers
 _WORK = 1 << 22  # px that a call may step through, about 0.1 s: between two calls Ctrl-C is heard
 
 
-class Setup(NamedTuple):
-    """The robot and what is asked of the run; ``WgThesisSettings`` in ``sim/core/wg_thesis.h`` explains each field."""
+class ThesisSetup(NamedTuple):
+    """The robot and what is asked of the run.
+
+    ``WgThesisSettings`` in ``sim/core/wg_thesis.h`` explains each field.
+    """
 
     rule: int
     time_step: float
@@ -96,7 +102,12 @@ class ThesisEpisode:
     """
 
     def __init__(
-        self, cells: Cells, light: Cells, events: Ints, start: tuple[float, float, float], setup: Setup
+        self,
+        cells: Cells,
+        light: Cells,
+        events: Ints,
+        start: tuple[float, float, float],
+        setup: ThesisSetup,
     ) -> None:
         self.cells = np.array(cells, np.int32, order="C")
         self.visited = np.zeros(cells.shape, np.uint8)
@@ -116,7 +127,9 @@ class ThesisEpisode:
     def _arena_fields(self) -> dict[str, Any]:
         width, height = self.cells.shape
         if self._light.shape != self.cells.shape:
-            raise ValueError(f"light is {self._light.shape}, cells are {self.cells.shape}; give both one shape")
+            raise ValueError(
+                f"light is {self._light.shape}, cells are {self.cells.shape}; give both one shape"
+            )
         return {
             "width": width,
             "height": height,
@@ -145,7 +158,8 @@ class ThesisEpisode:
             first_row: Step of the first row.
 
         Returns:
-            False if the draws did not suffice; give more, the earlier ones in front, and call again.
+            False if the draws did not suffice; give more, the earlier ones in front, and call
+            again.
         """
         numbers = pointer(_ffi, np.ascontiguousarray(draws, np.float64), np.float64)
         table = _ffi.cast("WgThesisRow *", writable(_ffi, rows.view(np.float64), np.float64))
@@ -165,7 +179,9 @@ class ThesisEpisode:
     def proved_state(self) -> npt.NDArray[np.uint64]:
         """Return the state that a proved loop comes back to, in the words of a trace."""
         words = self._known.copy()
-        words[_FIRST_COUNT:] = self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
+        words[_FIRST_COUNT:] = (
+            self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
+        )
         return words
 
 
@@ -175,7 +191,10 @@ def new_rows(count: int) -> Rows:
 
 
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
-    """(width, height) int32: squared distance in cells to the target's cell; the border is ``WALL``."""
+    """(width, height) int32: squared distance in cells to the target's cell.
+
+    The border is ``WALL``.
+    """
     columns = np.arange(width)[:, None] - target_x
     rows = np.arange(height)[None, :] - target_y
     light = (columns * columns + rows * rows).astype(np.int32)
@@ -185,7 +204,9 @@ def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
 
 
 def add_noise(cells: Cells, light: Cells) -> None:
-    """Weaken or strengthen the signal of cells near inner walls, in place; the order of the walls matters.
+    """Weaken or strengthen the signal of cells near inner walls, in place.
+
+    The order of the walls matters.
 
     Args:
         cells: (width, height) the signal with every wall drawn.
@@ -193,6 +214,9 @@ def add_noise(cells: Cells, light: Cells) -> None:
     """
     check(
         _lib.wg_thesis_add_noise(
-            writable(_ffi, cells, np.int32), pointer(_ffi, light, np.int32), cells.shape[0], cells.shape[1]
+            writable(_ffi, cells, np.int32),
+            pointer(_ffi, light, np.int32),
+            cells.shape[0],
+            cells.shape[1],
         )
     )

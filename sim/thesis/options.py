@@ -1,6 +1,7 @@
-"""Options of the thesis's simulator: what its own program let one set, and what its author left to be done.
+"""Options of the thesis's simulator.
 
-The defaults are the program as it was. ``docs/thesis.md`` says of each where it comes from.
+What its own program let one set, and what its author left to be done. The defaults are the program
+as it was. ``docs/thesis.md`` says of each where it comes from.
 """
 
 from __future__ import annotations
@@ -25,29 +26,36 @@ REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 @dataclass(frozen=True)
 class ThesisOptions(OptionSet):
-    """How the motion model ``stepped`` and the thesis's robot work; a failure stores what is not at its default.
+    """How the motion model ``stepped`` and the thesis's robot work.
+
+    A failure stores what is not at its default.
 
     Args:
         sensor_range: Reach of the signal sensor, px, 36 to 1000; 36 sees the eight cells around.
         noise: Whether the noise filter has changed the signal near walls.
         collide_ticks: Counter of the collide behaviour, 0 to 1000; it drives one tick more.
         drive_ticks: Counter of the drive behaviour, 0 to 1000; it drives one tick more.
-        turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws its own.
-        arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or ``interruptible``,
-            which asks in every tick and lets a new collision begin the escape afresh.
+        turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws
+            its own.
+        arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or
+            ``interruptible``, which asks in every tick and lets a new collision begin the escape
+            afresh.
         repair_slide: Slide along a wall only where the disc is then clear of every wall.
         repair_back_off: Stay at a wall instead of backing off without looking.
         repair_corner: Stop where only the corner of a cell is touched.
-        keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as the program did.
-        acceleration: Greatest gain of speed, m/s2; 0 means at once. Like all forces it acts on the speed, while moves
-            are whole pixels, a tenth of a cell: a robot that makes no more than one a tick stands still.
+        keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as
+            the program did.
+        acceleration: Greatest gain of speed, m/s2; 0 means at once. Like all forces it acts on the
+            speed, while moves are whole pixels, a tenth of a cell: a robot that makes no more than
+                one a tick stands still.
         friction: Loss of speed once the wheels stand, m/s2; 0 means at once.
         wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
         slip: Largest share of a tick's way that is lost on the floor, 0 to 1, another in each tick.
         sensor_field: Angle that the sensor looks into, rad, about the heading; 0 means all round.
-        sensor_noise: Largest share by which a reading is wrong, 0 to 1, another for each cell and tick.
-        signal: What walls do to the signal on its straight way from the target: nothing, as in the thesis
-            (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
+        sensor_noise: Largest share by which a reading is wrong, 0 to 1, another for each cell and
+            tick.
+        signal: What walls do to the signal on its straight way from the target: nothing, as in the
+            thesis (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
         map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
         draws: Numbers in [0, 1) that the random rule uses up before those of the seed.
 
@@ -82,7 +90,9 @@ class ThesisOptions(OptionSet):
         super().__post_init__()
         if not all(0.0 <= draw < 1.0 for draw in self.draws):
             raise InvalidParameter(
-                "out-of-range", "draws hold a number outside [0, 1)", "give numbers as a random generator makes them"
+                "out-of-range",
+                "draws hold a number outside [0, 1)",
+                "give numbers as a random generator makes them",
             )
 
     @property

@@ -1,8 +1,8 @@
 """Packs a world for the thesis's simulator, runs it, and reads the result back into the world's frame.
 
-The thesis's frame has pixels, y down, and headings that grow clockwise from -x; a cell is ten pixels. Its
-maps have a border of walls. A world whose border is open gets its solid outside added as one, and a robot
-then never enters the cells next to that border less than the disc fits.
+The thesis's frame has pixels, y down, and headings that grow clockwise from -x; a cell is ten
+pixels. Its maps have a border of walls. A world whose border is open gets its solid outside added
+as one, and a robot then never enters the cells next to that border less than the disc fits.
 """
 
 from __future__ import annotations
@@ -21,7 +21,16 @@ from sim.evidence import BudgetEvidence
 from sim.options.run import RunOptions, check_step_length
 from sim.outcome import ENDINGS, Outcome
 from sim.runners.packing import disc_numbers, event_step, start_overlaps
-from sim.thesis.core_calls import CELL, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.core_calls import (
+    CELL,
+    STATE_FIELDS,
+    WALL,
+    ThesisEpisode,
+    ThesisSetup,
+    add_noise,
+    new_rows,
+    signal_map,
+)
 from sim.thesis.options import ARBITERS, SIGNALS, ThesisOptions
 from sim.trace import Trace, Words
 from sim.verdict import Verdict
@@ -40,7 +49,12 @@ Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 
 _FIRST_DRAWS = 256
-_CAUSES = {_lib.WG_STRAIGHT: "", _lib.WG_SLIDE: "slide", _lib.WG_BACK_OFF: "back-off", _lib.WG_CORNER: "corner"}
+_CAUSES = {
+    _lib.WG_STRAIGHT: "",
+    _lib.WG_SLIDE: "slide",
+    _lib.WG_BACK_OFF: "back-off",
+    _lib.WG_CORNER: "corner",
+}
 _REPAIR_BITS = {
     "repair_slide": _lib.WG_REPAIR_SLIDE,
     "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
@@ -54,12 +68,14 @@ class ThesisRun:
     """One world, rule and set of options, ready to run any number of times.
 
     Raises:
-        InvalidParameter: If the robot is wider than two cells, or the step longer than a cell allows.
+        InvalidParameter: If the robot is wider than two cells, or the step longer than a cell
+            allows.
         InvalidWorld: If start or target are in a wall.
     """
 
     def __init__(self, world: World, rule: int, options: RunOptions) -> None:
-        self.world, self.options = world, options
+        self.world = world
+        self.options = options
         check_step_length(world, options.time_step, Fraction(0))
         closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
         self._pad = 0 if closed else 1
@@ -83,11 +99,13 @@ class ThesisRun:
             )
         return float(radius * 10)
 
-    def _robot(self, rule: int, target_x: int, target_y: int) -> Setup:
+    def _robot(self, rule: int, target_x: int, target_y: int) -> ThesisSetup:
         """The robot in the thesis's units: px and ms."""
-        world, options, thesis = self.world, self.options, self.options.thesis
+        world = self.world
+        options = self.options
+        thesis = self.options.thesis
         px = 10 / exact(world.cell_size)
-        return Setup(
+        return ThesisSetup(
             rule=rule,
             time_step=float(exact(options.time_step) * 1000),
             sense=thesis.sensor_cells,
@@ -122,8 +140,13 @@ class ThesisRun:
         """The target's cell in the thesis's frame."""
         world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
-        target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
-        if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
+        target_y = (
+            self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
+        )
+        if (
+            not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1)
+            or solid[target_x, target_y]
+        ):
             raise InvalidWorld(
                 "target-in-wall",
                 "target ({x:g}, {y:g}) m lies in a wall cell, which has no signal",
@@ -133,7 +156,9 @@ class ThesisRun:
             )
         return target_x, target_y
 
-    def _signal(self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int) -> tuple[Cells, Cells]:
+    def _signal(
+        self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int
+    ) -> tuple[Cells, Cells]:
         """Signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
@@ -154,12 +179,20 @@ class ThesisRun:
         return np.array(rows, np.int64).reshape(-1, 4)
 
     def _start_pose(self) -> tuple[float, float, float]:
-        world, side = self.world, self.world.cell_size
+        world = self.world
+        side = self.world.cell_size
         clear_sq, reach = disc_numbers(world)
-        x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
+        x = metres_to_lattice(world.start.x, side)
+        y = metres_to_lattice(world.start.y, side)
         solid = np.array(world.walls, np.uint8, order="C")
-        grid = {"cells": pointer(_ffi, solid, np.uint8), "width": world.width, "height": world.height}
-        if not _lib.wg_disc_is_clear(grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y):
+        grid = {
+            "cells": pointer(_ffi, solid, np.uint8),
+            "width": world.width,
+            "height": world.height,
+        }
+        if not _lib.wg_disc_is_clear(
+            grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
+        ):
             raise start_overlaps(world)
         x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
         y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
@@ -171,14 +204,19 @@ class ThesisRun:
         return int(self._events[-1, 0]) if len(self._events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
-        """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
+        """Runs up to ``steps`` ticks from the start.
+
+        With ``find_loop`` a recurrence ends the run.
+        """
         seeks = find_loop and not self.options.thesis.random
         search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
         return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
-        outcome, episode = self._run(entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry)
+        outcome, episode = self._run(
+            entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry
+        )
         return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
 
     def _run(self, steps: int, *, record: bool, **asked: int) -> tuple[Outcome, ThesisEpisode]:
@@ -186,7 +224,9 @@ class ThesisRun:
         rows = new_rows(steps + 1 if record else 0)
         episode = self._episode(steps, **asked)
         self._go_on(episode, steps, rows, 0)
-        return self._outcome(episode.run, rows[: episode.run.steps + 1] if record else None), episode
+        return self._outcome(
+            episode.run, rows[: episode.run.steps + 1] if record else None
+        ), episode
 
     def _episode(self, steps: int, **asked: int) -> ThesisEpisode:
         setup = self._setup._replace(steps=steps, **asked)
@@ -290,7 +330,9 @@ class ThesisRun:
 
 
 def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
-    """The signal that the thesis's robot reads in each cell: the squared distance to the target's cell, in cells.
+    """The signal that the thesis's robot reads in each cell.
+
+    The squared distance to the target's cell, in cells.
 
     Args:
         world: Where.
@@ -308,7 +350,10 @@ def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
 
 
 def _drift(poses: Floats) -> tuple[int, int]:
-    """Shortest period in which poses come back but for rounding until the end, and from where on; 0 if none."""
+    """Shortest period in which poses come back but for rounding until the end, and from where on.
+
+    0 if none.
+    """
     near = (np.abs(poses - poses[-1]) < _DRIFT).all(axis=1)
     for last in np.flatnonzero(near[:-1])[::-1]:
         period = len(poses) - 1 - int(last)

@@ -12,7 +12,7 @@ from sim.controllers.library.dynamic_window import DynamicWindow, dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field_robot
 from sim.controllers.library.three_layer import ThreeLayer, three_layer_robot
 from sim.controllers.library.vfh import VfhPlus, vfh_robot
-from sim.controllers.programs.program import Misbehaviour
+from sim.controllers.programs.program import ControllerError
 from tests.reference.fuzz import as_classes
 from tests.reference.sim.controllers import dynamic_window, potential_field, three_layer, vfh
 from tests.reference.sim.library import ACTS
@@ -27,7 +27,10 @@ RAISED = (IndexError, ZeroDivisionError)
 
 
 def observations(beams, seed, steps):
-    """Yields what no simulator would show in such an order: half of the time nearly the same place, half another."""
+    """Yields what no simulator would show in such an order.
+
+    Half of the time nearly the same place, half another.
+    """
     rng = np.random.default_rng(seed)
     seen = np.zeros(17 + beams)
     for step in range(steps):
@@ -38,7 +41,11 @@ def observations(beams, seed, steps):
             seen[8] = rng.uniform(0.05, 4.0)
             seen[17:] = np.minimum(2.0, rng.exponential(0.3, beams) + 0.05)
         if step % 50 == 0:
-            seen[10:13] = rng.choice([0.02, 0.1]), rng.choice([0.5, 2.0]), rng.choice([0.03, 0.07, 0.2])
+            seen[10:13] = (
+                rng.choice([0.02, 0.1]),
+                rng.choice([0.5, 2.0]),
+                rng.choice([0.03, 0.07, 0.2]),
+            )
         seen[0] = rng.random() < 0.4
         seen[5:7] += rng.normal(0.0, 0.02, 2)
         seen[9] = rng.random()
@@ -51,7 +58,7 @@ def drive(act, memory, seen):
     command = np.zeros(3)
     try:
         act(seen, kept, command)
-    except Misbehaviour as error:
+    except ControllerError as error:
         return error.error
     except RAISED as error:
         return type(error).__name__
@@ -83,7 +90,12 @@ def test_a_planted_fault_is_its_plain_python(name):
 
 
 TUNED = {
-    "potential-field": (potential_field_robot, potential_field, PotentialField(push=1e-4), lambda _: ()),
+    "potential-field": (
+        potential_field_robot,
+        potential_field,
+        PotentialField(push=1e-4),
+        lambda _: (),
+    ),
     "vfh": (vfh_robot, vfh, VfhPlus(turning_radius=0.2, wide=4), lambda _: (np.zeros(72),)),
     "dynamic-window": (
         dynamic_window_robot,

@@ -1,6 +1,7 @@
-"""From a damaged file to the cores: what can be read at all is decided and run, and no fault of memory ends it.
+"""From a damaged file to the cores.
 
-The gate and the nightly tier run this with the cores compiled under sanitizers, too.
+What can be read at all is decided and run, and no fault of memory ends it. The gate and the nightly
+tier run this with the cores compiled under sanitizers, too.
 """
 
 import contextlib
@@ -20,7 +21,13 @@ from worldgen.files.grid import read_world
 from worldgen.reach import decide, decide_in_time
 
 FILES = sorted(Path(corpora.__file__).parent.rglob("*.grid"))[::7]
-SCENARIOS = ("turn-right", "bug2+motion=endpoint", "turn-left+motion=stepped", "vfh", "mapper+odometry_noise=0.1")
+SCENARIOS = (
+    "turn-right",
+    "bug2+motion=endpoint",
+    "turn-left+motion=stepped",
+    "vfh",
+    "mapper+odometry_noise=0.1",
+)
 STEPS = 200
 MOST_CELLS = 40_000
 
@@ -56,7 +63,9 @@ def test_worlds_that_are_not_damaged_are_used(folder):
     assert all(read_and_use(file, SCENARIOS[0]) for file in FILES[:3])
 
 
-@given(st.sampled_from(FILES), st.lists(damages(), min_size=1, max_size=3), st.sampled_from(SCENARIOS))
+@given(
+    st.sampled_from(FILES), st.lists(damages(), min_size=1, max_size=3), st.sampled_from(SCENARIOS)
+)
 def test_a_damaged_world_is_refused_or_used(folder, file, ways, scenario):
     data = file.read_bytes()
     for way in ways:

@@ -53,7 +53,10 @@ def test_pockets_are_those_of_the_reference(name, seed):
         at_start, [-1] * len(places), list(range(len(places))), role[places].tolist(), joined,
     )  # fmt: skip
     expected = list(zip(joined[: 2 * count : 2], joined[1 : 2 * count : 2], strict=True))
-    assert pockets_module._flooded(nodes, places, squared, [goal], [start], at_start) == (top, expected)
+    assert pockets_module._flooded(nodes, places, squared, [goal], [start], at_start) == (
+        top,
+        expected,
+    )
 
 
 @pytest.mark.gate

@@ -11,10 +11,20 @@ from worldgen import generate
 from worldgen_plugins.for_gymnasium import NavigateEnv
 
 STEPS = 300
-WORLDS = {"trap": generate("trap", seed=3), "maze": generate("maze", seed=4, size=16), "fire": burning()}
+WORLDS = {
+    "trap": generate("trap", seed=3),
+    "maze": generate("maze", seed=4, size=16),
+    "fire": burning(),
+}
 ROBOTS = {
     "plain": {},
-    "slow": {"acceleration": 3.0, "friction": 2.0, "turn_limit": 4.0, "slip": 0.3, "wall_friction": 0.2},
+    "slow": {
+        "acceleration": 3.0,
+        "friction": 2.0,
+        "turn_limit": 4.0,
+        "slip": 0.3,
+        "wall_friction": 0.2,
+    },
 }
 
 
@@ -38,9 +48,14 @@ class Plays:
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("name", WORLDS)
 def test_an_episode_is_the_simulators_run_of_its_actions(name, robot):
-    world, actions = WORLDS[name], np.random.default_rng(5).uniform(-1, 1, (STEPS, 2)).astype(np.float32)
+    world, actions = (
+        WORLDS[name],
+        np.random.default_rng(5).uniform(-1, 1, (STEPS, 2)).astype(np.float32),
+    )
     actions[:, 1] = np.abs(actions[:, 1]) ** 0.25
-    env = NavigateEnv(world=world, robot=ROBOTS[robot], sensors=("bump", "target_distance"), turn_rate=20.0)
+    env = NavigateEnv(
+        world=world, robot=ROBOTS[robot], sensors=("bump", "target_distance"), turn_rate=20.0
+    )
     _, told = env.reset(seed=1)
     plays = Plays(tuple(map(tuple, actions.astype(float).tolist())), world.robot_speed, 20.0)
     run = simulate(world, plays, steps=STEPS, seed=told["run_seed"], record=True, **ROBOTS[robot])
@@ -50,5 +65,8 @@ def test_an_episode_is_the_simulators_run_of_its_actions(name, robot):
         seen, _, over, *_ = env.step(actions[k - 1])
         state = env._lockstep.crew.state[0]
         assert state[pose].tolist() == states[k + 1, pose].tolist()
-        assert state[own].tolist() == states[k, own].tolist() and bool(seen[0]) == run.trace.bump[k + 1]
+        assert (
+            state[own].tolist() == states[k, own].tolist()
+            and bool(seen[0]) == run.trace.bump[k + 1]
+        )
     assert over == (run.verdict in ("reached", "burned"))

@@ -6,7 +6,7 @@ import pytest
 from sim import CompiledController, RobotOptions, RunOptions
 from sim._core import lib
 from sim.episode import prepare
-from sim.runners.core_calls import Driver, Episode
+from sim.runners.core_calls import CoreEpisode, Driver
 from tests.helpers.interpreted import ACTS
 from tests.reference.sim import lattice_episode, lattice_state, recurrence
 from tests.reference.sim.flat_arrays import COUNTS, arena_of, settings_of
@@ -35,13 +35,15 @@ def reference_run(run, recorded):
     path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
     act = ACTS[run.controller.act.name]
     with np.errstate(over="ignore"):
-        lattice_episode.lattice_episode(arena_of(run.arena()), settings, scales, act, memory, room, robot, rows, path)
+        lattice_episode.lattice_episode(
+            arena_of(run.arena()), settings, scales, act, memory, room, robot, rows, path
+        )
     return robot, room.search, rows, path
 
 
 def core_run(run, recorded):
     """The same in the core."""
-    episode = Episode(run.arena(), run.settings, Driver(run.controller, run.controller.memory))
+    episode = CoreEpisode(run.arena(), run.settings, Driver(run.controller, run.controller.memory))
     rows = np.zeros((STEPS + 1 if recorded else 0, 1 + episode.words), np.int64)
     path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
     if recorded:
@@ -55,7 +57,9 @@ def assert_the_same(run, *, recorded):
     robot, search, rows, path = reference_run(run, recorded)
     episode, own_rows, own_path = core_run(run, recorded)
     report = {name: int(getattr(episode.report, name)) % 2**64 for name in COUNTS}
-    assert report == {name: int(count) % 2**64 for name, count in zip(COUNTS, robot.counts, strict=True)}
+    assert report == {
+        name: int(count) % 2**64 for name, count in zip(COUNTS, robot.counts, strict=True)
+    }
     assert [episode.report.path_length, episode.report.overlap] == robot.sums.tolist()
     assert (episode.state_words() == robot.state).all()
     assert (own_rows == rows).all() and (own_path == path).all()
@@ -91,8 +95,8 @@ def test_a_state_of_many_words_has_the_fingerprints_of_the_reference():
     assert_the_same(run, recorded=False)
 
 
-# Memories (a, b) that differ for every n, while the fingerprints of the states are equal: what n adds to the one
-# product, it takes from the other.
+# Memories (a, b) that differ for every n, while the fingerprints of the states are equal: what n
+# adds to the one product, it takes from the other.
 _A, _B = recurrence.FACTORS_OF_FEW[5:7]
 _WHOLE = 2**64
 
@@ -104,7 +108,9 @@ def _unfolded(word):
 def colliding(period):
     """Memory after each step of a controller that counts to a period."""
     return [
-        np.array([_unfolded(n * _B % _WHOLE), _unfolded(-n * _A % _WHOLE)], np.uint64).view(np.float64)
+        np.array([_unfolded(n * _B % _WHOLE), _unfolded(-n * _A % _WHOLE)], np.uint64).view(
+            np.float64
+        )
         for n in range(period)
     ]
 
@@ -117,7 +123,8 @@ class Collides:
     def __init__(self, period):
         self._memories = [tuple(memory.tolist()) for memory in colliding(period)]
         self._after = {
-            np.array(memory).tobytes(): self._memories[(n + 1) % period] for n, memory in enumerate(self._memories)
+            np.array(memory).tobytes(): self._memories[(n + 1) % period]
+            for n, memory in enumerate(self._memories)
         }
 
     def reset(self):

@@ -30,7 +30,10 @@ def test_heading_of_is_within_a_unit_of_the_true_angle(dx, dy):
 @given(SMALL, SMALL)
 def test_heading_of_turns_with_its_vector(dx, dy):
     if dx or dy:
-        assert core_parts.heading_of(-dy, dx, 0) == (core_parts.heading_of(dx, dy, 0) + TURN // 4) % TURN
+        assert (
+            core_parts.heading_of(-dy, dx, 0)
+            == (core_parts.heading_of(dx, dy, 0) + TURN // 4) % TURN
+        )
 
 
 @pytest.mark.gate
@@ -53,14 +56,20 @@ def test_random_draws_are_those_of_the_stream(seed, index):
     assert core_parts.random_draw(seed, index) == expected
 
 
-@given(st.binary(min_size=64, max_size=64), st.lists(st.tuples(SMALL, SMALL), min_size=1, max_size=8))
+@given(
+    st.binary(min_size=64, max_size=64), st.lists(st.tuples(SMALL, SMALL), min_size=1, max_size=8)
+)
 def test_swept_moves_equal_their_reference(data, moves):
     cells = (np.frombuffer(data, np.uint8).reshape(8, 8) < 40).astype(np.uint8)
     cells[3:5, 3:5] = 0
     pose, chains = (4 * UNIT, 4 * UNIT), (np.zeros((4, 3), np.int64), np.zeros((4, 3), np.int64))
     for dx, dy in moves:
-        one = core_parts.swept_move(cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[0], 0)
-        two = lattice_motion.swept_move(cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[1], 0)
+        one = core_parts.swept_move(
+            cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[0], 0
+        )
+        two = lattice_motion.swept_move(
+            cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[1], 0
+        )
         assert one == two and chains[0].tolist() == chains[1].tolist()
         pose = tuple(chains[0][one[0] - 1, :2].tolist()) if one[0] else pose
 
@@ -106,7 +115,9 @@ def test_a_window_is_free_up_to_the_contact():
     assert not core_parts.window_is_free(near, reach, (at - 300, 4 * UNIT, at + 1, 4 * UNIT))
 
 
-@given(ROOM, st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7), st.integers(0, 2)), max_size=12))
+@given(
+    ROOM, st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7), st.integers(0, 2)), max_size=12)
+)
 def test_masks_that_follow_events_are_those_of_the_cells(data, events):
     cells = (np.frombuffer(data, np.uint8).reshape(8, 8) % 3).astype(np.uint8)
     near = masks(cells)
@@ -135,7 +146,9 @@ def test_clear_poses_and_paths_are_the_reference_s(data, x, y, dx, dy, reach, st
 def test_crossings_and_depths_are_the_reference_s(x, y, dx, dy, ix, iy, radius):
     numbers = (x, y, x + dx, y + dy, ix, iy)
     assert core_parts.segment_crosses_box(*numbers) == geometry.segment_crosses_box(*numbers)
-    assert core_parts.segment_box_depth(radius, *numbers) == geometry.segment_box_depth(radius, *numbers)
+    assert core_parts.segment_box_depth(radius, *numbers) == geometry.segment_box_depth(
+        radius, *numbers
+    )
 
 
 @given(ROOM, PLACE, PLACE, STEP, STEP)
@@ -157,8 +170,12 @@ def test_lines_through_cells_are_the_reference_s(data, x, y, to_x, to_y, heading
     ray = core_parts.ray_distance(cells, table, x, y, heading, longest)
     assert ray == lattice_rays.ray_distance(cells, table, x, y, heading, longest)
     assert core_parts.walls_on_the_way(cells, *line) == lattice_rays.walls_on_the_way(cells, *line)
-    assert core_parts.smoke_on_the_way(cells, *line, 1) == lattice_rays.smoke_on_the_way(cells, *line, 1)
-    assert core_parts.signal_heading(cells, *line, heading) == lattice_sense.signal_heading(cells, *line, heading)
+    assert core_parts.smoke_on_the_way(cells, *line, 1) == lattice_rays.smoke_on_the_way(
+        cells, *line, 1
+    )
+    assert core_parts.signal_heading(cells, *line, heading) == lattice_sense.signal_heading(
+        cells, *line, heading
+    )
 
 
 @given(
@@ -170,7 +187,9 @@ def test_lines_through_cells_are_the_reference_s(data, x, y, to_x, to_y, heading
     st.sampled_from([float(TURN), 12_345.6, 0.0]),
     st.floats(1.0, 1e6),
 )
-def test_beams_that_skip_along_their_lanes_end_where_the_reference_ends(seed, x, y, heading, beams, field, longest):
+def test_beams_that_skip_along_their_lanes_end_where_the_reference_ends(
+    seed, x, y, heading, beams, field, longest
+):
     cells = (np.random.default_rng(seed).random((8, 8)) < 0.2).astype(np.uint8)
     table = core_parts.heading_table()
     found = core_parts.beams_with_tables(cells, (x, y, heading), beams, field, longest)

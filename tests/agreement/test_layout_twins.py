@@ -40,12 +40,17 @@ def test_the_flood_counts_steps_between_corners_of_four_free_cells(data):
     walls = np.pad(decode_world(data).walls, MARGIN, constant_values=True)
     clear = ~(walls[1:, 1:] | walls[:-1, 1:] | walls[1:, :-1] | walls[:-1, :-1])
     world = decode_world(data)
-    (sx, sy), (tx, ty) = ((int(p.x * 10) + MARGIN - 1, int(p.y * 10) + MARGIN - 1) for p in (world.start, world.target))
+    (sx, sy), (tx, ty) = (
+        (int(p.x * 10) + MARGIN - 1, int(p.y * 10) + MARGIN - 1)
+        for p in (world.start, world.target)
+    )
     reached, goal, steps = np.zeros_like(clear), np.zeros_like(clear), 0
     reached[sy : sy + 2, sx : sx + 2] = goal[ty : ty + 2, tx : tx + 2] = True
     while not (reached & goal).any():
         wider = np.pad(reached, 1)
-        more = (wider[2:, 1:-1] | wider[:-2, 1:-1] | wider[1:-1, 2:] | wider[1:-1, :-2] | reached) & clear
+        more = (
+            wider[2:, 1:-1] | wider[:-2, 1:-1] | wider[1:-1, 2:] | wider[1:-1, :-2] | reached
+        ) & clear
         if (more == reached).all():
             steps = -1
             break

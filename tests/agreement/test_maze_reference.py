@@ -32,7 +32,9 @@ def full(rows, columns):
 
 
 @every_algorithm
-@pytest.mark.parametrize(("columns", "rows"), some([(3, 40), (1, 1), (64, 65), (2, 2), (40, 3), (107, 141)], 3))
+@pytest.mark.parametrize(
+    ("columns", "rows"), some([(3, 40), (1, 1), (64, 65), (2, 2), (40, 3), (107, 141)], 3)
+)
 def test_a_maze_is_that_of_the_reference_to_the_bit(algorithm, columns, rows):
     for seed in range(3):
         streams = RandomStream(seed), RandomStream(seed)
@@ -61,10 +63,14 @@ def plan_of(links, across, up):
 
 
 @given(
-    links=hnp.arrays(np.int8, st.tuples(st.integers(1, 6), st.integers(1, 6)), elements=st.integers(0, 15)),
+    links=hnp.arrays(
+        np.int8, st.tuples(st.integers(1, 6), st.integers(1, 6)), elements=st.integers(0, 15)
+    ),
     wall=st.integers(1, 3),
     extra=st.integers(0, 3),
 )
 def test_cells_are_those_of_the_plan(links, wall, extra):
-    up, across = (pitch([1 + (extra >> (i % 2)) for i in range(count)], wall) for count in links.shape)
+    up, across = (
+        pitch([1 + (extra >> (i % 2)) for i in range(count)], wall) for count in links.shape
+    )
     assert np.array_equal(cells_of(links, across, up), plan_of(links, across, up))

@@ -1,4 +1,7 @@
-"""A plain dictionary of all states knows of every repetition; the simulator must know of the same ones."""
+"""A plain dictionary of all states knows of every repetition.
+
+The simulator must know of the same ones.
+"""
 
 import functools
 
@@ -21,7 +24,10 @@ ALIASES = ("thesis-1", "thesis-2", "thesis-3")
 
 
 def first_repetition(world, controller, options):
-    """Entry and period of the first state that comes back after the last event, by dictionary; None if none does."""
+    """Entry and period of the first state that comes back after the last event, by dictionary.
+
+    None if none does.
+    """
     run = prepare(world, controller, options)
     whole = run.run(options.steps, find_loop=False, record=True)
     seen = {}
@@ -70,7 +76,15 @@ def test_every_repetition_in_a_dictionary_of_states_is_found():
 @pytest.mark.nightly
 @pytest.mark.parametrize("seed", range(2, 8))
 def test_every_repetition_of_thousands_of_longer_runs_is_found(seed):
-    assert compare(FAMILIES.names(), [seed], [name for name in CONTROLLERS.names() if name not in ALIASES], 4_000) > 50
+    assert (
+        compare(
+            FAMILIES.names(),
+            [seed],
+            [name for name in CONTROLLERS.names() if name not in ALIASES],
+            4_000,
+        )
+        > 50
+    )
 
 
 def room():
@@ -89,7 +103,10 @@ def _count(observation, memory, command):
 
 
 class Counts:
-    """Counts to ``end``, then goes back to ``entry``: state ``entry`` comes back at step ``end`` for the first time."""
+    """Counts to ``end``, then goes back to ``entry``.
+
+    State ``entry`` comes back at step ``end`` for the first time.
+    """
 
     def __init__(self, entry, end):
         self.entry = float(entry)
@@ -122,13 +139,25 @@ def counter(entry, end):
     return CompiledController("count", _count, (0.0, float(end), float(entry)), senses=("bump",))
 
 
-CASES = [(0, 1), (0, 40), (1, 41), (17, 300), (255, 256), (256, 512), (299, 300), (100, 311), (300, 311)]
+CASES = [
+    (0, 1),
+    (0, 40),
+    (1, 41),
+    (17, 300),
+    (255, 256),
+    (256, 512),
+    (299, 300),
+    (100, 311),
+    (300, 311),
+]
 
 
 @pytest.mark.gate
 @pytest.mark.parametrize("make", [counter, Counts, ManyCount], ids=["compiled", "class", "vector"])
 @pytest.mark.parametrize(("entry", "end"), CASES)
-def test_a_state_that_comes_back_in_the_last_step_of_the_budget_is_found_and_one_later_is_not(make, entry, end):
+def test_a_state_that_comes_back_in_the_last_step_of_the_budget_is_found_and_one_later_is_not(
+    make, entry, end
+):
     assert found_in(simulate(room(), make(entry, end), steps=end)) == (entry, end - entry)
     if end > 1:
         assert found_in(simulate(room(), make(entry, end), steps=end - 1)) is None

@@ -1,4 +1,7 @@
-"""Plain runs, which have a loop of their own in the core, end as the same runs with a digest, which have not."""
+"""Plain runs, which have a loop of their own in the core, end as the same runs with a digest.
+
+It have not.
+"""
 
 from dataclasses import replace
 
@@ -18,7 +21,9 @@ FAMILIES = ["maze", "trap", "rooms", "forest", "corridor"]
 def outcomes_of(family, seed, name, motion, steps):
     """Return the outcome of the plain run and of the other."""
     controller = CONTROLLERS.get(name)
-    run = prepare(generate(family, seed, size=24), controller, RunOptions(motion, steps, 0.03, seed))
+    run = prepare(
+        generate(family, seed, size=24), controller, RunOptions(motion, steps, 0.03, seed)
+    )
     ends = [run.run(steps, find_loop=True, record=False, digest=digest) for digest in (False, True)]
     return [replace(end, digest="") for end in ends]
 

@@ -1,4 +1,7 @@
-"""What the prover's C finds is what the reference finds, to the bit; parts of both against brute force."""
+"""What the prover's C finds is what the reference finds, to the bit.
+
+Parts of both against brute force.
+"""
 
 import itertools
 from fractions import Fraction
@@ -25,7 +28,13 @@ from worldgen.reach.still.disc import Disc, beyond, parts, target_disc
 from worldgen.reach.still.disc import _chain_lines as chain_lines
 from worldgen.reach.still.disc import _inside as is_inside
 from worldgen.reach.still.disc import _is_away as is_away
-from worldgen.reach.still.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
+from worldgen.reach.still.lattice_graph import (
+    Graph,
+    build_graph,
+    find_path,
+    flood,
+    neighbour_shifts,
+)
 from worldgen.reach.still.path import clearance_sq, shorten
 from worldgen.reach.still.prove import decide, decide_many
 from worldgen.reach.still.target_poses import deciding_poses, plain_poses
@@ -72,7 +81,9 @@ def test_a_decision_about_scattered_cells_is_that_of_the_reference(density):
 def same_rasters(walls, radius, k):
     ours = build_graph(walls, radius, k)
     reference = reference_rasters.build_graph(walls, radius, k)
-    return np.array_equal(ours.clear, reference.clear) and np.array_equal(ours.middle, reference.middle)
+    return np.array_equal(ours.clear, reference.clear) and np.array_equal(
+        ours.middle, reference.middle
+    )
 
 
 @pytest.mark.gate
@@ -92,7 +103,10 @@ def test_rasters_of_a_disc_wider_than_a_byte_counts_are_those_of_the_reference()
 def graphs(draw, side=24):
     """Graphs of random clear nodes and middles, with a source, ends, spare ends and where to lean to."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    clear, middle = rng.random((side, side)) < draw(st.sampled_from([0.6, 0.8, 1.0])), rng.random((side, side)) < 0.8
+    clear, middle = (
+        rng.random((side, side)) < draw(st.sampled_from([0.6, 0.8, 1.0])),
+        rng.random((side, side)) < 0.8,
+    )
     clear[[0, -1]] = clear[:, [0, -1]] = False
     nodes = st.integers(side + 1, side * side - side - 2)
     source, toward = draw(nodes), draw(nodes)
@@ -139,7 +153,9 @@ def test_a_flood_reaches_what_is_connected(asked):
         for way, (shift, corner) in enumerate(zip(shifts, corners, strict=True))
         if clear[node + shift] and (way < 4 or middle[node + corner])
     ]
-    joined = sparse.coo_matrix((np.ones(len(pairs)), np.array(pairs).reshape(-1, 2).T), shape=(clear.size,) * 2)
+    joined = sparse.coo_matrix(
+        (np.ones(len(pairs)), np.array(pairs).reshape(-1, 2).T), shape=(clear.size,) * 2
+    )
     part = csgraph.connected_components(joined, directed=False)[1]
     seen = np.zeros(clear.size, np.uint8)
     graph_search.flood(clear, middle, graph.stride, sources[:1], seen)
@@ -153,7 +169,9 @@ points = st.tuples(st.integers(0, 9 * UNIT), st.integers(0, 9 * UNIT))
 @given(maps, radii, points, points)
 def test_the_clearance_of_a_piece_is_the_least_distance_to_any_cell(walls, radius, p, q):
     of = Walls(walls, radius)
-    assert clearance_sq(of, [p, q]) == min(Fraction(*segment_box_sq(p, q, cell)) for cell in of.near(p, q, 20 * UNIT))
+    assert clearance_sq(of, [p, q]) == min(
+        Fraction(*segment_box_sq(p, q, cell)) for cell in of.near(p, q, 20 * UNIT)
+    )
 
 
 @st.composite
@@ -179,7 +197,10 @@ def test_the_clearance_of_a_path_is_the_fraction_of_the_reference(drawn):
 
 def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_say_so():
     walls = np.zeros((15, 15), bool)
-    walls[5, 5] = True  # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it
+    walls[5, 5] = (
+        # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it.
+        True
+    )
     p, q = (11 * UNIT // 2, 35 * UNIT // 4), (17 * UNIT // 2, 19 * UNIT // 4)
     of = Walls(walls, Fraction(5, 4))
     state = np.array([0, 1, 1, 1, 2])
@@ -195,19 +216,36 @@ def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_
 
 
 @pytest.mark.parametrize(
-    "state", [(0, 1, 2, 2), (1, 1, 2, 1), (0, 0, 2, 1), (0, 3, 4, 1), (0, 1, 0, 1), (3, 4, 5, 1), (-1, 1, 2, 1)]
+    "state",
+    [
+        (0, 1, 2, 2),
+        (1, 1, 2, 1),
+        (0, 0, 2, 1),
+        (0, 3, 4, 1),
+        (0, 1, 0, 1),
+        (3, 4, 5, 1),
+        (-1, 1, 2, 1),
+    ],
 )
 def test_a_state_in_which_corners_would_be_kept_beyond_their_room_is_refused(state):
     of = Walls(np.zeros((5, 5), bool), Fraction(1))
     points = np.array([UNIT, 2 * UNIT, 3 * UNIT])
     kept = np.zeros(3, np.int64)
-    arrays = [pointer(ffi, array, np.int64) for array in (points, points, np.array([*state, lib.WG_UNSURE]), kept)]
-    status = lib.wg_shorten(of.described, of.disc, *arrays[:2], b"\1\1\1", 3, 6, *arrays[2:], ffi.new("int64_t *"))
+    arrays = [
+        pointer(ffi, array, np.int64)
+        for array in (points, points, np.array([*state, lib.WG_UNSURE]), kept)
+    ]
+    status = lib.wg_shorten(
+        of.described, of.disc, *arrays[:2], b"\1\1\1", 3, 6, *arrays[2:], ffi.new("int64_t *")
+    )
     assert status == lib.WG_BAD_VALUE
 
 
 def chain_exists(world, radius, points):
-    """Whether a cycle of links winds round one of two poses: every link looked at, over (cell, bit)."""
+    """Whether a cycle of links winds round one of two poses.
+
+    Every link looked at, over (cell, bit).
+    """
     rows, columns = np.nonzero(rim_cells(world.walls))
     cells = list(zip((columns - 1).tolist(), (rows - 1).tolist(), strict=True))
     number = {cell: index for index, cell in enumerate(cells)}
@@ -218,7 +256,9 @@ def chain_exists(world, radius, points):
             a, b = number[x, y], number[x + dx, y + dy]
             bit = parts(np.array([(x, y), (x + dx, y + dy), (x + dx, -2), (x, -2)]), *points)
             links += [(2 * a, 2 * b + bit), (2 * a + 1, 2 * b + 1 - bit)]
-    joined = sparse.coo_matrix((np.ones(len(links)), np.array(links).reshape(-1, 2).T), shape=(2 * len(cells),) * 2)
+    joined = sparse.coo_matrix(
+        (np.ones(len(links)), np.array(links).reshape(-1, 2).T), shape=(2 * len(cells),) * 2
+    )
     part = csgraph.connected_components(joined, directed=False)[1].reshape(-1, 2)
     return bool((part[:, 0] == part[:, 1]).any())
 
@@ -242,7 +282,9 @@ def chain_of_reference(solid, radius, start, targets):
 
 def clear_lattice_poses(world):
     walls = Walls(world.walls, Fraction(str(world.robot_radius)))
-    poses = itertools.product(*(range(UNIT // 2, UNIT * side, UNIT) for side in (world.width, world.height)))
+    poses = itertools.product(
+        *(range(UNIT // 2, UNIT * side, UNIT) for side in (world.width, world.height))
+    )
     return walls, [pose for pose in poses if walls.is_clear(pose, pose)]
 
 
@@ -261,7 +303,9 @@ def test_a_chain_around_several_poses_is_that_of_the_reference(world, first):
     walls, poses = clear_lattice_poses(world)
     assume(poses)
     start = poses[first % len(poses)]
-    apart = [pose for pose in poses if find_chain(walls.solid, walls.radius, start, [pose]) is not None]
+    apart = [
+        pose for pose in poses if find_chain(walls.solid, walls.radius, start, [pose]) is not None
+    ]
     assume(len(apart) > 1)
     ends = start, [apart[0], apart[-1]]
     found = find_chain(walls.solid, walls.radius, *ends)
@@ -302,7 +346,9 @@ def test_a_chain_parts_the_same_poses_in_c_and_in_fractions(world):
     poses = deciding_poses(walls, disc)
     lines = chain_lines(chain)
     start = (Fraction(UNIT, 3), UNIT)
-    expected = [i for i, pose in enumerate(poses) if is_inside(lines, start) == is_inside(lines, pose)]
+    expected = [
+        i for i, pose in enumerate(poses) if is_inside(lines, start) == is_inside(lines, pose)
+    ]
     assert poses.first_unparted(chain, start) == (expected or [len(poses)])[0]
 
 
@@ -318,8 +364,12 @@ def test_an_answer_without_its_cut_still_has_its_witness():
     assert decide(open_world, cut=False) == decide(open_world)
 
 
-places = st.integers(0, 6000).map(lambda n: Fraction(n * UNIT, 1000)) | st.integers(0, 12).map(lambda n: n * UNIT // 2)
-widths = st.sampled_from([Fraction(0), Fraction(UNIT), Fraction(UNIT * 2, 3), Fraction(10**30 * UNIT + 1, 10**30)])
+places = st.integers(0, 6000).map(lambda n: Fraction(n * UNIT, 1000)) | st.integers(0, 12).map(
+    lambda n: n * UNIT // 2
+)
+widths = st.sampled_from(
+    [Fraction(0), Fraction(UNIT), Fraction(UNIT * 2, 3), Fraction(10**30 * UNIT + 1, 10**30)]
+)
 
 
 @given(st.tuples(places, places), places, places, widths | places)
@@ -340,7 +390,9 @@ def test_many_worlds_are_decided_as_one_by_one(worlds):
 
 @pytest.mark.gate
 @given(world=still_worlds())
-def test_a_way_over_whole_cells_is_a_proof_and_what_it_does_not_find_is_found_among_half_cells(world, monkeypatch):
+def test_a_way_over_whole_cells_is_a_proof_and_what_it_does_not_find_is_found_among_half_cells(
+    world, monkeypatch
+):
     usual = decide(world)
     monkeypatch.setattr(prove, "FROM_CELLS", 0)
     by_squares = decide(world)
@@ -359,7 +411,9 @@ def test_squares_get_wherever_they_are_joined_side_to_side(walls, side, data):
     source, goal = data.draw(places), data.draw(places)
     way = walk_squares(Walls(walls, Fraction(1)), side, source, goal)
     cells = walls.view(np.uint8)
-    reference = coarse.walk_squares(cells, side, source, goal, np.zeros(72, np.uint8), np.zeros(7, np.int32))
+    reference = coarse.walk_squares(
+        cells, side, source, goal, np.zeros(72, np.uint8), np.zeros(7, np.int32)
+    )
     assert way == reference.tolist()
     parts, _ = ndimage.label(free)
     joined = parts.ravel()[source] == parts.ravel()[goal]

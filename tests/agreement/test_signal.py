@@ -14,19 +14,26 @@ CENTRED = st.integers(0, SIDE - 1).map(lambda index: index * UNIT + UNIT // 2)
 
 
 def by_the_rule(cells, x, y, target_x, target_y, heading):
-    """All nine cells, the own one first, then rows from the top: a later one wins if it is free and stronger."""
+    """All nine cells, the own one first, then rows from the top.
+
+    A later one wins if it is free and stronger.
+    """
     ix, iy, own_target = x // UNIT, y // UNIT, (target_x // UNIT, target_y // UNIT)
 
     def weakness(cell):
         centre = [UNIT * index + UNIT // 2 for index in cell]
-        return 0 if cell == own_target else (centre[0] - target_x) ** 2 + (centre[1] - target_y) ** 2
+        return (
+            0 if cell == own_target else (centre[0] - target_x) ** 2 + (centre[1] - target_y) ** 2
+        )
 
     best = (ix, iy)
     for cell in [(ix + i, iy + j) for j in (1, 0, -1) for i in (-1, 0, 1)]:
         inside = 0 <= cell[0] < SIDE and 0 <= cell[1] < SIDE
         if inside and cells[cell[1], cell[0]] == FREE and weakness(cell) < weakness(best):
             best = cell
-    aim = (target_x, target_y) if best == own_target else [UNIT * index + UNIT // 2 for index in best]
+    aim = (
+        (target_x, target_y) if best == own_target else [UNIT * index + UNIT // 2 for index in best]
+    )
     return heading_of(aim[0] - x, aim[1] - y, heading)
 
 

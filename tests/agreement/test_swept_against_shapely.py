@@ -1,4 +1,7 @@
-"""The swept model against a foreign referee: at every pose and along every segment the disc is clear."""
+"""The swept model against a foreign referee.
+
+At every pose and along every segment the disc is clear.
+"""
 
 import math
 from fractions import Fraction
@@ -27,7 +30,9 @@ def rooms(draw):
     radius = draw(RADII)
     x, y = draw(st.integers(0, SIDE * UNIT)), draw(st.integers(0, SIDE * UNIT))
     low, high = max(0, (y - 3 * UNIT) // UNIT), (y + 3 * UNIT) // UNIT + 1
-    cells[low:high, max(0, (x - 3 * UNIT) // UNIT) : (x + 3 * UNIT) // UNIT + 1] &= draw(st.integers(0, 1))
+    cells[low:high, max(0, (x - 3 * UNIT) // UNIT) : (x + 3 * UNIT) // UNIT + 1] &= draw(
+        st.integers(0, 1)
+    )
     return cells, radius, x, y
 
 
@@ -39,12 +44,20 @@ def numbers(radius):
 def solid_union(cells):
     outside = shapely.box(-9 * UNIT, -9 * UNIT, (SIDE + 9) * UNIT, (SIDE + 9) * UNIT)
     hole = shapely.box(0, 0, SIDE * UNIT, SIDE * UNIT)
-    boxes = [shapely.box(ix * UNIT, iy * UNIT, (ix + 1) * UNIT, (iy + 1) * UNIT) for iy, ix in np.argwhere(cells)]
+    boxes = [
+        shapely.box(ix * UNIT, iy * UNIT, (ix + 1) * UNIT, (iy + 1) * UNIT)
+        for iy, ix in np.argwhere(cells)
+    ]
     return shapely.union_all([outside.difference(hole), *boxes])
 
 
 @settings(max_examples=150)
-@given(rooms(), st.lists(st.tuples(st.integers(-9000, 9000), st.integers(-9000, 9000)), min_size=1, max_size=20))
+@given(
+    rooms(),
+    st.lists(
+        st.tuples(st.integers(-9000, 9000), st.integers(-9000, 9000)), min_size=1, max_size=20
+    ),
+)
 def test_no_segment_of_a_swept_move_cuts_a_wall(room, moves):
     cells, radius, x, y = room
     clear_sq, reach = numbers(radius)
@@ -80,7 +93,9 @@ def test_the_disc_slides_along_a_flat_wall_without_losing_way():
     chain = np.zeros((4, 3), np.int64)
     x, y = 2 * UNIT, 5 * UNIT - reach
     for _ in range(10):
-        count, normal_x, normal_y = swept_move(cells, clear_sq, reach, (x, y, 200, 200), (0.0, 1.0), 0.0, chain, 0)
+        count, normal_x, normal_y = swept_move(
+            cells, clear_sq, reach, (x, y, 200, 200), (0.0, 1.0), 0.0, chain, 0
+        )
         x, y = chain[count - 1, :2].tolist()
         assert (normal_x, normal_y < 0) == (0.0, True)
     assert (x, y) == (2 * UNIT + 10 * 200, 5 * UNIT - reach)
@@ -96,7 +111,9 @@ def test_the_disc_passes_a_diagonal_gap_only_if_it_fits():
         clear_sq, reach = numbers(Fraction(tenths, 10))
         chain = np.zeros((4, 3), np.int64)
         x, y = 5 * UNIT + UNIT // 2, 3 * UNIT - 100
-        count, _, _ = swept_move(cells, clear_sq, reach, (x, y, 0, 3 * UNIT), (0.0, 1.0), 0.0, chain, 0)
+        count, _, _ = swept_move(
+            cells, clear_sq, reach, (x, y, 0, 3 * UNIT), (0.0, 1.0), 0.0, chain, 0
+        )
         moved[tenths] = (chain[count - 1, 1] if count else y) > 5 * UNIT
     assert moved == {4: True, 6: False}
 
@@ -105,7 +122,10 @@ def test_a_robot_wedged_in_a_corner_stays_there():
     cells = np.zeros((SIDE, SIDE), np.uint8)
     clear_sq, reach = numbers(Fraction(7, 10))
     chain = np.zeros((4, 3), np.int64)
-    assert swept_move(cells, clear_sq, reach, (reach, reach, -500, -300), (0.0, 1.0), 0.0, chain, 0)[0] == 0
+    assert (
+        swept_move(cells, clear_sq, reach, (reach, reach, -500, -300), (0.0, 1.0), 0.0, chain, 0)[0]
+        == 0
+    )
 
 
 def test_a_very_long_move_stops_at_the_first_wall():
@@ -113,7 +133,9 @@ def test_a_very_long_move_stops_at_the_first_wall():
     cells[:, 250] = 1
     clear_sq, reach = numbers(Fraction(7, 10))
     chain = np.zeros((4, 3), np.int64)
-    count, _, _ = swept_move(cells, clear_sq, reach, (UNIT, 5 * UNIT, 299 * UNIT, 0), (0.0, 1.0), 0.0, chain, 0)
+    count, _, _ = swept_move(
+        cells, clear_sq, reach, (UNIT, 5 * UNIT, 299 * UNIT, 0), (0.0, 1.0), 0.0, chain, 0
+    )
     assert (count, chain[0, :2].tolist()) == (1, [250 * UNIT - reach, 5 * UNIT])
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sim.thesis.core_calls import Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis.core_calls import ThesisEpisode, ThesisSetup, add_noise, new_rows, signal_map
 from tests.helpers import thesis_parts
 from tests.reference.sim import thesis_layout as at
 from tests.reference.sim import thesis_signal
@@ -17,7 +17,9 @@ from tests.replay_vectors import random_numbers, read_vectors, setup_of, signal_
 from tests.sim.test_thesis_vectors import DATA
 
 VECTORS = {
-    vector["id"]: vector for name in ("vectors", "demos") for _, vector in read_vectors(DATA / f"{name}.jsonl.gz")
+    vector["id"]: vector
+    for name in ("vectors", "demos")
+    for _, vector in read_vectors(DATA / f"{name}.jsonl.gz")
 }
 SIDE = 12
 NO_EVENTS = np.zeros((0, 4), np.int64)
@@ -45,11 +47,19 @@ def listed_scan(walls, test, before, unit):
         for cell_x in (grid[0] - 1, grid[0], grid[0] + 1):
             if not 0 <= cell_x < SIDE:
                 break
-            wall = (cell_x, cell_y) in walls or not (0 < cell_x < SIDE - 1 and 0 < cell_y < SIDE - 1)
+            wall = (cell_x, cell_y) in walls or not (
+                0 < cell_x < SIDE - 1 and 0 < cell_y < SIDE - 1
+            )
             if (touches(*test, cell_x, cell_y) and wall) or max(test) >= SIDE * 10 - 7:
-                in_x, in_y = touches(test[0], before[1], cell_x, cell_y), touches(before[0], test[1], cell_x, cell_y)
+                in_x, in_y = (
+                    touches(test[0], before[1], cell_x, cell_y),
+                    touches(before[0], test[1], cell_x, cell_y),
+                )
                 if in_x or in_y:
-                    return (before[0] - unit[0] if in_x else test[0], before[1] - unit[1] if in_y else test[1])
+                    return (
+                        before[0] - unit[0] if in_x else test[0],
+                        before[1] - unit[1] if in_y else test[1],
+                    )
     return None
 
 
@@ -82,9 +92,13 @@ def test_one_pixel_stepping_is_the_listing_read_plainly(walls, x, y, dx, dy):
     assert (move.x, move.y, bool(move.collision)) == listed_advance(walls, *place)
 
 
-@given(WALLS, PLACES, PLACES, WAYS, WAYS, st.floats(0.5, 10.0), st.integers(0, 7), st.floats(0.0, 1.0))
+@given(
+    WALLS, PLACES, PLACES, WAYS, WAYS, st.floats(0.5, 10.0), st.integers(0, 7), st.floats(0.0, 1.0)
+)
 @example({(6, 6), (7, 7)}, 58.0, 75.0, 20.0, -3.0, 7.0, 4, 0.5)
-def test_a_move_of_any_disc_is_that_of_the_specification(walls, x, y, dx, dy, radius, repairs, friction):
+def test_a_move_of_any_disc_is_that_of_the_specification(
+    walls, x, y, dx, dy, radius, repairs, friction
+):
     cells = walled(walls)
     move = thesis_parts.move(cells, x, y, x + dx, y + dy, radius, repairs, friction)
     ours = (move.x, move.y, bool(move.collision), move.ending, move.before_x, move.before_y)
@@ -143,7 +157,15 @@ def of_vector(name, **changes):
     vector = VECTORS[name]
     cells, light = signal_cells(vector)
     setup = setup_of(vector)._replace(**changes)
-    return cells, light, NO_EVENTS, tuple(map(float, vector["start"])), setup, random_numbers(vector), setup.steps + 1
+    return (
+        cells,
+        light,
+        NO_EVENTS,
+        tuple(map(float, vector["start"])),
+        setup,
+        random_numbers(vector),
+        setup.steps + 1,
+    )
 
 
 @pytest.mark.parametrize("name", ["pub-001", "pub-012", "pub-057", "demo-4"])
@@ -181,11 +203,13 @@ def scenarios(draw):
     cells = light.copy()
     for wall in draw(st.sets(st.tuples(columns, rows), max_size=30)) - {target, start}:
         cells[wall] = at.WALL
-    changes = draw(st.lists(st.tuples(st.integers(1, 60), columns, rows, st.integers(0, 2)), max_size=4))
+    changes = draw(
+        st.lists(st.tuples(st.integers(1, 60), columns, rows, st.integers(0, 2)), max_size=4)
+    )
     events = np.array(sorted(changes), np.int64).reshape(-1, 4)
     share = st.sampled_from([0.0, 0.0, 0.3, 1.0])
     force = st.sampled_from([0.0, 0.0, 0.0002, 0.001])
-    setup = Setup(
+    setup = ThesisSetup(
         rule=draw(st.integers(1, 3)),
         time_step=draw(st.sampled_from([15.0, 16.0, 60.0, 400.0])),
         sense=draw(st.integers(0, 3)),
@@ -210,7 +234,11 @@ def scenarios(draw):
         target_y=target[1],
         seed=draw(st.integers(0, 2**63)),
     )
-    place = (start[0] * 10 + draw(st.floats(0, 9)), start[1] * 10 + draw(st.floats(0, 9)), draw(st.floats(0, 6.3)))
+    place = (
+        start[0] * 10 + draw(st.floats(0, 9)),
+        start[1] * 10 + draw(st.floats(0, 9)),
+        draw(st.floats(0, 6.3)),
+    )
     draws = np.array(draw(st.lists(st.floats(0, 1, exclude_max=True), max_size=12)))
     return cells, light, events, place, setup, draws, draw(st.sampled_from([0, setup.steps + 1]))
 
@@ -232,7 +260,9 @@ def test_the_signal_map_and_its_noise_are_those_of_the_specification():
 
 @pytest.mark.parametrize("name", ["pub-044", "pub-018"])
 def test_a_run_in_pieces_is_the_whole_run(name):
-    whole, rows = simulate(VECTORS[name], *signal_cells(VECTORS[name]), random_numbers(VECTORS[name]), 1000)
+    whole, rows = simulate(
+        VECTORS[name], *signal_cells(VECTORS[name]), random_numbers(VECTORS[name]), 1000
+    )
     cells, light, events, start, setup, draws, count = of_vector(name, steps=1000)
     episode = ThesisEpisode(cells, light, events, start, setup)
     pieces = new_rows(count)
@@ -244,13 +274,17 @@ def test_a_run_in_pieces_is_the_whole_run(name):
 
 @pytest.mark.parametrize("name", ["pub-011", "pub-049", "pub-058", "demo-7"])
 def test_the_loop_search_finds_the_recorded_period(name):
-    cells, light, events, start, setup, draws, _ = of_vector(name, steps=60_000, find_loop=at.SEEK_LOOP)
+    cells, light, events, start, setup, draws, _ = of_vector(
+        name, steps=60_000, find_loop=at.SEEK_LOOP
+    )
     episode = ThesisEpisode(cells, light, events, start, setup)
     episode.go(60_000, draws, new_rows(0))
     assert (episode.run.ending, episode.run.period) == (at.LOOP, VECTORS[name]["period"])
 
 
-@pytest.mark.parametrize(("cell", "ending"), [((1, 8), at.LIMIT), ((6, 9), at.BURNED)], ids=["elsewhere", "on it"])
+@pytest.mark.parametrize(
+    ("cell", "ending"), [((1, 8), at.LIMIT), ((6, 9), at.BURNED)], ids=["elsewhere", "on it"]
+)
 def test_debris_only_strikes_where_it_falls(cell, ending):
     cells, light, _, start, setup, draws, _ = of_vector("demo-1", steps=140)
     episode = ThesisEpisode(cells, light, np.array([[130, *cell, 1]]), start, setup)

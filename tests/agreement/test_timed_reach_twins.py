@@ -60,7 +60,9 @@ def test_a_confinement_is_that_of_the_reference(world, deadline):
 def test_a_timed_path_past_many_fires_is_that_of_the_reference(monkeypatch):
     monkeypatch.setattr(earliest, "_PORTION", 50)
     rng = np.random.default_rng(3)
-    events = [(round(rng.uniform(0, 3), 3), *rng.integers(3, 17, 2).tolist(), BURNING) for _ in range(150)]
+    events = [
+        (round(rng.uniform(0, 3), 3), *rng.integers(3, 17, 2).tolist(), BURNING) for _ in range(150)
+    ]
     picture = "\n".join(["." * 19 + "G"] + ["." * 20] * 18 + ["S" + "." * 19])
     world = drawn(picture, radius=0.05, robot_speed=0.5, timeline=Timeline.of(events))
     assert decide(world).result == REACHABLE

@@ -9,7 +9,8 @@ from tests.helpers.browser import chromium_browser, missing_browser
 def browser():
     """One process for each worker.
 
-    It ends with the last test of this folder: while it runs, no other test of the worker can have an event loop.
+    It ends with the last test of this folder: while it runs, no other test of the worker can have
+        an event loop.
     """
     if missing := missing_browser():
         pytest.skip(missing)

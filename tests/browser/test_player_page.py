@@ -1,4 +1,7 @@
-"""Replay pages of the player in Debian's Chromium: walls gone into, the memory's map, long ways, films."""
+"""Replay pages of the player in Debian's Chromium.
+
+Walls gone into, the memory's map, long ways, films.
+"""
 
 import base64
 import io
@@ -46,7 +49,12 @@ def driven(world, controller, **settings):
     episode = simulate(world, controller, record=True, **settings)
     run = drawn_run(episode, world.cell_size, controller=CONTROLLERS.get(controller))
     robot = {"name": controller, "verdict": episode.verdict, "why": "", "steps": episode.steps}
-    robot |= {"time": episode.time, "path": episode.path_length, "collisions": episode.collisions, "digest": "-"}
+    robot |= {
+        "time": episode.time,
+        "path": episode.path_length,
+        "collisions": episode.collisions,
+        "digest": "-",
+    }
     return robot | {"run": run, "sensors": None}, episode
 
 
@@ -58,7 +66,9 @@ def open_replay(page, folder, world, *robots):
 
 def shown(page):
     data = page.evaluate("document.querySelector('#stage').toDataURL()")
-    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGB"), np.int64)
+    return np.asarray(
+        Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGB"), np.int64
+    )
 
 
 def red(page):
@@ -69,12 +79,18 @@ def red(page):
 def thesis_failure(name):
     world = read_world(FAULTS / name)
     failure = world.failure
-    return replace(world, failure=None), failure.controller, {"motion": failure.motion, "steps": 3000}
+    return (
+        replace(world, failure=None),
+        failure.controller,
+        {"motion": failure.motion, "steps": 3000},
+    )
 
 
 @pytest.mark.gate
 def test_a_fast_robot_s_walls_are_red_once_it_is_in_them(browser, tmp_path):
-    page, episode = page_of(browser, tmp_path, room(20.0), "turn-left", motion="endpoint", steps=300)
+    page, episode = page_of(
+        browser, tmp_path, room(20.0), "turn-left", motion="endpoint", steps=300
+    )
     assert episode.verdict in ("tunnel", "overlap") and red(page) > 200
     page.keyboard.press("Home")
     assert red(page) < 100  # a dashed frame: it is still to come
@@ -135,7 +151,10 @@ def test_a_long_way_that_is_followed_is_where_it_is_when_drawn_anew(browser, tmp
 
 @pytest.mark.nightly
 def test_a_long_way_is_at_the_same_place_on_a_finer_screen(browser, tmp_path):
-    pages = [page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000, density=k)[0] for k in (1, 2)]
+    pages = [
+        page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000, density=k)[0]
+        for k in (1, 2)
+    ]
     for page in pages:
         follow(page)
     coarse, fine = map(shown, pages)
@@ -154,7 +173,9 @@ def test_a_film_can_be_played_and_its_end_is_not_its_beginning(browser, tmp_path
     film = base64.b64encode(Path(download.value.path()).read_bytes()).decode()
     blank = browser.new_page()
     width, height, changed, length = blank.evaluate(_LOOK_AT, film)
-    canvas = page.evaluate("(({width, height}) => [width, height])(document.querySelector('#stage'))")
+    canvas = page.evaluate(
+        "(({width, height}) => [width, height])(document.querySelector('#stage'))"
+    )
     assert [width, height] == canvas and changed > 50 and length > 0.5
 
 

@@ -16,7 +16,11 @@ from worldgen.world import FailureRecord, Pose, Target, World
 
 pytestmark = pytest.mark.gate
 
-HOSTILE = "<img src=x onerror=document.title='broken'></script><script>document.title='broken'</script>'\"& \u202e☃"
+HOSTILE = (
+    "<img src=x "
+    "onerror=document.title='broken'></script><script>document.title='broken'</script>'\"& "
+    "\u202e☃"
+)
 PLACES = ["", "loop", "#campaign"]
 
 
@@ -25,8 +29,12 @@ def burning_failure():
     walls = np.zeros((6, 8), bool)
     walls[3, 4] = True
     line = Timeline.of([Event(0.3, 6, 1, CellState.BURNING), Event(0.6, 6, 1, CellState.FREE)])
-    record = FailureRecord("vfh", "swept", 0, "timeout", "0" * 16, {"steps": 60, "time_step": 0.015})
-    return World(walls, Pose(0.25, 0.25, 0.0), Target(0.65, 0.45, 0.05), timeline=line, failure=record)
+    record = FailureRecord(
+        "vfh", "swept", 0, "timeout", "0" * 16, {"steps": 60, "time_step": 0.015}
+    )
+    return World(
+        walls, Pose(0.25, 0.25, 0.0), Target(0.65, 0.45, 0.05), timeline=line, failure=record
+    )
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +42,10 @@ def folder(tmp_path_factory):
     folder = campaign_folder(tmp_path_factory.mktemp("page") / "failures")
     write_world(renamed(read_world(CORPUS / TUNNEL), HOSTILE), folder / "<b onclick=x>'\".grid")
     gone = renamed(read_world(CORPUS / "thesis-3-slide.grid"), "of-a-controller-elsewhere")
-    write_world(replace(gone, failure=replace(gone.failure, controller="./gone.py:<i>")), folder / "gone.grid")
+    write_world(
+        replace(gone, failure=replace(gone.failure, controller="./gone.py:<i>")),
+        folder / "gone.grid",
+    )
     write_world(burning_failure(), folder / "burning.grid")
     return folder
 
@@ -110,7 +121,9 @@ def test_names_of_strangers_are_only_text(page):
 
 def test_every_small_picture_is_drawn(page):
     assert page.locator(".card").count() == 6
-    page.wait_for_function("[...document.querySelectorAll('.card canvas')].every((one) => one.width >= 100)")
+    page.wait_for_function(
+        "[...document.querySelectorAll('.card canvas')].every((one) => one.width >= 100)"
+    )
 
 
 def test_scrubbing_to_the_entry_is_put_into_words(page):
@@ -132,7 +145,10 @@ def test_each_layer_can_be_switched_off_and_on(page):
 
 def test_range_beams_are_drawn_for_a_robot_that_has_them(page):
     open_failure(page, "vfh")
-    beams = "JSON.parse(document.getElementById('data').textContent).failures.map((f) => f.now.sensors?.beams)"
+    beams = (
+        "JSON.parse(document.getElementById('data').textContent).failures.map((f) => "
+        "f.now.sensors?.beams)"
+    )
     assert max(number or 0 for number in page.evaluate(beams)) > 0
     before = picture(page)
     press(page, "s")
@@ -250,7 +266,9 @@ def test_every_control_has_a_name(page, address):
 
 
 def test_a_narrow_window_needs_no_scrolling_sideways(browser, address):
-    with page_in(browser, viewport={"width": 400, "height": 800}, device_scale_factor=2, is_mobile=True) as page:
+    with page_in(
+        browser, viewport={"width": 400, "height": 800}, device_scale_factor=2, is_mobile=True
+    ) as page:
         page.goto(address)
         for place in PLACES:
             open_place(page, address, place)

@@ -67,8 +67,15 @@ def states(page):
     [
         pytest.param({"color_scheme": "light"}, FINE, marks=pytest.mark.gate, id="light"),
         pytest.param({"color_scheme": "dark"}, FINE, marks=pytest.mark.nightly, id="dark"),
-        pytest.param({"color_scheme": "light", **TABLET}, COARSE, marks=pytest.mark.nightly, id="tablet"),
-        pytest.param({"color_scheme": "dark", **UPRIGHT}, COARSE, marks=pytest.mark.nightly, id="tablet-upright"),
+        pytest.param(
+            {"color_scheme": "light", **TABLET}, COARSE, marks=pytest.mark.nightly, id="tablet"
+        ),
+        pytest.param(
+            {"color_scheme": "dark", **UPRIGHT},
+            COARSE,
+            marks=pytest.mark.nightly,
+            id="tablet-upright",
+        ),
     ],
 )
 def test_names_contrast_and_sizes_are_right_on_every_page(browser, gate, how, least):

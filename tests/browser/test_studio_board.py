@@ -98,13 +98,19 @@ def test_the_whole_world_lies_beside_the_rulers(tablet):
 
 
 @pytest.mark.parametrize(
-    "ratio", [pytest.param(1.25, marks=pytest.mark.gate), pytest.param(1.5, marks=pytest.mark.nightly)]
+    "ratio",
+    [pytest.param(1.25, marks=pytest.mark.gate), pytest.param(1.5, marks=pytest.mark.nightly)],
 )
-def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_page_s(browser, gate, ratio):
+def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_page_s(
+    browser, gate, ratio
+):
     how = {"viewport": {"width": 853, "height": 480}, "device_scale_factor": ratio}
     with opened(browser, gate, **how) as page:
         box = page.locator("#board").bounding_box()
-        x, low, high = (place(page, 0.5, y)[k] - box[name] for y, k, name in ((20, 0, "x"), (1, 1, "y"), (39, 1, "y")))
+        x, low, high = (
+            place(page, 0.5, y)[k] - box[name]
+            for y, k, name in ((20, 0, "x"), (1, 1, "y"), (39, 1, "y"))
+        )
         shades = page.evaluate(
             """([x, high, low, ratio]) => {
               const pen = document.getElementById("board").getContext("2d");
@@ -125,13 +131,19 @@ def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_p
     ],
 )
 def test_on_a_tablet_the_board_stays_where_it_is_whatever_the_tool(browser, gate, size):
-    with opened(browser, gate, viewport={"width": size[0], "height": size[1]}, has_touch=True) as page:
+    with opened(
+        browser, gate, viewport={"width": size[0], "height": size[1]}, has_touch=True
+    ) as page:
         places = {}
-        for tool in page.locator("[data-tool]").evaluate_all("all => all.map((one) => one.dataset.tool)"):
+        for tool in page.locator("[data-tool]").evaluate_all(
+            "all => all.map((one) => one.dataset.tool)"
+        ):
             if page.locator(f"button[data-tool={tool}]").count():
                 page.locator(f"button[data-tool={tool}]").tap()
                 places[tool] = page.locator("#board").bounding_box()["y"]
-                overflow = page.locator(".options").evaluate("one => one.scrollHeight - one.clientHeight")
+                overflow = page.locator(".options").evaluate(
+                    "one => one.scrollHeight - one.clientHeight"
+                )
                 assert overflow <= 1, tool
         assert len(set(places.values())) == 1, places
 

@@ -1,4 +1,7 @@
-"""The studio's campaign page before a campaign has begun: its form, and the failures that the folder has already."""
+"""The studio's campaign page before a campaign has begun.
+
+Its form, and the failures that the folder has already.
+"""
 
 import shutil
 from pathlib import Path
@@ -55,7 +58,9 @@ def test_the_form_says_at_the_field_what_is_wrong_and_gives_the_line_for_a_termi
     page.get_by_role("button", name="Copy command").click()
     page.get_by_role("button", name="Copied").wait_for()
     line = page.evaluate("navigator.clipboard.readText()")
-    assert line.startswith("worldgen fuzz --controller turn-right --motion swept --seed 7 --budget 20s --workers")
+    assert line.startswith(
+        "worldgen fuzz --controller turn-right --motion swept --seed 7 --budget 20s --workers"
+    )
     assert line.endswith(f"--out {folder}/turn-right-swept") and page.complaints == []
 
 

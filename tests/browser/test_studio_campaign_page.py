@@ -1,4 +1,7 @@
-"""The studio's campaign page in a browser: a campaign from the form to its smallest failure in the player."""
+"""The studio's campaign page in a browser.
+
+A campaign from the form to its smallest failure in the player.
+"""
 
 import pytest
 
@@ -41,7 +44,10 @@ def page(browser, tmp_path):
 
 def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser, tmp_path):
     (tmp_path / "mine.py").write_text(HANGS)
-    with studio_of(tmp_path, named=[f"{tmp_path}/mine.py:Robot"]) as gate, opened(browser, gate, until=None) as page:
+    with (
+        studio_of(tmp_path, named=[f"{tmp_path}/mine.py:Robot"]) as gate,
+        opened(browser, gate, until=None) as page,
+    ):
         page.keyboard.press("3")
         page.locator(".wall .empty", has_text="Begin a campaign on the right").wait_for()
         assert page.locator("#name").inner_text() == "no failures yet"
@@ -60,7 +66,9 @@ def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser,
         assert page.complaints == []
 
 
-def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_failure_is_played(page, tmp_path):
+def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_failure_is_played(
+    page, tmp_path
+):
     page.keyboard.press("3")
     page.locator("#begin").wait_for()
     begin(page, units=5000)
@@ -74,7 +82,8 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     page.get_by_role("button", name="Resume").click()
     stands(page, "Running")
     page.wait_for_function(
-        "before => Number(document.querySelector('.progress-line').innerText.match(/unit (\\d+)/)[1]) > before",
+        "before => Number(document.querySelector('.progress-line').innerText.match(/unit "
+        "(\\d+)/)[1]) > before",
         arg=before,
         timeout=CAMPAIGN,
     )
@@ -83,7 +92,9 @@ def test_a_campaign_from_the_form_is_watched_stopped_resumed_and_its_smallest_fa
     page.locator(".card").first.press("Enter")
     name = page.locator("#failure-panel td").last.inner_text()
     world = read_world(tmp_path / name)
-    assert world.solid_cells == min(read_world(path).solid_cells for path in (tmp_path / name).parent.glob("*.grid"))
+    assert world.solid_cells == min(
+        read_world(path).solid_cells for path in (tmp_path / name).parent.glob("*.grid")
+    )
     page.get_by_role("button", name="Copy replay line").click()
     page.get_by_role("button", name="Copied").wait_for()
     assert page.evaluate("navigator.clipboard.readText()") == f"worldgen replay {tmp_path / name}"

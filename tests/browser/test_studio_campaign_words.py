@@ -32,7 +32,11 @@ def folder(tmp_path_factory):
     said = json.loads(summary.read_text())
     kinds = [read_world(path).failure.details["class"] for path in (folder / "done").glob("*.grid")]
     slid = next(kind for kind in kinds if kind in said["met"])
-    said["met"] = {"loop-it-was-of-another-class": said["met"].pop(slid), "stalled-known": 4, **said["met"]}
+    said["met"] = {
+        "loop-it-was-of-another-class": said["met"].pop(slid),
+        "stalled-known": 4,
+        **said["met"],
+    }
     said["known"] = {"stalled-known": 4}
     summary.write_text(json.dumps(said))
     return folder
@@ -62,12 +66,17 @@ def test_the_line_the_table_and_the_wall_name_the_same_number_of_classes(page):
     page.locator("#wall-count", has_text="one of each class").wait_for()
     pictures = int(page.locator("#wall-count").inner_text().split()[0])
     line = page.locator("#progress-line").inner_text()
-    classes, known, lost = map(int, re.search(r"(\d+) classes: (\d+) known, (\d+) not kept", line).groups())
+    classes, known, lost = map(
+        int, re.search(r"(\d+) classes: (\d+) known, (\d+) not kept", line).groups()
+    )
     rows = page.locator(".tables tbody").first.locator("tr")
     assert (classes, known, lost) == (rows.count(), 1, 1)
     assert pictures == classes - known - lost == page.locator(".card").count()
     met = rows.locator("td:nth-child(2)").all_inner_texts()
-    assert "by shrinking" in met and f"{sum(int(text) for text in met if text.isdigit())} failures met" in line
+    assert (
+        "by shrinking" in met
+        and f"{sum(int(text) for text in met if text.isdigit())} failures met" in line
+    )
 
 
 def test_while_the_folder_is_being_read_no_class_is_said_to_wait_for_anything(page):
@@ -90,7 +99,10 @@ def test_another_folder_s_failures_are_in_no_number_of_a_campaign(page):
     page.locator("#campaign-folder").select_option("done")
     page.locator("#campaign-state", has_text="Done").wait_for()
     page.locator(".wall .empty", has_text="Looking through done …").wait_for()
-    assert page.locator(".tables", has_text="by shrinking").count() == 0 and page.locator(".card").count() == 0
+    assert (
+        page.locator(".tables", has_text="by shrinking").count() == 0
+        and page.locator(".card").count() == 0
+    )
 
 
 def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser, folder):
@@ -122,7 +134,9 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
 
 
 def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, folder, tmp_path):
-    with opened(browser, gate, until=None, permissions=["clipboard-read", "clipboard-write"]) as page:
+    with opened(
+        browser, gate, until=None, permissions=["clipboard-read", "clipboard-write"]
+    ) as page:
         page.keyboard.press("3")
         page.locator("#campaign-folder").select_option("collected")
         page.locator(".card", has_text="loop").first.click()
@@ -131,9 +145,16 @@ def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, f
         (tmp_path / "test_pasted.py").write_text(page.evaluate("navigator.clipboard.readText()"))
     pytest.importorskip("ruff", reason="no formatter here")
     python = [sys.executable, "-m"]
-    subprocess.run([*python, "ruff", "format", "--isolated", "--check", "."], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run(
+        [*python, "ruff", "format", "--isolated", "--check", "."],
+        cwd=tmp_path,
+        check=True,
+        timeout=60,
+    )
     pytest_there = [*python, "pytest", "-q", "-p", "no:cacheprovider"]
-    tried = subprocess.run(pytest_there, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    tried = subprocess.run(
+        pytest_there, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
+    )
     assert "2 failed" in tried.stdout and "loop for ever" in tried.stdout
 
 

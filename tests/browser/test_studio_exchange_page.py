@@ -32,7 +32,9 @@ def scenario_in(folder):
     return folder / "a.map", folder / "a.map.scen"
 
 
-def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(page, folder, tmp_path):
+def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(
+    page, folder, tmp_path
+):
     (tmp_path / "x.bin").write_bytes(b"junk")
     pair = scenario_in(tmp_path)
     page.locator("#tab-files").click()

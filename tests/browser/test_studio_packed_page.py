@@ -1,4 +1,7 @@
-"""What the studio's campaign page shows that is in no file of its own: failures in archives, worlds of behaviours."""
+"""What the studio's campaign page shows that is in no file of its own.
+
+Failures in archives, worlds of behaviours.
+"""
 
 import shutil
 
@@ -34,7 +37,9 @@ def test_an_archive_s_failures_are_on_the_wall_and_one_is_edited(browser, gate, 
         page.locator("#name", has_text="not saved yet").wait_for()
         shutil.copytree(folder / "plain", folder / "later")
         page.keyboard.press("3")
-        page.locator("#campaign-folder option", has_text="later").wait_for(state="attached")  # listed anew
+        page.locator("#campaign-folder option", has_text="later").wait_for(
+            state="attached"
+        )  # listed anew
         assert page.locator("#campaign-folder").input_value() == "below/old.tar.gz"
         shutil.rmtree(folder / "later")
         assert page.complaints == []

@@ -114,7 +114,10 @@ def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside
     page.locator("#tab-maker").click()
     page.get_by_text("Cells a side, the solid border included. 10 to 20000 cells.").wait_for()
     page.get_by_role("spinbutton", name="Size", exact=True).fill("9")
-    assert page.get_by_role("spinbutton", name="Size", exact=True).get_attribute("aria-invalid") == "true"
+    assert (
+        page.get_by_role("spinbutton", name="Size", exact=True).get_attribute("aria-invalid")
+        == "true"
+    )
     page.get_by_role("button", name="Generate", exact=True).click()
     page.get_by_text("Size is a whole number, 10 to 20000 cells.").wait_for()
     page.get_by_role("spinbutton", name="Size", exact=True).fill("12")
@@ -156,7 +159,10 @@ def test_a_page_without_the_token_gets_nothing(browser, gate):
 
 
 def start_studio(folder, *port):
-    """A studio in a process of its own, at that port or at one that it finds; gives it with its address."""
+    """A studio in a process of its own, at that port or at one that it finds.
+
+    Gives it with its address.
+    """
     command = [sys.executable, "-m", "worldgen", "studio", str(folder), "--no-browser", *port]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     return process, process.stderr.readline().split()[-1]
@@ -175,7 +181,9 @@ def test_a_killed_server_loses_nothing_and_the_page_says_so(browser, tmp_path):
         process.send_signal(signal.SIGKILL)
         process.wait()
         page.get_by_text("The studio does not answer.").wait_for()
-        again, address = start_studio(tmp_path, "--port", address.partition("/?")[0].rpartition(":")[2])
+        again, address = start_studio(
+            tmp_path, "--port", address.partition("/?")[0].rpartition(":")[2]
+        )
         page.get_by_text("was started anew").wait_for()
         page.goto(address)
         page.locator("#proof.good").wait_for()
@@ -209,7 +217,9 @@ def test_another_robot_is_looked_at_at_the_same_time(page):
         page.keyboard.press("Shift+ArrowRight")
     page.locator(".result").nth(1).click()
     page.locator("#readout", has_text="step 30 of").wait_for()
-    page.locator(".result[data-controller=thesis-1]").and_(page.locator("[aria-current] > .result")).wait_for()
+    page.locator(".result[data-controller=thesis-1]").and_(
+        page.locator("[aria-current] > .result")
+    ).wait_for()
 
 
 @pytest.mark.gate
@@ -229,16 +239,22 @@ def test_a_file_that_another_program_has_changed_is_not_overwritten_unasked(page
     page.once("dialog", lambda dialog: (asked.append(dialog.message), dialog.dismiss()))
     page.keyboard.press("Control+s")
     page.locator("#said", has_text="shared.grid is as it was").wait_for(state="attached")
-    assert "another program" in asked[0] and (folder / "shared.grid").read_bytes() == FAILURE.read_bytes()
+    assert (
+        "another program" in asked[0]
+        and (folder / "shared.grid").read_bytes() == FAILURE.read_bytes()
+    )
 
 
 def darkness(page, x, y):
     """How dark the board is at a point of the world, in cells: 0 to 255."""
     box = page.locator("#board").bounding_box()
     across, down = place(page, x, y)
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    page.evaluate(
+        "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+    )
     return page.evaluate(
-        "([x, y]) => 255 - document.getElementById('board').getContext('2d').getImageData(x, y, 1, 1).data[0]",
+        "([x, y]) => 255 - document.getElementById('board').getContext('2d').getImageData(x, y, 1, "
+        "1).data[0]",
         [round(across - box["x"]), round(down - box["y"])],
     )
 
@@ -263,11 +279,15 @@ def test_in_a_world_of_two_million_cells_all_that_is_drawn_is_seen_decided_and_u
     free, wall = seen[0], seen[1][0]
     assert wall > free + 100
     assert seen[1:] == [(wall, free), (wall, wall), (wall, free), (free, free)]
-    assert [one for one in page.complaints if "readback" not in one] == []  # that one is of this test's own looking
+    assert [
+        one for one in page.complaints if "readback" not in one
+    ] == []  # that one is of this test's own looking
 
 
 @pytest.mark.nightly
-def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_closed_one(browser, gate, folder):
+def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_closed_one(
+    browser, gate, folder
+):
     with opened(browser, gate) as first:
         drag(first, (5, 5), (9, 5))
         second = first.context.new_page()
@@ -289,11 +309,16 @@ def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_clo
 
 
 @pytest.mark.nightly
-def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_fault(browser, folder):
+def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_fault(
+    browser, folder
+):
     with studio_of(folder, named=["./misspelt.py:Robot"]) as gate, opened(browser, gate) as page:
         told = page.locator("#gone")
         told.get_by_text("misspelt.py").wait_for()
-        assert "Named at the start, but cannot run" in told.inner_text() and "no such file" in told.inner_text()
+        assert (
+            "Named at the start, but cannot run" in told.inner_text()
+            and "no such file" in told.inner_text()
+        )
         told.get_by_role("button", name="Close").click()
         assert not told.is_visible()
         assert page.complaints == []
@@ -321,7 +346,9 @@ def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_mil
     page.get_by_role("button", name="Resize").click()
     page.locator("#place", has_text="44 x 30 cells").wait_for()
     assert solid_cells(page) == drawn - 40 - 2 * 9 - 5  # below, the border and the stroke are gone
-    assert page.get_by_label("x m").first.input_value() == "0.65"  # the start has moved with its cells
+    assert (
+        page.get_by_label("x m").first.input_value() == "0.65"
+    )  # the start has moved with its cells
     for sides, words in ((("50", "1"), "50 x 1 cells"), (("20000", "209"), "20000 x 209 cells")):
         for label, side in zip(("Columns", "Rows"), sides, strict=True):
             page.get_by_label(label).first.fill(side)
@@ -362,7 +389,10 @@ def test_in_a_blocked_world_the_results_say_so_and_the_cut_is_drawn(page):
 @pytest.mark.nightly
 def test_start_and_target_are_named_under_the_mouse(page):
     for name in ("Start", "Target"):
-        x, y = (page.get_by_role("group", name=name).get_by_role("spinbutton").nth(k).input_value() for k in range(2))
+        x, y = (
+            page.get_by_role("group", name=name).get_by_role("spinbutton").nth(k).input_value()
+            for k in range(2)
+        )
         page.mouse.move(*place(page, float(x) / 0.1, float(y) / 0.1))
         page.locator(".status .place", has_text=f"{name} · cell").wait_for()
         assert page.locator("#board").get_attribute("title").startswith(name)
@@ -380,7 +410,10 @@ def test_a_name_that_was_typed_stays_while_one_draws_on(page):
 @pytest.mark.gate
 def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, folder, tmp_path):
     write_world(generate("corridor", 3), tmp_path / "w.grid")
-    assert worldgen("export", tmp_path / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code == 0
+    assert (
+        worldgen("export", tmp_path / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code
+        == 0
+    )
     pair = [tmp_path / "out.pgm", tmp_path / "out.yaml"]
     page.locator("#tab-files").click()
     page.get_by_text("Import and export").click()

@@ -1,4 +1,7 @@
-"""The studio's page when something goes wrong: a lost connection, a full storage, answers that come too late."""
+"""The studio's page when something goes wrong.
+
+A lost connection, a full storage, answers that come too late.
+"""
 
 import contextlib
 
@@ -8,7 +11,8 @@ from tests.helpers.browser import WAIT
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, solid_cells
 
-# What the page says is kept back while `held` is a list; `letGo` says it, and ends when all of it is answered.
+# What the page says is kept back while `held` is a list; `letGo` says it, and ends when all of it
+# is answered.
 HOLDING = """
 window.held = null;
 const send = WebSocket.prototype.send;
@@ -42,7 +46,9 @@ Storage.prototype.setItem = function (...given) {
 };
 true;
 """
-BOTH_KEPT = "() => Object.values(localStorage).filter((text) => text.includes('\"world\"')).length === 2"
+BOTH_KEPT = (
+    "() => Object.values(localStorage).filter((text) => text.includes('\"world\"')).length === 2"
+)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +75,9 @@ def draw_a_wall(page):
 
 def reconnect(page):
     """The connection breaks and comes back."""
-    page.wait_for_function("() => Boolean(window.socket)")  # the proof of what was drawn is asked for soon
+    page.wait_for_function(
+        "() => Boolean(window.socket)"
+    )  # the proof of what was drawn is asked for soon
     page.evaluate("window.held = null; window.socket.close()")
     page.get_by_text("The studio does not answer.").wait_for()
     page.locator("#gone").wait_for(state="hidden")
@@ -174,7 +182,9 @@ def test_a_number_out_of_its_bounds_is_told_and_changes_nothing(page, label, wro
 
 
 @pytest.mark.nightly
-def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and_nothing_is_lost(browser, folder):
+def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and_nothing_is_lost(
+    browser, folder
+):
     with contextlib.ExitStack() as both:
         server = both.enter_context(contextlib.ExitStack())
         first = server.enter_context(studio_of(folder))
@@ -229,7 +239,10 @@ def test_after_a_new_start_with_other_controllers_an_open_page_offers_those(brow
         again = both.enter_context(studio_of(folder, port=first.port, named=[new]))
         another_tab(page, again.address)
         page.get_by_label(new, exact=True).wait_for()
-        assert page.get_by_label(new, exact=True).is_checked() and page.get_by_label(old, exact=True).count() == 0
+        assert (
+            page.get_by_label(new, exact=True).is_checked()
+            and page.get_by_label(old, exact=True).count() == 0
+        )
         page.keyboard.press("3")
         page.locator("#campaign-controller option", has_text=new).wait_for(state="attached")
         assert page.locator("#campaign-controller option", has_text=old).count() == 0
@@ -241,7 +254,9 @@ def test_a_page_too_many_says_so_and_comes_when_another_one_is_closed(browser, f
     with studio_of(folder) as gate, opened(browser, gate) as page:
         other = page.context.new_page()
         other.goto(page.url)
-        other.get_by_text("1 pages are open, and the studio takes no more; close another one.").wait_for()
+        other.get_by_text(
+            "1 pages are open, and the studio takes no more; close another one."
+        ).wait_for()
         page.close()
         other.locator("#proof.good").wait_for()
         assert other.locator("#gone").is_hidden()

@@ -1,4 +1,7 @@
-"""The page on which robots drive: all of it in sight, the thesis's settings, the world that changes."""
+"""The page on which robots drive.
+
+All of it in sight, the thesis's settings, the world that changes.
+"""
 
 import base64
 import math
@@ -54,16 +57,30 @@ def out_of_sight(page, *parts):
     return page.evaluate(script, list(parts))
 
 
-SEEN = ["#stage", "#run", "#scrub", "#play-pause", "#instruments b", "#play .layers", ".results > ol > li"]
+SEEN = [
+    "#stage",
+    "#run",
+    "#scrub",
+    "#play-pause",
+    "#instruments b",
+    "#play .layers",
+    ".results > ol > li",
+]
 
 
 @pytest.mark.parametrize(
     "how",
     [
-        pytest.param({"viewport": {"width": 1280, "height": 720}}, marks=pytest.mark.gate, id="small"),
-        pytest.param({"viewport": {"width": 1920, "height": 1080}}, marks=pytest.mark.nightly, id="large"),
         pytest.param(
-            {"viewport": {"width": 820, "height": 1180}, "has_touch": True}, marks=pytest.mark.nightly, id="tablet"
+            {"viewport": {"width": 1280, "height": 720}}, marks=pytest.mark.gate, id="small"
+        ),
+        pytest.param(
+            {"viewport": {"width": 1920, "height": 1080}}, marks=pytest.mark.nightly, id="large"
+        ),
+        pytest.param(
+            {"viewport": {"width": 820, "height": 1180}, "has_touch": True},
+            marks=pytest.mark.nightly,
+            id="tablet",
         ),
     ],
 )
@@ -74,23 +91,35 @@ def test_with_three_robots_world_controls_state_and_all_results_are_in_sight(bro
             page.get_by_role("checkbox", name=name).check()
         run(page)
         page.locator(".result").nth(2).wait_for()
-        assert out_of_sight(page, *SEEN, "#play .setup .robots label", "#play .headings button") == []
+        assert (
+            out_of_sight(page, *SEEN, "#play .setup .robots label", "#play .headings button") == []
+        )
 
 
 @pytest.mark.nightly
 def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     play(page)
-    labels = ("thesis-1+slip=0.2", "thesis-1+noise", "thesis-2+repaired+sensor_range=60+drive_ticks=4", "thesis-1")
+    labels = (
+        "thesis-1+slip=0.2",
+        "thesis-1+noise",
+        "thesis-2+repaired+sensor_range=60+drive_ticks=4",
+        "thesis-1",
+    )
     field = page.get_by_label("Another robot, with options")
     for label in labels:
         field.fill(label)
         field.press("Enter")
-        page.wait_for_function("(field) => field.value === ''", arg=field.element_handle())  # it was added
+        page.wait_for_function(
+            "(field) => field.value === ''", arg=field.element_handle()
+        )  # it was added
     page.get_by_role("checkbox", name="thesis-3").check()
     page.get_by_role("button", name="Behaviours").click()
     run(page)
     page.locator(".results li").nth(5).wait_for()
-    assert out_of_sight(page, "#stage", "#run", "#scrub", "#instruments b", ".results li:first-child") == []
+    assert (
+        out_of_sight(page, "#stage", "#run", "#scrub", "#instruments b", ".results li:first-child")
+        == []
+    )
     box = page.locator("#play .results").bounding_box()
     assert box["y"] + box["height"] == 720 and 250 < box["height"] < 0.61 * 672
     assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
@@ -107,7 +136,13 @@ def test_the_behaviours_settings_are_those_of_the_command_line(page):
     page.locator("#play").get_by_label("Noise", exact=True).check()
     page.locator("#run-due", has_text="press Run").wait_for()
     run(page, 261)  # the end of the first period of a loop
-    own = {"collide_ticks": 9, "drive_ticks": 6, "turn_angle": math.pi / 4, "sensor_range": 50, "noise": True}
+    own = {
+        "collide_ticks": 9,
+        "drive_ticks": 6,
+        "turn_angle": math.pi / 4,
+        "sensor_range": 50,
+        "noise": True,
+    }
     assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", **own)
     for words in ("Behaviours 3 changed", "Sensor 2 changed"):
         page.get_by_role("button", name=words).wait_for()
@@ -160,7 +195,10 @@ def test_walls_change_places_and_stand_still_again(page):
     still = read_world(CONFIG_5)
     moving = shifted(still, 0)
     assert digest(page) == expected(moving, "thesis-2") and len(moving.timeline) > 0
-    assert page.locator(".changes").inner_text() == f"The world changes ({len(moving.timeline)} changes)"
+    assert (
+        page.locator(".changes").inner_text()
+        == f"The world changes ({len(moving.timeline)} changes)"
+    )
     page.get_by_label("The world changes").uncheck()
     page.locator("#run").click()
     page.locator(".digest", has_text=expected(still, "thesis-2")).wait_for()
@@ -212,10 +250,14 @@ _LOOK_AT = """async ([film, times]) => {
 
 
 @pytest.mark.nightly
-def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others_stay(browser, tmp_path):
+def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others_stay(
+    browser, tmp_path
+):
     (tmp_path / "config-05.grid").write_bytes(CONFIG_5.read_bytes())
     mine = tmp_path / "mine.py"
-    mine.write_text("class Stuck:\n def reset(self): return ()\n def act(self, o, m):\n  while True: pass\n")
+    mine.write_text(
+        "class Stuck:\n def reset(self): return ()\n def act(self, o, m):\n  while True: pass\n"
+    )
     with (
         studio_of(tmp_path, named=(f"{mine}:Stuck",), file="config-05.grid") as gate,
         opened(browser, gate) as page,
@@ -261,7 +303,11 @@ def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, 
         assert page.get_by_role("checkbox", name="nope").count() == 0
         page.locator(".result").first.wait_for()
         before = page.locator(".result").all_inner_texts()
-        for name, values in (("Steps", ["0", "-5", "1.5"]), ("Seed", ["", "1e30"]), ("Time step s", ["", "0"])):
+        for name, values in (
+            ("Steps", ["0", "-5", "1.5"]),
+            ("Seed", ["", "1e30"]),
+            ("Time step s", ["", "0"]),
+        ):
             field = page.locator("#play").get_by_label(name, exact=True)
             for value in values:
                 field.fill(value)

@@ -19,7 +19,9 @@ def gate(tmp_path_factory):
 
 
 @pytest.mark.nightly
-def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(browser, gate, tmp_path):
+def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(
+    browser, gate, tmp_path
+):
     with opened(browser, gate) as page:
         page.keyboard.press("2")
         page.get_by_label("Steps", exact=True).fill("300")
@@ -31,7 +33,9 @@ def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_
             ("HTML", "html", b"<!"),
         ):
             if kind == "webm":  # so slow that it cannot end by itself before it is ended
-                page.locator(".controls label", has_text="Speed").locator("select").select_option("0.05")
+                page.locator(".controls label", has_text="Speed").locator("select").select_option(
+                    "0.05"
+                )
             page.locator(".save summary").click()
             with page.expect_download() as download:
                 page.locator(".save button", has_text=words).click()
@@ -89,7 +93,9 @@ def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
         page.locator("#beside").click()
         page.keyboard.press("Home")
         whole = _pixels(page)
-        boxes = [page.locator(f"section#play .stage canvas >> nth={k}").bounding_box() for k in (0, 1)]
+        boxes = [
+            page.locator(f"section#play .stage canvas >> nth={k}").bounding_box() for k in (0, 1)
+        ]
         middles = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes]
         page.mouse.move(*middles[0])
         page.mouse.wheel(0, -300)
@@ -101,13 +107,16 @@ def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
         for k in (0, 1):
             assert len({whole[k], zoomed[k], moved[k]}) == 3
         picture = Image.open(io.BytesIO(_saved(page, "Picture")))
-        widths = page.locator("section#play .stage canvas").evaluate_all("nodes => nodes.map(node => node.width)")
+        widths = page.locator("section#play .stage canvas").evaluate_all(
+            "nodes => nodes.map(node => node.width)"
+        )
         assert picture.width == sum(widths) + 2
         assert _saved(page, "Film").startswith(b"\x1aE")
         assert page.complaints == []
 
 
-# Holds the question for a picture back until it is to be ended, so that no machine is too fast for the button.
+# Holds the question for a picture back until it is to be ended, so that no machine is too fast for
+# the button.
 _HOLD = """
 () => {
   const send = WebSocket.prototype.send;

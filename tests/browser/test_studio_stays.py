@@ -71,11 +71,15 @@ def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_o
     has_asked(page)
     page.locator("#tab-files").click()
     page.get_by_text("Import and export").click()
-    page.locator("#import").set_input_files({"name": "open.map", "mimeType": "text/plain", "buffer": MAP})
+    page.locator("#import").set_input_files(
+        {"name": "open.map", "mimeType": "text/plain", "buffer": MAP}
+    )
     page.locator("[role=status]", has_text="Imported").first.wait_for(state="attached")
     let_go(page)
     page.keyboard.press("2")
-    page.locator(".result").first.wait_for()  # what there is to choose from is known, and the file would be there
+    page.locator(
+        ".result"
+    ).first.wait_for()  # what there is to choose from is known, and the file would be there
     assert page.locator("#name").inner_text().startswith("not saved yet")
     assert page.complaints == []
 

@@ -1,8 +1,9 @@
 """The real programs that must accept what ``export`` writes, each in an environment of its own.
 
-A client from the package registry lives in a virtual environment under ``$WORLDGEN_CLIENTS`` (``build/clients``
-where it is not set), made by ``python -m tests.clients.install [NAME ...]``; a program of the system is looked for
-on the path. Where one is missing its tests are skipped and say how to get it.
+A client from the package registry lives in a virtual environment under ``$WORLDGEN_CLIENTS``
+(``build/clients`` where it is not set), made by ``python -m tests.clients.install [NAME ...]``; a
+program of the system is looked for on the path. Where one is missing its tests are skipped and say
+how to get it.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ class Client:
     name: str
     python: Path
 
-    def ask(self, script: str, *args: object, timeout: float = 120.0, cwd: Path | None = None) -> dict:
+    def ask(
+        self, script: str, *args: object, timeout: float = 120.0, cwd: Path | None = None
+    ) -> dict:
         """What ``scripts/SCRIPT`` prints, as one JSON object in its last line.
 
         Args:
@@ -48,7 +51,9 @@ class Client:
             [str(word) for word in words],
             capture_output=True, text=True, timeout=timeout, cwd=cwd, env={**os.environ, **quiet}, check=False,
         )  # fmt: skip
-        assert done.returncode == 0, f"{self.name}: {script} ended with {done.returncode}:\n{done.stderr[-4000:]}"
+        assert done.returncode == 0, (
+            f"{self.name}: {script} ended with {done.returncode}:\n{done.stderr[-4000:]}"
+        )
         return json.loads(done.stdout.splitlines()[-1])
 
 
@@ -58,12 +63,18 @@ def client(name: str) -> Client:
         python = FOLDER / name / place
         if python.exists():
             return Client(name, python)
-    pytest.skip(f"{name} is not here, so it did not judge what export writes; python -m tests.clients.install {name}")
+    pytest.skip(
+        f"{name} is not here, so it did not judge what export writes; python -m "
+        f"tests.clients.install {name}"
+    )
 
 
 def program(name: str) -> str:
     """The path of a program; the test is skipped, with the reason, where there is none."""
     found = shutil.which(name)
     if found is None:
-        pytest.skip(f"{name} is not here, so it did not judge what export writes; apt-get install {PROGRAMS[name]}")
+        pytest.skip(
+            f"{name} is not here, so it did not judge what export writes; apt-get install "
+            f"{PROGRAMS[name]}"
+        )
     return found

@@ -1,7 +1,8 @@
-"""``python -m tests.clients.install [NAME ...]``: makes the environments of the clients, all or the named ones.
+"""``python -m tests.clients.install [NAME ...]``.
 
-With ``--gate`` it makes only those that the gate asks, with ``--programs`` it prints the names of the Debian packages
-that bring the others. An environment that is there already is used again, unless what it is to hold has changed.
+Makes the environments of the clients, all or the named ones. With ``--gate`` it makes only those
+that the gate asks, with ``--programs`` it prints the names of the Debian packages that bring the
+others. An environment that is there already is used again, unless what it is to hold has changed.
 """
 
 from __future__ import annotations
@@ -18,7 +19,10 @@ FOLDER = Path(os.environ.get("WORLDGEN_CLIENTS") or REPOSITORY / "build" / "clie
 
 
 def _third_party() -> list[str]:
-    """What the adapters in examples/third-party need, and what worldgen itself needs, which runs there."""
+    """What the adapters in examples/third-party need, and what worldgen itself needs.
+
+    It runs there.
+    """
     lines = (REPOSITORY / "examples" / "third-party" / "requirements.txt").read_text().splitlines()
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
     return [*(line for line in lines if not line.startswith("#")), *project["dependencies"]]
@@ -38,15 +42,21 @@ PACKAGES = {
 }
 # name: the packages without what they depend on, for what they ask for cannot be had together
 BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
-# name: what builds packages of that client whose own lists of build tools lack some; they are built beside these
+# name: what builds packages of that client whose own lists of build tools lack some; they are built
+# beside these
 BUILD_TOOLS = {"third-party": ["cython>=3.0", "numpy>=2.0", "setuptools>=77"]}
-GATE = ("irsim", "mujoco", "trimesh")  # installed in seconds; a robot's simulator, a physics engine, a reader of meshes
+GATE = (
+    "irsim",
+    "mujoco",
+    "trimesh",
+)  # installed in seconds; a robot's simulator, a physics engine, a reader of meshes
 # program: what brings it on Debian
 PROGRAMS = {
     "admesh": "admesh",
     "assimp": "assimp-utils",
     "chromium": "chromium",
-    "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5 libignition-transport-dev",
+    "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5 "
+    "libignition-transport-dev",
     "ign-transport-service": "ignition-transport-cli",
     "ign": "ignition-tools sdformat-sdf",
     "gdal_rasterize": "gdal-bin",
@@ -67,11 +77,29 @@ def install(name: str) -> bool:
         return True
     shutil.rmtree(folder, ignore_errors=True)
     FOLDER.mkdir(parents=True, exist_ok=True)
-    extra = ["--no-deps"] if name in BARE_PACKAGES else ["--no-build-isolation"] if name in BUILD_TOOLS else []
+    extra = (
+        ["--no-deps"]
+        if name in BARE_PACKAGES
+        else ["--no-build-isolation"]
+        if name in BUILD_TOOLS
+        else []
+    )
     python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
-    pip = (python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--prefer-binary")
+    pip = (
+        python,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--prefer-binary",
+    )
     made = _ran(sys.executable, "-m", "venv", folder)
-    made = made and (name not in BUILD_TOOLS or _ran(*pip, *BUILD_TOOLS[name])) and _ran(*pip, *extra, *packages)
+    made = (
+        made
+        and (name not in BUILD_TOOLS or _ran(*pip, *BUILD_TOOLS[name]))
+        and _ran(*pip, *extra, *packages)
+    )
     if made:
         done.write_text(holds, encoding="utf-8")
     else:
@@ -93,7 +121,10 @@ def main(names: list[str]) -> int:
         names = list(GATE)
     strange = sorted(set(names) - set(known))
     if strange:
-        print(f"no client is called {', '.join(strange)}; there are {', '.join(known)}", file=sys.stderr)
+        print(
+            f"no client is called {', '.join(strange)}; there are {', '.join(known)}",
+            file=sys.stderr,
+        )
         return 2
     missing = [name for name in names or known if not install(name)]
     for name in missing:

@@ -29,9 +29,19 @@ def test_a_file_has_as_many_meshes_and_nodes_as_boxes_and_the_worlds_bounds(tmp_
     words = [program("assimp"), "info", written(tmp_path, world, name, name)]
     said = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60).stdout
     boxes = len(merged_boxes(world.walls))
-    counts = {"stl": (2, 1), "obj": (boxes + 1, boxes), "glb": (boxes + 3, 1)}  # root, walls, and start and target
-    assert tuple(int(re.search(rf"{what}: +(\d+)", said)[1]) for what in ("Nodes", "Meshes")) == counts[name]
-    ends = [np.array(re.search(rf"{end} point +\((.+)\)", said)[1].split(), float) for end in ("Minimum", "Maximum")]
+    counts = {
+        "stl": (2, 1),
+        "obj": (boxes + 1, boxes),
+        "glb": (boxes + 3, 1),
+    }  # root, walls, and start and target
+    assert (
+        tuple(int(re.search(rf"{what}: +(\d+)", said)[1]) for what in ("Nodes", "Meshes"))
+        == counts[name]
+    )
+    ends = [
+        np.array(re.search(rf"{end} point +\((.+)\)", said)[1].split(), float)
+        for end in ("Minimum", "Maximum")
+    ]
     frame = Y_UP if name == "glb" else np.eye(3)
     corners = np.sort([frame @ LOW, frame @ HIGH], axis=0)
     assert np.allclose(ends, corners, atol=2e-6)
@@ -40,7 +50,13 @@ def test_a_file_has_as_many_meshes_and_nodes_as_boxes_and_the_worlds_bounds(tmp_
 @pytest.mark.parametrize("name", ["stl", "obj", "glb"])
 def test_what_comes_out_again_has_the_volume_of_the_walls(tmp_path, name):
     world = generate("cave", seed=5, size=31)
-    words = [program("assimp"), "export", written(tmp_path, world, name, name), tmp_path / "again.stl", "-fstlb"]
+    words = [
+        program("assimp"),
+        "export",
+        written(tmp_path, world, name, name),
+        tmp_path / "again.stl",
+        "-fstlb",
+    ]
     subprocess.run(words, capture_output=True, check=True, timeout=60)
     triangles = stl_triangles((tmp_path / "again.stl").read_bytes())["corners"].astype(float)
     assert volume(triangles) == pytest.approx(solid_volume(world, 0.5), rel=1e-4)

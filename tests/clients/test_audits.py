@@ -1,4 +1,7 @@
-"""IR-SIM and MuJoCo drive an exported world anew, fast and slow; the audit finds what it found in the stored runs."""
+"""IR-SIM and MuJoCo drive an exported world anew, fast and slow.
+
+The audit finds what it found in the stored runs.
+"""
 
 from pathlib import Path
 
@@ -28,10 +31,16 @@ HEARD = {"mujoco-fast"}
 def test_the_simulator_says_nothing_and_the_audit_says_what_it_said_before(name, tmp_path):
     simulator, kind, file, options = RECORDINGS[name]
     driver = client(simulator)
-    assert worldgen("export", FOLDER / "wall.grid", "--to", kind, "--out", tmp_path / file).code == 0
+    assert (
+        worldgen("export", FOLDER / "wall.grid", "--to", kind, "--out", tmp_path / file).code == 0
+    )
     out = tmp_path / "out.csv"
     said = driver.ask(FOLDER / f"{simulator}_drive.py", tmp_path / file, *options, "--out", out)
     assert said["arrived"] and bool(said.get("collisions", said.get("contacts"))) == (name in HEARD)
     world = read_world(FOLDER / "wall.grid")
-    anew, stored = (audit(world, read_trajectory(path)) for path in (out, FOLDER / "recorded" / f"{name}.csv"))
-    assert [(one.kind, one.cell) for one in anew.findings] == [(one.kind, one.cell) for one in stored.findings]
+    anew, stored = (
+        audit(world, read_trajectory(path)) for path in (out, FOLDER / "recorded" / f"{name}.csv")
+    )
+    assert [(one.kind, one.cell) for one in anew.findings] == [
+        (one.kind, one.cell) for one in stored.findings
+    ]

@@ -36,7 +36,10 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 
 
 def _flags():
-    """What the compiler is to be told of Fortress's libraries; None where they are not installed."""
+    """What the compiler is to be told of Fortress's libraries.
+
+    None where they are not installed.
+    """
     if shutil.which("pkg-config") is None:
         return None
     words = ["pkg-config", "--cflags", "--libs", *LIBRARIES]
@@ -50,23 +53,33 @@ def engine():
     compiler, flags = program("g++"), _flags()
     plugins = sorted(Path("/usr/lib").glob("*/libignition-physics5-dartsim-plugin.so"))
     if flags is None or not plugins:
-        pytest.skip(f"Fortress's physics is not here, so it judged nothing; apt-get install {PROGRAMS['g++']}")
+        pytest.skip(
+            f"Fortress's physics is not here, so it judged nothing; apt-get install "
+            f"{PROGRAMS['g++']}"
+        )
     source = SCRIPTS / "gazebo_physics.cc"
     binary = FOLDER / f"gazebo-physics-{hashlib.sha256(source.read_bytes()).hexdigest()[:12]}"
     if not binary.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
         fresh = binary.with_suffix(f".{os.getpid()}")
-        subprocess.run([compiler, "-std=c++17", "-w", source, "-o", fresh, *flags, "-lignition-physics5"], check=True)
+        subprocess.run(
+            [compiler, "-std=c++17", "-w", source, "-o", fresh, *flags, "-lignition-physics5"],
+            check=True,
+        )
         fresh.rename(binary)
     return [binary, plugins[0]]
 
 
 def obeyed(engine, tmp_path, world, name, commands):
     """Where things are, as the program says after such commands."""
-    for file, data in export_world(world, name, file="world.sdf", origin=ORIGIN, sidecar=False).files.items():
+    for file, data in export_world(
+        world, name, file="world.sdf", origin=ORIGIN, sidecar=False
+    ).files.items():
         (tmp_path / file).write_bytes(data)
     text = "".join(f"{command}\n" for command in commands)
-    done = subprocess.run([*engine, tmp_path / "world.sdf"], input=text, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [*engine, tmp_path / "world.sdf"], input=text, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
 
@@ -74,7 +87,10 @@ def obeyed(engine, tmp_path, world, name, commands):
 def dropped(world, cells):
     """Commands that drop a ball on the middle of each cell, and say where they lie a second later."""
     for ix, iy in cells:
-        x, y = ((index + 0.5) * world.cell_size + corner for index, corner in zip((ix, iy), ORIGIN, strict=True))
+        x, y = (
+            (index + 0.5) * world.cell_size + corner
+            for index, corner in zip((ix, iy), ORIGIN, strict=True)
+        )
         yield f"ball ball_{ix}_{iy} {x!r} {y!r} 1.1 {BALL}"
     yield "step 1000"
     yield from (f"where ball_{ix}_{iy}" for ix, iy in cells)
@@ -106,7 +122,14 @@ def test_a_ball_that_is_pushed_stops_at_the_wall(engine, tmp_path):
 def test_the_robot_rolls_as_fast_as_its_wheels_and_stops_at_the_wall(engine, tmp_path):
     world = drawn(HALL)
     x, y = world.start.x + ORIGIN[0], world.start.y + ORIGIN[1]
-    commands = ["step 200", "where robot", "wheels 4 4 1000", "where robot", "wheels 20 20 2000", "where robot"]
+    commands = [
+        "step 200",
+        "where robot",
+        "wheels 4 4 1000",
+        "where robot",
+        "wheels 20 20 2000",
+        "where robot",
+    ]
     start, rolled, stopped = obeyed(engine, tmp_path, world, "sdf+robot+plugins=fortress", commands)
     assert start[:2] == pytest.approx([x, y], abs=1e-4)
     assert rolled[:2] == pytest.approx([x + 4 * world.robot_radius / 2, y], abs=2e-3)
@@ -114,7 +137,9 @@ def test_the_robot_rolls_as_fast_as_its_wheels_and_stops_at_the_wall(engine, tmp
 
 
 @pytest.mark.parametrize(("family", "time"), [("shift", 6.0), ("fire", 3.0)])
-def test_models_that_are_moved_as_the_table_says_make_the_cells_of_that_time(engine, tmp_path, family, time):
+def test_models_that_are_moved_as_the_table_says_make_the_cells_of_that_time(
+    engine, tmp_path, family, time
+):
     world = generate(family, seed=5, size=14, **({"chance": 1.0} if family == "shift" else {}))
     files = export_world(world, "sdf", file="world.sdf", origin=ORIGIN).files
     table = json.loads(files["world_events.json"])
@@ -122,7 +147,9 @@ def test_models_that_are_moved_as_the_table_says_make_the_cells_of_that_time(eng
     moves = ["move {} {} {} {}".format(name, *table["bodies"][name], z) for name, z in late.items()]
     changing = sorted({(event.ix, event.iy) for event in world.timeline if event.time <= time})[::5]
     places = obeyed(engine, tmp_path, world, "sdf", [*moves, *dropped(world, changing)])
-    assert [place[2] for place in places] == pytest.approx(rests(solid_at(world, time), changing), abs=1e-4)
+    assert [place[2] for place in places] == pytest.approx(
+        rests(solid_at(world, time), changing), abs=1e-4
+    )
 
 
 def command_folder(tmp_path):
@@ -138,23 +165,37 @@ def command_folder(tmp_path):
 
 
 def test_the_player_talks_to_gazebo_in_its_own_messages(engine, tmp_path):
-    events = [(0.25, 7, 2, CellState.SOLID), (0.25, 1, 1, CellState.BURNING), (1.5, 7, 2, CellState.FREE)]
-    files = export_world(drawn(HALL, timeline=Timeline.of(events)), "sdf", file="hall.sdf", sidecar=False).files
+    events = [
+        (0.25, 7, 2, CellState.SOLID),
+        (0.25, 1, 1, CellState.BURNING),
+        (1.5, 7, 2, CellState.FREE),
+    ]
+    files = export_world(
+        drawn(HALL, timeline=Timeline.of(events)), "sdf", file="hall.sdf", sidecar=False
+    ).files
     for file, data in files.items():
         (tmp_path / file).write_bytes(data)
     here = {**os.environ, "IGN_PARTITION": tmp_path.name, "IGN_IP": "127.0.0.1"}
     here["PATH"] = f"{command_folder(tmp_path)}:/bin"
     with subprocess.Popen(
-        [*engine, tmp_path / "hall.sdf"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=here
+        [*engine, tmp_path / "hall.sdf"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=here,
     ) as server:
         server.stdin.write("serve hall\n")
         server.stdin.close()
         try:
             player = [sys.executable, tmp_path / "hall_player.py"]
-            done = subprocess.run(player, env=here, capture_output=True, text=True, check=False, timeout=60)
+            done = subprocess.run(
+                player, env=here, capture_output=True, text=True, check=False, timeout=60
+            )
             assert done.returncode == 0, done.stderr
             moved = [line.split() for line in server.stdout]
         finally:
             server.kill()
     table = json.loads(files["hall_events.json"])["events"]
-    assert [[float(when), name, float(z)] for when, name, z in moved] == [[when, name, z] for when, name, z in table]
+    assert [[float(when), name, float(z)] for when, name, z in moved] == [
+        [when, name, z] for when, name, z in table
+    ]

@@ -27,7 +27,9 @@ def written(folder, world, name):
 
 
 def ran(name, *words):
-    done = subprocess.run([program(name), *map(str, words)], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        [program(name), *map(str, words)], capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -40,7 +42,22 @@ def test_points_lie_in_the_walls_as_cells_do(tmp_path, name, family):
     ends = [ORIGIN[0], ORIGIN[1], ORIGIN[0] + world.width * 0.1, ORIGIN[1] + world.height * 0.1]
     size = ["-ts", world.width * FINE, world.height * FINE]
     within = ["-where", "kind='walls'", "-l", "w"]
-    ran("gdal_rasterize", "-q", "-burn", 1, "-ot", "Byte", "-of", "ENVI", "-te", *ends, *size, *within, path, raster)
+    ran(
+        "gdal_rasterize",
+        "-q",
+        "-burn",
+        1,
+        "-ot",
+        "Byte",
+        "-of",
+        "ENVI",
+        "-te",
+        *ends,
+        *size,
+        *within,
+        path,
+        raster,
+    )
     cells = np.frombuffer(raster.read_bytes(), np.uint8).reshape(world.height * FINE, -1)
     assert np.array_equal(flip_rows(cells), np.kron(world.walls, np.ones((FINE, FINE))))
 

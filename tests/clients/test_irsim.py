@@ -25,17 +25,27 @@ ROOM = """
 
 def ranges(world, place, heading):
     """What our own beams measure, m; place and heading on the lattice."""
-    cells, table, longest = world.walls.astype(np.uint8), heading_table(), 10.0 / world.cell_size * UNIT
+    cells, table, longest = (
+        world.walls.astype(np.uint8),
+        heading_table(),
+        10.0 / world.cell_size * UNIT,
+    )
     ray = getattr(ray_distance, "py_func", ray_distance)
-    return [ray(cells, table, *place, heading + beam, longest) * world.cell_size / UNIT for beam in BEAMS]
+    return [
+        ray(cells, table, *place, heading + beam, longest) * world.cell_size / UNIT
+        for beam in BEAMS
+    ]
 
 
 def asked_of_irsim(world, folder, name, origin, places, drives=()):
     files = write_export(export_world(world, name, file="w.yaml", origin=origin), folder)
     metres = [
-        [value * world.cell_size / UNIT + shift for value, shift in zip(at, origin, strict=True)] for at, _ in places
+        [value * world.cell_size / UNIT + shift for value, shift in zip(at, origin, strict=True)]
+        for at, _ in places
     ]
-    poses = [[*at, heading_from_lattice(turned)] for at, (_, turned) in zip(metres, places, strict=True)]
+    poses = [
+        [*at, heading_from_lattice(turned)] for at, (_, turned) in zip(metres, places, strict=True)
+    ]
     request = json.dumps({"poses": poses, "drives": list(drives)})
     return client("irsim").ask("irsim_scan_and_drive.py", files[0], request, cwd=folder)
 
@@ -45,7 +55,10 @@ def test_irsims_lidar_measures_what_ours_does(walls, origin, tmp_path):
     world = generate("rooms", 5, size=24)
     rng = np.random.default_rng(1)
     free = rng.permutation(np.argwhere(~world.walls))[:4]
-    places = [((int(ix) * UNIT + 411, int(iy) * UNIT + 623), 2000 * index + 77) for index, (iy, ix) in enumerate(free)]
+    places = [
+        ((int(ix) * UNIT + 411, int(iy) * UNIT + 623), 2000 * index + 77)
+        for index, (iy, ix) in enumerate(free)
+    ]
     found = asked_of_irsim(world, tmp_path, f"irsim+lidar+walls={walls}", origin, places)
     expected = [ranges(world, *place) for place in places]
     assert np.abs(np.array(found["ranges"]) - np.array(expected)).max() < 1e-6
@@ -59,16 +72,23 @@ def test_irsims_robot_collides_with_the_wall_and_arrives_at_the_target(walls, tm
         {"pose": [*start, np.pi], "command": [0.1, 0.0], "steps": 300},
         {"pose": [*start, 0.0], "command": [0.1, 0.0], "steps": 400},
     ]
-    found = asked_of_irsim(world, tmp_path, f"irsim+lidar+step_time=0.01+walls={walls}", origin, [], drives)
+    found = asked_of_irsim(
+        world, tmp_path, f"irsim+lidar+step_time=0.01+walls={walls}", origin, [], drives
+    )
     into, there = found["drives"]
     assert into["collision"] and not into["arrive"] and abs(into["x"] - 100.25 - 0.17) < 2e-3
     assert there["arrive"] and not there["collision"] and abs(there["x"] - 100.25 - 0.61) < 2e-3
-    assert (found["radius"], found["goal_threshold"], found["fastest"]) == pytest.approx((0.07, 0.04, 0.5), abs=1e-3)
+    assert (found["radius"], found["goal_threshold"], found["fastest"]) == pytest.approx(
+        (0.07, 0.04, 0.5), abs=1e-3
+    )
     assert found["goal"] == pytest.approx([100.25 + 0.65, -7.0 + 0.25])
 
 
 def test_irsim_meets_a_wall_outside_a_world_whose_border_is_open(tmp_path):
     world = drawn("....\nS..G\n....", robot_speed=0.5, target_radius=0.01)
-    drives = [{"pose": [0.15, 0.15, angle], "command": [0.1, 0.0], "steps": 400} for angle in (np.pi / 2, -np.pi / 2)]
+    drives = [
+        {"pose": [0.15, 0.15, angle], "command": [0.1, 0.0], "steps": 400}
+        for angle in (np.pi / 2, -np.pi / 2)
+    ]
     found = asked_of_irsim(world, tmp_path, "irsim+step_time=0.01", (0.0, 0.0), [], drives)
     assert [round(one["y"], 2) for one in found["drives"] if one["collision"]] == [0.23, 0.07]

@@ -34,14 +34,20 @@ def test_the_pixels_of_a_cell_have_the_colour_of_a_wall_where_it_is_solid(tmp_pa
     assert picture.shape == (world.height * 8, world.width * 8, 3)
     inner = picture.reshape(world.height, 8, world.width, 8, 3)[:, 1:-1, :, 1:-1]
     solid = (inner == rgb(WALL)).all(axis=4)
-    assert np.array_equal(solid.all(axis=(1, 3)), world.walls) and np.array_equal(solid.any(axis=(1, 3)), world.walls)
+    assert np.array_equal(solid.all(axis=(1, 3)), world.walls) and np.array_equal(
+        solid.any(axis=(1, 3)), world.walls
+    )
 
 
 def test_the_robots_disc_is_where_it_starts_and_the_print_is_to_scale(tmp_path):
-    picture = pixels(tmp_path, TINY, 0, "svg+scale=1")  # 0.6 x 0.5 m at 96 dots an inch, border and all
+    picture = pixels(
+        tmp_path, TINY, 0, "svg+scale=1"
+    )  # 0.6 x 0.5 m at 96 dots an inch, border and all
     assert picture.shape[:2] == pytest.approx((500 * 96 / 25.4, 600 * 96 / 25.4), abs=1)
     red, green, blue = (picture[..., channel].astype(int) for channel in range(3))
     y, x = np.nonzero((green > red + 60) & (green > blue + 20))
-    metres = np.array([x.mean(), y.mean()]) * 0.0254 / 96 - 0.1  # from the grid's corner, a cell of border away
+    metres = (
+        np.array([x.mean(), y.mean()]) * 0.0254 / 96 - 0.1
+    )  # from the grid's corner, a cell of border away
     assert metres == pytest.approx([TINY.start.x, TINY.start.y], abs=1e-3)
     assert len(x) * (0.0254 / 96) ** 2 == pytest.approx(np.pi * TINY.robot_radius**2, rel=0.05)

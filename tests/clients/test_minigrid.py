@@ -1,4 +1,7 @@
-"""MiniGrid judges both ways: its own printed grids are read, and it prints ours as we write them."""
+"""MiniGrid judges both ways.
+
+Its own printed grids are read, and it prints ours as we write them.
+"""
 
 import json
 
@@ -9,7 +12,12 @@ from worldgen import generate
 from worldgen.interop import export_world, read_map
 from worldgen.interop.formats.text import cell_of
 
-HEADINGS = (0.0, -np.pi / 2, np.pi, np.pi / 2)  # of its directions: right, down, left, up; its y goes down
+HEADINGS = (
+    0.0,
+    -np.pi / 2,
+    np.pi,
+    np.pi / 2,
+)  # of its directions: right, down, left, up; its y goes down
 SOLID = {"wall", "lava", "key", "ball", "box"}
 
 

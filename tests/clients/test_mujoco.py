@@ -28,7 +28,9 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 def asked(tmp_path, world, request, name="mjcf"):
     """What MuJoCo answers to a request about the exported world."""
     mujoco = client("mujoco")
-    for file, data in export_world(world, name, file="world.xml", origin=ORIGIN, sidecar=False).files.items():
+    for file, data in export_world(
+        world, name, file="world.xml", origin=ORIGIN, sidecar=False
+    ).files.items():
         (tmp_path / file).write_bytes(data)
     (tmp_path / "request.json").write_text(json.dumps(request))
     return mujoco.ask("mujoco_world.py", tmp_path / "world.xml", tmp_path / "request.json")
@@ -50,15 +52,23 @@ def test_rays_are_as_long_as_the_simulator_says_at_any_time(tmp_path, family, ti
 def test_a_sphere_rests_on_the_floor_where_it_was_dropped(tmp_path):
     world = drawn(HALL)
     x, y = world.start.x + ORIGIN[0], world.start.y + ORIGIN[1]
-    assert asked(tmp_path, world, {"drop": [x, y, 0.5, 0.04]})["drop"] == pytest.approx([x, y, 0.04], abs=1e-3)
+    assert asked(tmp_path, world, {"drop": [x, y, 0.5, 0.04]})["drop"] == pytest.approx(
+        [x, y, 0.04], abs=1e-3
+    )
 
 
 def test_the_robot_drives_at_the_speed_asked_for_and_stops_at_walls(tmp_path):
     world = drawn(HALL)
-    driven = asked(tmp_path, world, {"drive": [[0.5, 0.0, 0.4], [2.0, 0.0, 2.0]]}, "mjcf+robot")["drive"]
+    driven = asked(tmp_path, world, {"drive": [[0.5, 0.0, 0.4], [2.0, 0.0, 2.0]]}, "mjcf+robot")[
+        "drive"
+    ]
     start, under_way, stopped = driven["places"]
-    assert start == pytest.approx([world.start.x + ORIGIN[0], world.start.y + ORIGIN[1], 0.0], abs=1e-12)
-    assert under_way[0] - start[0] == pytest.approx(0.5 * (0.4 - 1 / 20), abs=2e-3)  # 1 kg at 20 N s/m
+    assert start == pytest.approx(
+        [world.start.x + ORIGIN[0], world.start.y + ORIGIN[1], 0.0], abs=1e-12
+    )
+    assert under_way[0] - start[0] == pytest.approx(
+        0.5 * (0.4 - 1 / 20), abs=2e-3
+    )  # 1 kg at 20 N s/m
     assert stopped[0] == pytest.approx(ORIGIN[0] + WALL - world.robot_radius, abs=1e-3)
     assert driven["shown"] == pytest.approx(stopped[:2], abs=1e-9)
 
@@ -68,7 +78,15 @@ def test_start_target_and_numbers_are_where_a_user_of_mujoco_looks(tmp_path):
     world = replace(world, start=Pose(world.start.x, world.start.y, 2.5))
     marks = asked(tmp_path, world, {"marks": True})["marks"]
     x, y = ORIGIN
-    assert marks["start"] == pytest.approx([world.start.x + x, world.start.y + y, world.robot_radius], abs=1e-12)
-    assert marks["target"] == pytest.approx([world.target.x + x, world.target.y + y, world.target.radius], abs=1e-12)
+    assert marks["start"] == pytest.approx(
+        [world.start.x + x, world.start.y + y, world.robot_radius], abs=1e-12
+    )
+    assert marks["target"] == pytest.approx(
+        [world.target.x + x, world.target.y + y, world.target.radius], abs=1e-12
+    )
     assert marks["towards"] == pytest.approx([math.cos(2.5), math.sin(2.5)], abs=1e-12)
-    assert [marks[name] for name in ("cell_size", "origin", "robot_speed")] == [[0.1], [-12.7, 3.45], [2.0]]
+    assert [marks[name] for name in ("cell_size", "origin", "robot_speed")] == [
+        [0.1],
+        [-12.7, 3.45],
+        [2.0],
+    ]

@@ -30,11 +30,17 @@ def shortest(walls, start, goal):
 
 
 def test_its_obstacles_are_our_walls_and_its_agent_walks_our_way_to_the_target(tmp_path):
-    world = generate("maze", 4, size=21, robot_radius=0.04)  # corridors of one cell: the start is at a wall
-    start, target = (cell_of(world, place.x, place.y)[::-1] for place in (world.start, world.target))
+    world = generate(
+        "maze", 4, size=21, robot_radius=0.04
+    )  # corridors of one cell: the start is at a wall
+    start, target = (
+        cell_of(world, place.x, place.y)[::-1] for place in (world.start, world.target)
+    )
     walls = world.walls[::-1]
     moves, cells = shortest(walls, start, target)
-    into = next(word for word, (down, right) in STEPS.items() if walls[start[0] + down, start[1] + right])
+    into = next(
+        word for word, (down, right) in STEPS.items() if walls[start[0] + down, start[1] + right]
+    )
     path = write_export(export_world(world, "pogema"), tmp_path)[0]
     said = client("pogema").ask("pogema_map.py", path, json.dumps([into, *moves]))
     assert said["obstacles"] == walls.astype(int).tolist()

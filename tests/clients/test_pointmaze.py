@@ -36,12 +36,18 @@ def test_rays_meet_our_walls_and_a_pushed_ball_stops_at_them(tmp_path, rows):
     path = write_export(export_world(world, "pointmaze"), tmp_path)[0]
     rays = [[*place, *way] for place in places for way in WAYS]
     said = client("pointmaze").ask("pointmaze_map.py", path, json.dumps(rays), json.dumps(WAYS))
-    assert said["start"] == [pytest.approx(places[0])] and said["goal"] == [pytest.approx(places[1])]
+    assert said["start"] == [pytest.approx(places[0])] and said["goal"] == [
+        pytest.approx(places[1])
+    ]
     closed = _closed(world)
     cells = [(int(x + centre[0]) + 1, int(y + centre[1]) + 1) for x, y in places]
-    assert said["rays"] == pytest.approx([free_way(closed, *cell, *way) for cell in cells for way in WAYS])
+    assert said["rays"] == pytest.approx(
+        [free_way(closed, *cell, *way) for cell in cells for way in WAYS]
+    )
     for way, end in zip(WAYS, said["pushed"], strict=True):
-        gone = sum((now - then) * along for now, then, along in zip(end, places[0], way, strict=True))
+        gone = sum(
+            (now - then) * along for now, then, along in zip(end, places[0], way, strict=True)
+        )
         assert gone == pytest.approx(free_way(closed, *cells[0], *way) - BALL, abs=0.02)
 
 

@@ -25,12 +25,21 @@ WALL = 0.8  # m: where the wall on the right begins, in the start's row
 
 
 def asked(tmp_path, world, rays):
-    """What PyBullet answers: rays, and a ball that is dropped on the start and driven to the right."""
+    """What PyBullet answers.
+
+    Rays, and a ball that is dropped on the start and driven to the right.
+    """
     pybullet = client("pybullet")
     export = export_world(world, "sdf", file="world.sdf", origin=ORIGIN, sidecar=False)
     (tmp_path / "world.sdf").write_bytes(export.data)
     drop = [world.start.x + ORIGIN[0], world.start.y + ORIGIN[1], 0.3, BALL]
-    request = {"rays": [ray[:4] for ray in rays], "z": 0.5, "reach": REACH, "drop": drop, "push": [0.5, 0, 0]}
+    request = {
+        "rays": [ray[:4] for ray in rays],
+        "z": 0.5,
+        "reach": REACH,
+        "drop": drop,
+        "push": [0.5, 0, 0],
+    }
     (tmp_path / "request.json").write_text(json.dumps(request))
     return pybullet.ask("pybullet_world.py", tmp_path / "world.sdf", tmp_path / "request.json")
 
@@ -42,7 +51,9 @@ def test_rays_hit_walls_where_they_are_and_walls_stay_there(tmp_path, family):
     answer = asked(tmp_path, world, rays)
     assert answer["masses"] == [0.0] * len(answer["names"]) and answer["still"]
     errors = np.sort(np.abs(np.array(answer["rays"])[:, 0] - [ray.lengths[0] for ray in rays]))
-    assert errors[-3] < 1e-9 and errors[-1] < 5e-3  # where a ray grazes a corner, Bullet's search ends a little early
+    assert (
+        errors[-3] < 1e-9 and errors[-1] < 5e-3
+    )  # where a ray grazes a corner, Bullet's search ends a little early
 
 
 def test_a_ball_rests_where_it_was_dropped_and_stops_at_the_wall(tmp_path):

@@ -1,4 +1,7 @@
-"""Other people's controllers in an environment of their own: they drive, and the stored failures are confirmed."""
+"""Other people's controllers in an environment of their own.
+
+They drive, and the stored failures are confirmed.
+"""
 
 import json
 import os
@@ -23,12 +26,16 @@ def ask(tmp_path_factory):
     info = folder / "worldgen-0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: worldgen\nVersion: 0\n")
-    (info / "entry_points.txt").write_text(distribution("worldgen").read_text("entry_points.txt") or "")
+    (info / "entry_points.txt").write_text(
+        distribution("worldgen").read_text("entry_points.txt") or ""
+    )
     env = {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{REPOSITORY}", "MPLBACKEND": "Agg"}
 
     def run(*words):
         text = [str(word) for word in (python, "-W", "ignore", *words)]
-        return subprocess.run(text, cwd=REPOSITORY, env=env, capture_output=True, text=True, timeout=300, check=False)
+        return subprocess.run(
+            text, cwd=REPOSITORY, env=env, capture_output=True, text=True, timeout=300, check=False
+        )
 
     return run
 
@@ -48,4 +55,6 @@ def test_each_controller_arrives_where_nothing_is_in_its_way(ask):
 def test_their_stored_failures_are_confirmed(ask):
     files = list(FAILURES.glob("*/*.grid"))
     done = ask("-c", "from worldgen.cli.main import main; main()", "replay", FAILURES)
-    assert f"{len(files)} of {len(files)} confirmed" in done.stdout, done.stdout + done.stderr[-2000:]
+    assert f"{len(files)} of {len(files)} confirmed" in done.stdout, (
+        done.stdout + done.stderr[-2000:]
+    )

@@ -1,4 +1,7 @@
-"""Tiled judges what ``export --to tiled`` writes: it draws the cells, and saves the map so that it comes back whole."""
+"""Tiled judges what ``export --to tiled`` writes.
+
+It draws the cells, and saves the map so that it comes back whole.
+"""
 
 import os
 import subprocess
@@ -15,7 +18,12 @@ from worldgen.interop import export_world, import_world, write_export
 def run(*words):
     quiet = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     return subprocess.run(
-        [str(word) for word in words], env=quiet, capture_output=True, text=True, timeout=60, check=True
+        [str(word) for word in words],
+        env=quiet,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
     )
 
 

@@ -20,8 +20,9 @@ from worldgen.world import Pose, Target, Witness, World
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "families.md"
 
-# Of seed 7: the world's id without and with its witness, 16 digits each. A change of the first changes what
-# users' seeds yield: raise the family's version with it. A change of the second alone is the prover's.
+# Of seed 7: the world's id without and with its witness, 16 digits each. A change of the first
+# changes what users' seeds yield: raise the family's version with it. A change of the second alone
+# is the prover's.
 GOLDEN: dict[str, tuple[str, str]] = {
     "corridor-bends": ("3bd80277f1f51c05", "e6bd0baa5ee889ce"),
     "corridor-dead-ends": ("a4d80f26bca01fd0", "d819f6439eac2661"),
@@ -81,7 +82,10 @@ STILL = [name for name in FAMILIES if not FAMILIES.get(name).changes]
 
 
 def _shapes():
-    """Every family with every word of its first parameter that has words, algorithm or shape; or over every ground."""
+    """Every family with every word of its first parameter that has words, algorithm or shape.
+
+    Or over every ground.
+    """
     for name in FAMILIES:
         parameters = FAMILIES.get(name).parameters
         choices = {known.name: known.choices for known in parameters if known.choices}
@@ -89,15 +93,25 @@ def _shapes():
             choices = {"over": STILL}
         for first, words in list(choices.items())[:1]:
             for number, word in enumerate(words):
-                yield pytest.param(name, {first: word}, id=f"{name}-{word}", marks=[pytest.mark.gate] if number else [])
+                yield pytest.param(
+                    name,
+                    {first: word},
+                    id=f"{name}-{word}",
+                    marks=[pytest.mark.gate] if number else [],
+                )
 
 
-# By default one shape of each family stands for the others, which are the gate's; some tests take them all at once.
+# By default one shape of each family stands for the others, which are the gate's; some tests take
+# them all at once.
 an_example_of_every_family = pytest.mark.parametrize(("name", "shape"), list(_shapes()))
-an_example_of_every_constructed_family = pytest.mark.parametrize(  # shift's cells move onto the path as well
-    ("name", "shape"), [shape for shape in _shapes() if shape.values[0] != "shift"]
+an_example_of_every_constructed_family = (
+    pytest.mark.parametrize(  # shift's cells move onto the path as well
+        ("name", "shape"), [shape for shape in _shapes() if shape.values[0] != "shift"]
+    )
 )
-every_shape = pytest.mark.parametrize(("name", "shape"), [pytest.param(*one.values, id=one.id) for one in _shapes()])
+every_shape = pytest.mark.parametrize(
+    ("name", "shape"), [pytest.param(*one.values, id=one.id) for one in _shapes()]
+)
 every_family = pytest.mark.parametrize("name", FAMILIES.names())
 
 
@@ -115,7 +129,9 @@ def test_every_family_keeps_what_every_family_promises(name, check):
     check(FAMILIES.get(name))
 
 
-LARGE = {"trap": ("V", "comb", "pair")}  # shapes that the smallest squares have no room for, and say so
+LARGE = {
+    "trap": ("V", "comb", "pair")
+}  # shapes that the smallest squares have no room for, and say so
 
 
 def made(name, seed, size, shape):
@@ -148,10 +164,14 @@ def test_the_border_is_solid_for_ever(name, shape, size):
 
 @pytest.mark.gate
 @an_example_of_every_family
-@pytest.mark.parametrize(("cell_size", "robot_radius"), [(0.1, 0.07), (0.1, 0.1), (0.25, 0.1), (0.05, 0.074)])
+@pytest.mark.parametrize(
+    ("cell_size", "robot_radius"), [(0.1, 0.07), (0.1, 0.1), (0.25, 0.1), (0.05, 0.074)]
+)
 def test_the_independent_checker_accepts_the_witness(name, shape, cell_size, robot_radius):
     for seed in range(3):
-        world = generate(name, seed, size=25, cell_size=cell_size, robot_radius=robot_radius, **shape)
+        world = generate(
+            name, seed, size=25, cell_size=cell_size, robot_radius=robot_radius, **shape
+        )
         report = check_certificate(world)
         assert isinstance(world.certificate, Witness) and report.valid, report.reason
 
@@ -169,14 +189,22 @@ def test_layouts_are_solvable_by_construction(name, shape):
 def test_a_seed_yields_the_layout_and_the_witness_it_always_yielded(name, shape):
     world = generate(name, 7, **shape)
     layout = dataclasses.replace(world, certificate=None)
-    assert (world_digest(layout)[:16], world_digest(world)[:16]) == GOLDEN[f"{name}-{next(iter(shape.values()))}"]
+    assert (world_digest(layout)[:16], world_digest(world)[:16]) == GOLDEN[
+        f"{name}-{next(iter(shape.values()))}"
+    ]
     assert check_certificate(world).valid
 
 
 @an_example_of_every_family
 def test_coordinates_are_short_decimals(name, shape):
     world = generate(name, 9, **shape)
-    for value in (world.start.x, world.start.y, world.target.x, world.target.y, world.target.radius):
+    for value in (
+        world.start.x,
+        world.start.y,
+        world.target.x,
+        world.target.y,
+        world.target.radius,
+    ):
         assert len(repr(value)) <= 5, value
 
 
@@ -200,7 +228,10 @@ def test_a_value_of_another_type_is_refused(name):
     [
         ({"size": 9}, {"code": "out-of-range", "name": "size", "value": 9, "low": 10}),
         ({"size": 20_001}, {"code": "out-of-range", "name": "size", "value": 20001, "low": 10}),
-        ({"size": -(2**63)}, {"code": "out-of-range", "name": "size", "value": -9223372036854775808}),
+        (
+            {"size": -(2**63)},
+            {"code": "out-of-range", "name": "size", "value": -9223372036854775808},
+        ),
         ({"cell_size": 10**400}, {"code": "too-large", "name": "cell_size"}),
         ({"size": 2**63}, {"code": "too-large", "name": "size"}),
         ({"cell_size": 0.0}, {"code": "out-of-range", "name": "cell_size", "low": 0.001}),
@@ -225,7 +256,9 @@ def test_a_family_that_never_solves_gives_up_and_names_its_parameters():
         walls[2:4, 2:4] = walls[7:9, 7:9] = False
         return World(walls, Pose(0.3, 0.3), Target(0.8, 0.8, 0.05))
 
-    with raises(GenerationFailed, "no-layout-found", family="walled-in", layouts=MAX_ATTEMPTS, seed=4):
+    with raises(
+        GenerationFailed, "no-layout-found", family="walled-in", layouts=MAX_ATTEMPTS, seed=4
+    ):
         generate(walled_in, 4)
 
 
@@ -267,15 +300,21 @@ def _tables(text):
 def test_the_document_lists_every_parameter_with_its_default(name):
     tables = dict(_tables(DOCUMENT.read_text()))
     documented = {**tables["What all families share"], **tables[name]}
-    assert documented == {known.name: str(known.python_default) for known in FAMILIES.get(name).parameters}
+    assert documented == {
+        known.name: str(known.python_default) for known in FAMILIES.get(name).parameters
+    }
 
 
 def test_the_family_in_the_document_works(monkeypatch):
     code = next(
-        block for block in re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL) if "@family" in block
+        block
+        for block in re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)
+        if "@family" in block
     )
     module = types.ModuleType("documented")
-    monkeypatch.setitem(sys.modules, "documented", module)  # annotations are looked up where a function lives
+    monkeypatch.setitem(
+        sys.modules, "documented", module
+    )  # annotations are looked up where a function lives
     exec(code, vars(module))
     check_family(module.pillars)
     worlds = [generate(module.pillars, seed, pillars=40) for seed in range(5)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Elite, Memory
+from fuzz.campaign.result import Elite, SearchState
 from fuzz.campaign.store.entry import Done, read_entry, write_entry
 from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
@@ -24,7 +24,7 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("
 @pytest.fixture(scope="module")
 def epochs():
     """Three units, each of which knows those before."""
-    results, memories = [], [Memory()]
+    results, memories = [], [SearchState()]
     for unit in range(3):
         results.append(run_unit(CONFIG, unit, memories[-1]))
         memories.append(memories[-1].after(results[-1]))
@@ -40,7 +40,9 @@ def test_the_archive_grows_from_epoch_to_epoch(epochs):
 @pytest.mark.gate
 def test_no_cell_of_the_archive_gets_worse(epochs):
     for before, after in pairwise(epochs[1]):
-        assert all(after.elites[cell].quality >= elite.quality for cell, elite in before.elites.items())
+        assert all(
+            after.elites[cell].quality >= elite.quality for cell, elite in before.elites.items()
+        )
 
 
 @pytest.mark.gate
@@ -73,7 +75,12 @@ def test_another_process_does_a_unit_to_the_same_end(epochs, lane):
     with get_context("spawn").Pool(1) as pool:
         there = pool.apply(run_unit, (config, 5, epochs[1][2]))
     here = run_unit(config, 5, epochs[1][2])
-    assert (there.worlds, there.steps, there.met, there.elites) == (here.worlds, here.steps, here.met, here.elites)
+    assert (there.worlds, there.steps, there.met, there.elites) == (
+        here.worlds,
+        here.steps,
+        here.met,
+        here.elites,
+    )
 
 
 def test_failures_of_the_archive_lane_replay(epochs):
@@ -93,7 +100,11 @@ def test_elites_come_back_from_a_ledger_as_they_were(epochs):
 
 
 def test_a_summary_shows_the_simplest_run_of_each_kind_and_failures_before_others():
-    few, many, fails = Elite(b"", -3.0, "reached"), Elite(b"", -9.0, "reached"), Elite(b"", -20.0, "loop")
+    few, many, fails = (
+        Elite(b"", -3.0, "reached"),
+        Elite(b"", -9.0, "reached"),
+        Elite(b"", -20.0, "loop"),
+    )
     table = archive_table({(0, 1, 5, 5): many, (0, 1, 2, 2): few, (3, 3): fails, (3, 3, 0, 0): few})
     assert table["cells"] == [[0, 1, -3.0, "reached"], [3, 3, -20.0, "loop"]]
     assert [axis["name"] for axis in table["axes"]] == ["detour", "density"]

@@ -1,4 +1,7 @@
-"""Known failures: counted, not kept; what they are called and whether they fail is found out anew."""
+"""Known failures: counted, not kept.
+
+What they are called and whether they fail is found out anew.
+"""
 
 import json
 from dataclasses import replace
@@ -17,7 +20,17 @@ from tests.helpers.command_line import worldgen
 from worldgen import generate, read_world, write_world
 from worldgen.world import Pose
 
-FUZZ = ("fuzz", "--controller", "turn-right", "--lane", "features", "--units", "2", "--examples", "30")
+FUZZ = (
+    "fuzz",
+    "--controller",
+    "turn-right",
+    "--lane",
+    "features",
+    "--units",
+    "2",
+    "--examples",
+    "30",
+)
 FUZZ = (*FUZZ, "--seed", "5", "--workers", "1")
 TURN_RIGHT = Scenario("turn-right")
 
@@ -41,7 +54,11 @@ def stored(folder, path, **changes):
     """A failure's file in a folder, with another record."""
     world = read_world(path)
     folder.mkdir(exist_ok=True)
-    write_world(replace(world, failure=replace(world.failure, **changes)), folder / Path(path).name, force=True)
+    write_world(
+        replace(world, failure=replace(world.failure, **changes)),
+        folder / Path(path).name,
+        force=True,
+    )
     return folder
 
 
@@ -50,13 +67,19 @@ def baseline_of(path, notes, scenario=TURN_RIGHT):
 
 
 def a_loop(found):
-    return next(file for file in sorted(found[0].glob("*.grid")) if read_world(file).failure.verdict == "loop")
+    return next(
+        file
+        for file in sorted(found[0].glob("*.grid"))
+        if read_world(file).failure.verdict == "loop"
+    )
 
 
 @pytest.mark.gate
 def test_known_classes_are_counted_but_neither_written_nor_a_failure(found, tmp_path):
     result, summary = again(tmp_path / "out", found[0])
-    assert result.code == 0 and not summary["failures"] and not list((tmp_path / "out").glob("*.grid"))
+    assert (
+        result.code == 0 and not summary["failures"] and not list((tmp_path / "out").glob("*.grid"))
+    )
     assert set(found[1]) <= set(summary["known"]) and min(summary["known"].values()) > 0
 
 
@@ -71,12 +94,18 @@ def test_a_class_that_the_baseline_has_not_is_found_still(found, tmp_path):
 
 def test_the_terminal_says_how_often_known_classes_were_met(found, tmp_path):
     text = worldgen(*FUZZ, "--out", tmp_path / "out", "--baseline", found[0]).out
-    assert "known: " in text and f"{found[1][0]} " in text and "no new failure of turn-right under swept found" in text
+    assert (
+        "known: " in text
+        and f"{found[1][0]} " in text
+        and "no new failure of turn-right under swept found" in text
+    )
 
 
 def test_a_name_of_another_time_hides_nothing_and_is_told(found, tmp_path):
     file, notes = a_loop(found), []
-    old = stored(tmp_path / "old", file, details={**read_world(file).failure.details, "class": "loop-of-old"})
+    old = stored(
+        tmp_path / "old", file, details={**read_world(file).failure.details, "class": "loop-of-old"}
+    )
     known = baseline_of(old, notes)
     assert {key[2] for key in known.failures} == {file.stem} and known.has(Failure.read(file))
     assert len(notes) == 1 and f"stored as loop-of-old, its class is {file.stem} now" in notes[0]
@@ -94,7 +123,10 @@ def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):
 def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
     notes = []
     mended = stored(tmp_path / "mended", a_loop(found), controller="bug2")
-    assert not baseline_of(mended, notes, Scenario("bug2")).failures and "does not fail any more" in notes[0]
+    assert (
+        not baseline_of(mended, notes, Scenario("bug2")).failures
+        and "does not fail any more" in notes[0]
+    )
 
 
 def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
@@ -105,10 +137,13 @@ def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
 
 
 @pytest.mark.parametrize(
-    "stored_as", ["./mine.py:Mine", "mine.py:Mine", "below/../mine.py:Mine", "{folder}/mine.py:Mine"]
+    "stored_as",
+    ["./mine.py:Mine", "mine.py:Mine", "below/../mine.py:Mine", "{folder}/mine.py:Mine"],
 )
 @pytest.mark.parametrize("given_as", ["./mine.py:Mine", "mine.py:Mine", "{folder}/mine.py:Mine"])
-def test_a_file_is_the_same_controller_however_its_path_is_written(stored_as, given_as, crash, tmp_path, monkeypatch):
+def test_a_file_is_the_same_controller_however_its_path_is_written(
+    stored_as, given_as, crash, tmp_path, monkeypatch
+):
     _, _, known = crash
     monkeypatch.chdir(tmp_path)
     (tmp_path / "below").mkdir()
@@ -125,12 +160,17 @@ def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
     config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=30)
     plain = Campaign(config, units=2)
     list(plain.run())
-    slid = {kind for kind, found in plain.state.best.items() if found.record.details["kept"] == "class"}
+    slid = {
+        kind for kind, found in plain.state.best.items() if found.record.details["kept"] == "class"
+    }
     assert slid
     known = set(plain.state.best) - slid
     campaign = Campaign(config, units=2, is_known=lambda found: found.bucket in known)
     list(campaign.run())
-    assert campaign.state.best.keys() == slid and campaign.state.known.keys() == known & plain.state.met.keys()
+    assert (
+        campaign.state.best.keys() == slid
+        and campaign.state.known.keys() == known & plain.state.met.keys()
+    )
 
 
 CLASS = """
@@ -177,12 +217,16 @@ def test_a_new_crash_in_a_known_world_is_not_known(crash):
     assert "which is not known" in notes[0]
 
 
-def test_a_crash_that_was_stored_before_classes_named_a_place_is_known_if_the_run_is_the_same(crash):
+def test_a_crash_that_was_stored_before_classes_named_a_place_is_known_if_the_run_is_the_same(
+    crash,
+):
     file, scenario, known = crash
     path = known / "crash.grid"
     record = read_world(path).failure
     evidence = {name: value for name, value in record.evidence.items() if name != "frames"}
-    old = stored(known, path, evidence=evidence, details={**record.details, "class": "crash-KeyError"})
+    old = stored(
+        known, path, evidence=evidence, details={**record.details, "class": "crash-KeyError"}
+    )
     assert [key[2] for key in baseline_of(old, [], scenario).failures] == [record.details["class"]]
     edited(file, "1 / 0")
     assert not baseline_of(old, [], scenario).failures

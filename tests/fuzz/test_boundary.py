@@ -1,4 +1,7 @@
-"""Boundaries: neighbouring values at which a robot arrives and fails, each proved; the lane that brings them."""
+"""Boundaries: neighbouring values at which a robot arrives and fails, each proved.
+
+The lane that brings them.
+"""
 
 import json
 from dataclasses import replace
@@ -8,10 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_boundary, scan, subject_of
+from fuzz.boundary import (
+    AXES,
+    BoundaryRuns,
+    Subject,
+    describe_boundaries,
+    nearest_boundary,
+    scan,
+    subject_of,
+)
 from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Memory
+from fuzz.campaign.result import SearchState
 from fuzz.campaign.run import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import failure_of, replay
@@ -32,7 +43,10 @@ class Ahead:
 
 
 def gap_world():
-    """A gap 0.2 m wide straight ahead, another 0.4 m wide beside it: the wider robot must go round."""
+    """A gap 0.2 m wide straight ahead, another 0.4 m wide beside it.
+
+    The wider robot must go round.
+    """
     walls = np.zeros((12, 12), bool)
     walls[:, 6] = True
     walls[2:4, 6] = walls[6:10, 6] = False
@@ -55,35 +69,44 @@ def test_a_number_of_more_digits_goes_to_the_nearest():
 
 
 def test_a_robot_that_drives_ahead_begins_to_fail_where_it_is_wider_than_the_gap(ahead):
-    looks = Looks(Subject(gap_world(), ahead), AXES["radius"])
+    looks = BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"])
     found = nearest_boundary(looks, index_of(0.07))
     assert found.record() == {"axis": "radius", "fails_at": 0.101, "passes_at": 0.1}
 
 
 def test_with_room_to_spare_no_gap_counts_that_just_fits(ahead):
-    looks = Looks(Subject(gap_world(), ahead), AXES["radius"], spare=0.02)
+    looks = BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"], spare=0.02)
     assert looks(index_of(0.2)) is None and not looks(index_of(0.196)).arrives
 
 
 def test_from_the_failing_side_the_same_boundary_is_found(ahead):
-    found = nearest_boundary(Looks(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.15))
+    found = nearest_boundary(
+        BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.15)
+    )
     assert (found.passes.value, found.fails.value) == (0.1, 0.101)
 
 
 def test_both_ends_of_a_boundary_carry_a_witness(ahead):
-    found = nearest_boundary(Looks(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.07))
+    found = nearest_boundary(
+        BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.07)
+    )
     assert all(check_certificate(look.subject.world).valid for look in (found.passes, found.fails))
 
 
 def test_there_is_no_boundary_where_the_robot_always_arrives(ahead):
     empty = replace(gap_world(), walls=np.zeros((12, 12), bool))
-    assert nearest_boundary(Looks(Subject(empty, ahead), AXES["speed"]), index_of(2.0)) is None
+    assert (
+        nearest_boundary(BoundaryRuns(Subject(empty, ahead), AXES["speed"]), index_of(2.0)) is None
+    )
 
 
 def test_a_scan_tells_arriving_from_failing_from_having_no_way(ahead):
-    looks = Looks(Subject(gap_world(), ahead), AXES["radius"])
+    looks = BoundaryRuns(Subject(gap_world(), ahead), AXES["radius"])
     found = scan(looks, range(index_of(0.05), index_of(0.4) + 1, 90))
-    assert [(one.outcome, one.first, one.last) for one in found][:2] == [("arrives", 0.05, 0.1), ("fails", 0.101, 0.2)]
+    assert [(one.outcome, one.first, one.last) for one in found][:2] == [
+        ("arrives", 0.05, 0.1),
+        ("fails", 0.101, 0.2),
+    ]
     assert {one.outcome for one in found[2:]} == {"no proof"}
 
 
@@ -110,7 +133,7 @@ def test_a_shrunk_failure_says_where_it_begins_in_its_own_world():
 def test_what_a_record_says_of_its_boundaries_is_put_in_words():
     said = [{"axis": "radius", "fails_at": 0.083, "passes_at": 0.082}, {"axis": "luck"}, 7]
     failure = failure_of(generate("trap", 7), Scenario("turn-right"), boundaries=said)
-    assert boundaries_in_words(failure) == "begins at radius 0.083 m (0.082 passes)"
+    assert describe_boundaries(failure) == "begins at radius 0.083 m (0.082 passes)"
 
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, families=("boundary",))
@@ -119,13 +142,15 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, families=(
 @pytest.fixture(scope="module")
 def found():
     first = run_unit(CONFIG, 0)
-    return first, run_unit(CONFIG, 1, Memory().after(first))
+    return first, run_unit(CONFIG, 1, SearchState().after(first))
 
 
 def failures_of(found, *, bounded):
     """Failures of the units whose record says where they begin, or those whose record does not."""
     failures = [failure for result in found for failure in result.failures.values()]
-    chosen = [failure for failure in failures if ("boundaries" in failure.record.details) is bounded]
+    chosen = [
+        failure for failure in failures if ("boundaries" in failure.record.details) is bounded
+    ]
     assert chosen
     return chosen
 
@@ -135,12 +160,15 @@ def test_every_failure_of_the_boundary_lane_replays(found):
         assert all(replay(failure).confirmed for failure in failures_of(found, bounded=bounded))
 
 
-def test_a_failure_of_the_boundary_lane_that_does_not_say_where_it_begins_has_no_boundary_on_some_axis(found):
+def test_a_failure_of_the_boundary_lane_that_does_not_say_where_it_begins_has_no_boundary_on_some_axis(
+    found,
+):
     for failure in failures_of(found, bounded=False):
         subject = subject_of(failure)
         starts = {axis: axis.index(subject) for axis in AXES.values()}
         assert any(
-            start is not None and nearest_boundary(Looks(subject, axis, spare=0.05), start) is None
+            start is not None
+            and nearest_boundary(BoundaryRuns(subject, axis, spare=0.05), start) is None
             for axis, start in starts.items()
         )
 
@@ -149,22 +177,31 @@ def test_at_the_value_that_passes_the_robot_arrives(found):
     for failure in failures_of(found, bounded=True):
         said, record = failure.record.details["boundaries"][0], failure.record
         subject = Subject(
-            failure.world, Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed)
+            failure.world,
+            Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed),
         )
         before = AXES[said["axis"]].at(subject, said["passes_at"])
         world = before.world
-        assert simulate(world, "turn-right", before.scenario.options(world, 100_000)).verdict == "reached"
+        assert (
+            simulate(world, "turn-right", before.scenario.options(world, 100_000)).verdict
+            == "reached"
+        )
 
 
 def test_a_unit_is_the_same_again_with_the_same_memory(found):
-    again = run_unit(CONFIG, 1, Memory().after(found[0]))
-    assert {k: w.dumps() for k, w in again.failures.items()} == {k: w.dumps() for k, w in found[1].failures.items()}
+    again = run_unit(CONFIG, 1, SearchState().after(found[0]))
+    assert {k: w.dumps() for k, w in again.failures.items()} == {
+        k: w.dumps() for k, w in found[1].failures.items()
+    }
 
 
 def test_what_is_known_to_fail_is_where_boundaries_are_looked_for(found):
-    memory = Memory().after(found[0]).after(found[1])
+    memory = SearchState().after(found[0]).after(found[1])
     on_a_map = replace(CONFIG, fixed_map=gap_world())
-    assert run_unit(on_a_map, 2, memory).worlds > 0 and run_unit(on_a_map, 2, Memory()).worlds == 0
+    assert (
+        run_unit(on_a_map, 2, memory).worlds > 0
+        and run_unit(on_a_map, 2, SearchState()).worlds == 0
+    )
 
 
 @pytest.fixture
@@ -175,12 +212,19 @@ def gap(tmp_path, ahead):
 
 def test_the_command_says_where_a_controller_begins_to_fail(gap):
     result = worldgen("boundary", *gap, "radius")
-    assert result.code == 1 and "to 0.1 m: arrives" in result.out and "radius 0.101 to 0.14" in result.out
+    assert (
+        result.code == 1
+        and "to 0.1 m: arrives" in result.out
+        and "radius 0.101 to 0.14" in result.out
+    )
 
 
 def test_the_command_prints_one_json_object(gap):
     said = json.loads(worldgen("boundary", *gap, "radius", "--json").out)
-    assert said["axis"] == "radius" and [one["outcome"] for one in said["stretches"]] == ["arrives", "fails"]
+    assert said["axis"] == "radius" and [one["outcome"] for one in said["stretches"]] == [
+        "arrives",
+        "fails",
+    ]
     assert said["stretches"][1]["first"] == 0.101
 
 

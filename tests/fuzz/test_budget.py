@@ -21,7 +21,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.screening import evaluate
 from fuzz.shrink import shrink
 from fuzz.triage.judging import failure_of
-from fuzz.triage.triage import Door
+from fuzz.triage.triage import Triage
 from sim import Command, simulate
 from sim.episode import prepare
 from sim.runners.stopping import OutOfTime, stopping_when
@@ -80,7 +80,10 @@ def test_a_long_run_of_a_slow_controller_ends_between_two_steps():
 
 def test_each_step_that_takes_a_second_is_followed_by_a_look_at_the_clock():
     controller = Spins()
-    with pytest.raises(OutOfTime), stopping_when(lambda: controller.asked >= 5, clock=lambda: float(controller.asked)):
+    with (
+        pytest.raises(OutOfTime),
+        stopping_when(lambda: controller.asked >= 5, clock=lambda: float(controller.asked)),
+    ):
         simulate(generate("trap", 7), controller, steps=5_000)
     assert controller.asked == 5
 
@@ -110,7 +113,7 @@ def test_a_failure_that_was_met_counts_though_the_time_is_over():
     options = scenario.options(world)
     outcome = prepare(world, "turn-right", options).run(options.steps, find_loop=True, record=False)
     with pytest.raises(OutOfTime), stopping_when(lambda: True):
-        Door(CONFIG, result, Deadline(begin=0.0)).look(world, scenario, outcome)
+        Triage(CONFIG, result, Deadline(begin=0.0)).look(world, scenario, outcome)
     assert result.worlds == 1 and [kind for kind in result.failures if kind.startswith("loop")]
 
 
@@ -125,7 +128,9 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
         "        return ()\n"
         "    def act(self, observation, memory): return Command(0.0, 0.0), memory\n"
     )
-    config = replace(CONFIG, scenario=Scenario(f"{tmp_path}/mine.py:Mine"), examples=80, shrink=False)
+    config = replace(
+        CONFIG, scenario=Scenario(f"{tmp_path}/mine.py:Mine"), examples=80, shrink=False
+    )
     campaign = Campaign(config, units=2, executor=InlineExecutor())
     with pytest.raises(KeyboardInterrupt):
         for _ in campaign.run():
@@ -188,7 +193,10 @@ def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
 
 @pytest.fixture
 def stopped(monkeypatch):
-    """Ctrl-C at the time 0, which a worker sees at its second look at the clock; the clock itself stands still."""
+    """Ctrl-C at the time 0, which a worker sees at its second look at the clock.
+
+    The clock itself stands still.
+    """
     at = SimpleNamespace(now=0.0)
     looks = count()
     monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: at.now))
@@ -225,19 +233,21 @@ def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeyp
 def test_ctrl_c_in_a_proof_of_a_native_unit_keeps_the_other_proofs(monkeypatch):
     config = replace(CONFIG, families=("native",))
     calls = count()
-    enter = Door.enter
+    enter = Triage.enter
 
     def enter_or_stop(*args, **kwargs):
         if next(calls) == 1:
             raise KeyboardInterrupt
         return enter(*args, **kwargs)
 
-    monkeypatch.setattr(Door, "enter", enter_or_stop)
+    monkeypatch.setattr(Triage, "enter", enter_or_stop)
     result = run_unit(config, 0)
     assert result.interrupted and result.met.total() > 1
 
 
-def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_it_begins(monkeypatch):
+def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_it_begins(
+    monkeypatch,
+):
     def no_time(*_):
         raise OutOfTime
 
@@ -259,17 +269,24 @@ def test_shrinking_that_is_cut_short_gives_its_best_so_far(monkeypatch):
     assert not made.complete and made.failure.record.details["one_minimal"] is False
 
 
-def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_nothing_is_to_be_shrunk(monkeypatch):
+def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_nothing_is_to_be_shrunk(
+    monkeypatch,
+):
     at = SimpleNamespace(now=0.0)
     monkeypatch.setattr("fuzz.campaign.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now))
+    monkeypatch.setattr(
+        "fuzz.campaign.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now)
+    )
     schedule = Schedule(100.0)
     schedule.begin()
     assert schedule.deadline() == Deadline(1075.0, 1087.5)
     at.now = 76.0
     assert schedule.deadline() == Deadline(1090.0, 1095.0)
     assert not schedule.search_comes_first and schedule.may_search
-    assert schedule.for_shrinking(failures=8, workers=2) == (pytest.approx(4.2), pytest.approx(1082.0))
+    assert schedule.for_shrinking(failures=8, workers=2) == (
+        pytest.approx(4.2),
+        pytest.approx(1082.0),
+    )
     at.now = 100.0
     assert schedule.is_over() and not schedule.is_over(grace=1.0)
 
@@ -304,7 +321,12 @@ def test_failures_at_every_value_of_an_axis_are_failures(tmp_path):
         "    def reset(self): return ()\n"
         "    def act(self, observation, memory): return Command(), memory\n"
     )
-    config = replace(CONFIG, scenario=Scenario(f"{tmp_path}/still.py:Still"), families=("boundary",), examples=128)
+    config = replace(
+        CONFIG,
+        scenario=Scenario(f"{tmp_path}/still.py:Still"),
+        families=("boundary",),
+        examples=128,
+    )
     result = run_unit(config, 1)
     assert result.verdicts["loop"] and result.failures
 
@@ -316,8 +338,12 @@ def test_json_of_a_campaign_says_how_long_each_part_took(tmp_path):
     assert set(said["times"]) == {"start-up", "search", "shrinking"} and said["units_cut"] == 0
 
 
-@pytest.mark.parametrize(("tried", "loading", "is_over"), [(0.0, 0.0, False), (6.0, 0.0, False), (6.0, 5.0, True)])
-def test_what_the_controller_took_before_the_search_counts_in_full(tried, loading, is_over, monkeypatch):
+@pytest.mark.parametrize(
+    ("tried", "loading", "is_over"), [(0.0, 0.0, False), (6.0, 0.0, False), (6.0, 5.0, True)]
+)
+def test_what_the_controller_took_before_the_search_counts_in_full(
+    tried, loading, is_over, monkeypatch
+):
     monkeypatch.setattr("fuzz.campaign.schedule.time.monotonic", lambda: 100.0)
     schedule = Schedule(10.0, began=80.0, own=tried)
     schedule.begin(loading)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.run import Campaign, Found
+from fuzz.campaign.run import Campaign, Discovery
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import replay
 from sim.scenario import Scenario
@@ -32,7 +32,12 @@ def found():
 
 def test_a_unit_is_a_pure_function_of_its_number():
     one, two = run_unit(CONFIG, 2), run_unit(CONFIG, 2)
-    assert (one.worlds, one.steps, one.verdicts, one.met) == (two.worlds, two.steps, two.verdicts, two.met)
+    assert (one.worlds, one.steps, one.verdicts, one.met) == (
+        two.worlds,
+        two.steps,
+        two.verdicts,
+        two.met,
+    )
     assert {k: found.dumps() for k, found in one.failures.items()} == {
         k: found.dumps() for k, found in two.failures.items()
     }
@@ -81,7 +86,7 @@ def test_two_processes_find_the_same_corpus_as_one(found):
 def test_what_is_not_shrunk_yet_is_kept_when_a_campaign_stops():
     campaign = Campaign(CONFIG, units=3)
     for event in campaign.run():
-        if isinstance(event, Found):
+        if isinstance(event, Discovery):
             break
         assert campaign.pending() or not campaign.state.met
     assert campaign.state.best or campaign.pending()

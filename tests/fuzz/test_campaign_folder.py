@@ -23,9 +23,17 @@ from fuzz.campaign.deadline import Deadline
 from fuzz.campaign.executors import InlineExecutor, WorkersLost
 from fuzz.campaign.run import Campaign, Shrinking
 from fuzz.campaign.session import CampaignSession
-from fuzz.campaign.store import Budget, FolderStore, begin, fingerprint_of, read_error, resume, stored_seed
+from fuzz.campaign.store import (
+    Budget,
+    FolderStore,
+    begin,
+    fingerprint_of,
+    read_error,
+    resume,
+    stored_seed,
+)
 from fuzz.campaign.store.fingerprint import config_of, digest_of_sources
-from fuzz.campaign.summary import units_in_words
+from fuzz.campaign.summary import describe_units
 from fuzz.campaign.unit import run_unit
 from fuzz.campaign.variation import Variation
 from fuzz.search.native import Pace
@@ -78,7 +86,9 @@ def copied(whole, tmp_path):
 
 
 @pytest.mark.parametrize("seed", some(range(4)))
-def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(seed, whole, tmp_path, monkeypatch):
+def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(
+    seed, whole, tmp_path, monkeypatch
+):
     chance, write = random.Random(seed), fuzz.campaign.store.folder.write_bytes
     left, killed, done = 0, 0, False
 
@@ -159,13 +169,20 @@ def test_the_whole_plan_goes_on_from_its_memory_as_if_it_had_never_stopped(tmp_p
     parts = [search("parts", units) for units in (3, 7, 10)][-1]
     assert {"native", "archive"} <= whole.memory.lanes.keys() and whole.memory.elites
     assert list(parts.memory.elites.items()) == list(whole.memory.elites.items())
-    assert (parts.memory.lanes, list(parts.best), parts.met) == (whole.memory.lanes, list(whole.best), whole.met)
+    assert (parts.memory.lanes, list(parts.best), parts.met) == (
+        whole.memory.lanes,
+        list(whole.best),
+        whole.met,
+    )
 
 
 def test_the_same_command_again_does_nothing_again_and_says_the_same(copied):
     before = {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")}
     result = worldgen(*FUZZ, "--units", UNITS, "--out", copied, "--json")
-    assert result.code == 1 and f"goes on with the campaign in {copied}: seed 5, 3 units done" in result.err
+    assert (
+        result.code == 1
+        and f"goes on with the campaign in {copied}: seed 5, 3 units done" in result.err
+    )
     assert {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")} == before
 
 
@@ -212,7 +229,9 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)
-    assert "as found, because the time ended" in said.err and re.search("--units [1-3] does the rest", said.err)
+    assert "as found, because the time ended" in said.err and re.search(
+        "--units [1-3] does the rest", said.err
+    )
     run(resume(tmp_path / "out", Budget(units=UNITS)))
     assert left_in(tmp_path / "out") == left_in(whole)
 
@@ -243,7 +262,9 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
 
 
 @pytest.mark.gate
-def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped(tmp_path, monkeypatch):
+def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped(
+    tmp_path, monkeypatch
+):
     config = replace(CONFIG, families=("archive",), examples=4, shrink=False)
     for lane in ("archive", "native"):
         monkeypatch.setattr(f"fuzz.search.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
@@ -265,12 +286,18 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         cut, entries = left("stopped")
     # The unit 3 knows what the unit 1 met.
     whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
-    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut, cut.too_early) == (2, 2, 1)
-    assert units_in_words(cut) == "2 units and 1 cut short and 1 that learned too little from those"
+    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut, cut.too_early) == (
+        2,
+        2,
+        1,
+    )
+    assert describe_units(cut) == "2 units and 1 cut short and 1 that learned too little from those"
     (stopped, _) = left("stopped")
     (state, _) = left("never")
     assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
-    assert stopped.memory.elites == state.memory.elites and dumped(stopped.best) == dumped(state.best)
+    assert stopped.memory.elites == state.memory.elites and dumped(stopped.best) == dumped(
+        state.best
+    )
 
 
 def dumped(worlds):
@@ -286,7 +313,9 @@ class StuckInTheFirst(InlineExecutor):
         self.at = at
 
     def submit(self, work, /, *args, **kwargs):
-        return Future() if work is run_unit and args[1] == 0 else super().submit(work, *args, **kwargs)
+        return (
+            Future() if work is run_unit and args[1] == 0 else super().submit(work, *args, **kwargs)
+        )
 
     def listen(self):
         self.at.now = 1_000.0
@@ -311,9 +340,13 @@ def test_units_that_are_done_behind_one_that_is_stuck_are_kept(stuck, whole, tmp
 
 
 def test_a_worker_beside_one_that_is_stuck_goes_on(stuck):
-    campaign = Campaign(replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, executor=stuck)
+    campaign = Campaign(
+        replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, executor=stuck
+    )
     deque(campaign.run(), maxlen=0)
-    assert campaign.state.units == 9  # of two epochs all but the first; more would need to know what that one met
+    assert (
+        campaign.state.units == 9
+    )  # of two epochs all but the first; more would need to know what that one met
 
 
 @pytest.mark.gate
@@ -329,7 +362,11 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
     (out / "changed.grid").write_bytes(b"mine")
     (out / "mine.grid").write_bytes(known.read_bytes())
     run(resume(out))
-    assert {file.name for file in out.glob("*.grid")} == {*left_in(whole)[0], "changed.grid", "mine.grid"}
+    assert {file.name for file in out.glob("*.grid")} == {
+        *left_in(whole)[0],
+        "changed.grid",
+        "mine.grid",
+    }
 
 
 @pytest.mark.gate
@@ -353,7 +390,9 @@ def spoil_type(file):
 
 
 def spoil_path(file):
-    file.write_text(json.dumps({**json.loads(file.read_text()), "failures": {"loop": "../../../etc/passwd"}}))
+    file.write_text(
+        json.dumps({**json.loads(file.read_text()), "failures": {"loop": "../../../etc/passwd"}})
+    )
 
 
 @pytest.mark.parametrize("spoil", [Path.unlink, spoil_text, spoil_number, spoil_type, spoil_path])
@@ -403,7 +442,9 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
     with raises(OutputError, "another-campaign") as caught:
         resume(tmp_path / "out")
     (difference,) = caught.value.facts["differences"]
-    assert re.fullmatch(r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}", difference)
+    assert re.fullmatch(
+        r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}", difference
+    )
 
 
 def test_a_campaign_that_did_nothing_makes_room_for_another(tmp_path):
@@ -435,7 +476,9 @@ def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
     assert result.code == 2 and "--seed stays as the campaign was begun" in result.err
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"version": 2}', '{"version": 1, "configuration": 5}', "[" * 100_000])
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"version": 2}', '{"version": 1, "configuration": 5}', "[" * 100_000]
+)
 def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, copied):
     (copied / ".campaign" / "campaign.json").write_text(text)
     with raises(FormatError, "invalid-campaign"):
@@ -449,7 +492,9 @@ def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, co
         ('"seed": ', '"seed": 1e999, "was": ', "cannot convert float infinity"),
     ],
 )
-def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(here, strange, said, copied):
+def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(
+    here, strange, said, copied
+):
     file = copied / ".campaign" / "campaign.json"
     file.write_text(file.read_text().replace(here, strange))
     with raises(FormatError, "invalid-campaign") as caught:
@@ -471,7 +516,9 @@ def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
         "import time; from pathlib import Path; from fuzz.campaign.store import FolderStore\n"
         f"held = FolderStore(Path({str(copied)!r}))"
     )
-    process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
+    process = subprocess.Popen(
+        [sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1
+    )
     process.stdout.readline()
     with raises(OutputError, "campaign-is-running", out=str(copied)):
         FolderStore(copied)
@@ -499,14 +546,18 @@ def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
 
 
 @pytest.mark.gate
-def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(whole, tmp_path, monkeypatch):
+def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(
+    whole, tmp_path, monkeypatch
+):
     write, left = fuzz.campaign.store.folder.write_bytes, 9
 
     def full(path, data, *, force):
         nonlocal left
         left -= 1
         if left < 0:
-            raise OutputError("unwritable", "{path}: cannot be written: No space left on device", path=path)
+            raise OutputError(
+                "unwritable", "{path}: cannot be written: No space left on device", path=path
+            )
         write(path, data, force=force)
 
     monkeypatch.setattr(fuzz.campaign.store.folder, "write_bytes", full)
@@ -522,7 +573,12 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
     vary = (Variation("robot_speed", (0.5, 1.0)),)
     scenario = Scenario.parse("turn-right+sensor_noise=0.1", motion="endpoint", time_step=0.03)
     config = replace(
-        CONFIG, scenario=scenario, families=("trap",), vary=vary, fixed_map=generate("trap", 3), oracles=("detour=5",)
+        CONFIG,
+        scenario=scenario,
+        families=("trap",),
+        vary=vary,
+        fixed_map=generate("trap", 3),
+        oracles=("detour=5",),
     )
     stored = json.loads(json.dumps(fingerprint_of(config).configuration))
     assert config_of(stored) == config
@@ -533,7 +589,9 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
     [("fuzz/studio/page/campaign.js", True), ("fuzz/player/page/map.js", True), ("fuzz/report/page.py", True),
      ("fuzz/core/looks.c", False), ("fuzz/_core.abi3.so", True), ("fuzz/studio_of_mine.py", False)],
 )  # fmt: skip
-def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_the_core_does_not(tmp_path, file, same):
+def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_the_core_does_not(
+    tmp_path, file, same
+):
     (tmp_path / file).parent.mkdir(parents=True)
     (tmp_path / "fuzz/failure.py").write_text("")
     before = digest_of_sources([tmp_path / "fuzz"])

@@ -15,11 +15,15 @@ def test_each_option_of_a_campaign_has_help():
 
 def test_the_command_takes_each_option_of_a_campaign():
     taken = {param.opts[0]: param.name for param in fuzz.params}
-    assert {option.flag: option.name for option in CampaignOptions.declared()}.items() <= taken.items()
+    assert {
+        option.flag: option.name for option in CampaignOptions.declared()
+    }.items() <= taken.items()
 
 
 def test_options_that_are_kept_reach_the_configuration():
-    options = CampaignOptions(controller="turn-right", examples=7, epoch=3, database="d", oracles=("turn",), detour=5)
+    options = CampaignOptions(
+        controller="turn-right", examples=7, epoch=3, database="d", oracles=("turn",), detour=5
+    )
     config = configure(options, seed=1)
     assert (config.examples, config.epoch, config.database) == (7, 3, "d")
     assert config.oracles == ("detour=5", "turn")
@@ -27,7 +31,11 @@ def test_options_that_are_kept_reach_the_configuration():
 
 @pytest.mark.parametrize(
     ("settings", "code"),
-    [({"examples": 0}, "out-of-range"), ({"epoch": 1.5}, "wrong-type"), ({"oracles": (3,)}, "wrong-type")],
+    [
+        ({"examples": 0}, "out-of-range"),
+        ({"epoch": 1.5}, "wrong-type"),
+        ({"oracles": (3,)}, "wrong-type"),
+    ],
 )
 def test_a_wrong_option_of_a_campaign_is_refused(settings, code):
     with raises(InvalidParameter, code):

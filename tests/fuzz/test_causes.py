@@ -57,7 +57,8 @@ def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
 
 @pytest.mark.parametrize("name", OF_EACH_CAUSE)
 @pytest.mark.parametrize(
-    ("later", "message"), [(-1, "the disc is clear of walls"), (1, "overlaps a wall before"), (10**6, "said to begin")]
+    ("later", "message"),
+    [(-1, "the disc is clear of walls"), (1, "overlaps a wall before"), (10**6, "said to begin")],
 )
 def test_an_overlap_that_begins_in_another_step_is_refused(name, later, message):
     since = judged(name)[1].evidence.since
@@ -89,7 +90,9 @@ def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
     x = episode.trace.x.copy()
     x[episode.evidence.since :] += 1e-4  # a hundredth of a pixel to the side
     bent = replace(episode.trace, x=x)
-    assert "is no slide" in check_evidence("tunnel", world, bent, episode.evidence, options.motion_model())
+    assert "is no slide" in check_evidence(
+        "tunnel", world, bent, episode.evidence, options.motion_model()
+    )
 
 
 def breach():
@@ -103,7 +106,9 @@ def test_a_true_breach_holds():
     assert check_breach(world, episode.trace, whole, episode.evidence) == ""
 
 
-@pytest.mark.parametrize(("later", "message"), [(-1, "does not end in the target's cell"), (1, "said to be reached")])
+@pytest.mark.parametrize(
+    ("later", "message"), [(-1, "does not end in the target's cell"), (1, "said to be reached")]
+)
 def test_a_target_reached_in_another_step_is_refused(later, message):
     world, episode, whole = breach()
     evidence = replace(episode.evidence, reached=episode.evidence.reached + later)
@@ -121,7 +126,9 @@ def test_a_target_that_was_reached_before_the_wall_is_no_breach():
     x, y = whole.x.copy(), whole.y.copy()
     x[100], y[100] = world.target.x, world.target.y
     early = replace(whole, x=x, y=y)
-    assert f"reached before step {whole.steps}" in check_breach(world, episode.trace, early, episode.evidence)
+    assert f"reached before step {whole.steps}" in check_breach(
+        world, episode.trace, early, episode.evidence
+    )
 
 
 def test_a_breach_by_another_run_is_refused():
@@ -129,7 +136,9 @@ def test_a_breach_by_another_run_is_refused():
     states = whole.states.copy()
     states[10] ^= 1
     other = replace(whole, states=states)
-    assert "another one before the wall" in check_breach(world, episode.trace, other, episode.evidence)
+    assert "another one before the wall" in check_breach(
+        world, episode.trace, other, episode.evidence
+    )
 
 
 def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
@@ -142,7 +151,9 @@ def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
 def test_a_breach_is_not_confirmed_with_a_cut_that_does_not_hold():
     world = judged("thesis-1-breach")[0]
     assert isinstance(world.certificate, Cut) and replay(Failure.of(world)).confirmed
-    open_world = replace(world, certificate=replace(world.certificate, cells=world.certificate.cells[:1]))
+    open_world = replace(
+        world, certificate=replace(world.certificate, cells=world.certificate.cells[:1])
+    )
     assert "cut does not hold" in replay(Failure.of(open_world)).reason
 
 
@@ -176,12 +187,19 @@ def test_an_exact_loop_does_not_drift():
     world, _, options = judged("thesis-1-loop-104")
     trace = prepare(world, "thesis-1", options).run(4000, find_loop=False, record=True).trace
     evidence = BudgetEvidence(last_new_cell=0, kind="drifting", period=104, entry=2000, box=(3, 3))
-    assert "which is a loop" in check_evidence("stalled", world, trace, evidence, options.motion_model())
+    assert "which is a loop" in check_evidence(
+        "stalled", world, trace, evidence, options.motion_model()
+    )
 
 
 @pytest.mark.parametrize(
     ("robot", "randomised"),
-    [("thesis-3", True), ("thesis-1", False), ("thesis-1+slip=0.2", True), ("thesis-1+sensor_noise=0.1", True)],
+    [
+        ("thesis-3", True),
+        ("thesis-1", False),
+        ("thesis-1+slip=0.2", True),
+        ("thesis-1+sensor_noise=0.1", True),
+    ],
 )
 def test_seeds_are_tried_wherever_chance_has_a_part(robot, randomised):
     world = replace(judged("thesis-2-corner")[0], failure=None)

@@ -1,4 +1,7 @@
-"""Exact answers about random controllers: known ones, checked ones, and such as ordinary runs agree with."""
+"""Exact answers about random controllers.
+
+Known ones, checked ones, and such as ordinary runs agree with.
+"""
 
 import json
 import math
@@ -34,7 +37,9 @@ def _wander(observation, memory, command):
     """East or west, anew in every step."""
     east = observation[layout.OBS_RANDOM] < 0.5
     turned = 0.0 if east else math.pi
-    command[layout.CMD_TURN_RATE] = (turned - observation[layout.OBS_HEADING]) / observation[layout.OBS_TIME_STEP]
+    command[layout.CMD_TURN_RATE] = (turned - observation[layout.OBS_HEADING]) / observation[
+        layout.OBS_TIME_STEP
+    ]
     command[layout.CMD_SPEED], command[layout.CMD_DRAW] = observation[layout.OBS_TOP_SPEED], 1.0
 
 
@@ -57,8 +62,13 @@ def _quarter(observation, memory, command):
 
 
 def _peek(observation, memory, command):
-    """Ahead while the number is low, and it never takes another one: a number seen is the same in the next step."""
-    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if observation[layout.OBS_RANDOM] < 0.5 else 0.0
+    """Ahead while the number is low, and it never takes another one.
+
+    A number seen is the same in the next step.
+    """
+    command[layout.CMD_SPEED] = (
+        observation[layout.OBS_TOP_SPEED] if observation[layout.OBS_RANDOM] < 0.5 else 0.0
+    )
 
 
 def _err(observation, memory, command):
@@ -68,7 +78,10 @@ def _err(observation, memory, command):
 
 
 def _waver(observation, memory, command):
-    """Stands, and takes another number unless this one is low: what it does looks alike, but not what it has seen."""
+    """Stands, and takes another number unless this one is low.
+
+    What it does looks alike, but not what it has seen.
+    """
     command[layout.CMD_DRAW] = 1.0 if observation[layout.OBS_RANDOM] >= 0.5 else 0.0
 
 
@@ -87,7 +100,10 @@ def _rarely(observation, memory, command):
 
 
 class Flip:
-    """Ahead or not, as the first random number says; in Python, so that nobody knows that there is chance in it."""
+    """Ahead or not, as the first random number says.
+
+    In Python, so that nobody knows that there is chance in it.
+    """
 
     def reset(self):
         return ()
@@ -155,13 +171,17 @@ def test_a_number_that_is_not_used_up_stays(controller, faces):
 
 def test_a_robot_on_a_lattice_ends_its_steps_on_it_and_in_no_wall():
     world = World(np.eye(9, dtype=bool)[::-1], Pose(0.25, 0.25, 0.3), Target(0.85, 0.85, 0.03))
-    walls = shapely.union_all([shapely.box(k / 10, 0.8 - k / 10, (k + 1) / 10, 0.9 - k / 10) for k in range(9)])
+    walls = shapely.union_all(
+        [shapely.box(k / 10, 0.8 - k / 10, (k + 1) / 10, 0.9 - k / 10) for k in range(9)]
+    )
     plain = CompiledController("plain", _quarter, randomised=True, senses=SENSES)
     trace = simulate(world, plain, record=True, steps=300, lattice=8).trace
     units = np.stack([trace.x, trace.y])[:, 1:] / world.cell_size * 8
     on = np.abs(units - np.rint(units)) < 1e-9
     assert on.mean() > 0.9 and trace.bump.any()
-    assert shapely.distance(shapely.points(trace.x, trace.y), walls).min() > world.robot_radius - 1e-9
+    assert (
+        shapely.distance(shapely.points(trace.x, trace.y), walls).min() > world.robot_radius - 1e-9
+    )
 
 
 @pytest.mark.parametrize("value", [1, 3, 2048])
@@ -219,7 +239,10 @@ def small_worlds(draw):
     (ix, iy), (tx, ty) = (draw(st.tuples(st.integers(0, 5), st.integers(0, 5))) for _ in range(2))
     ty = draw(st.sampled_from([iy, ty]))
     walls[iy, ix] = walls[ty, tx] = False
-    start, target = Pose(0.1 * ix + 0.05, 0.1 * iy + 0.05, 0.0), Target(0.1 * tx + 0.05, 0.1 * ty + 0.05, 0.05)
+    start, target = (
+        Pose(0.1 * ix + 0.05, 0.1 * iy + 0.05, 0.0),
+        Target(0.1 * tx + 0.05, 0.1 * ty + 0.05, 0.05),
+    )
     return World(walls, start, target, robot_radius=0.04)
 
 
@@ -245,13 +268,17 @@ def test_the_check_accepts_what_is_explored_and_refuses_another_claim(world, con
 
 def test_the_check_refuses_states_that_are_not_closed():
     outcomes = explored(wander, hall())
-    cut = replace(outcomes, following=(((0, len(outcomes.states)), (1, 0)), *outcomes.following[1:]))
+    cut = replace(
+        outcomes, following=(((0, len(outcomes.states)), (1, 0)), *outcomes.following[1:])
+    )
     assert "was not looked at" in check_chance(cut, "sure", [])
 
 
 def test_the_check_refuses_ranks_that_lead_nowhere():
     outcomes = explored(wander, hall((1.05, 0.45)))
-    assert "lower rank" in check_chance(replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", [])
+    assert "lower rank" in check_chance(
+        replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", []
+    )
 
 
 def test_the_check_refuses_an_end_elsewhere_where_arrival_is_said_to_be_sure():
@@ -260,12 +287,18 @@ def test_the_check_refuses_an_end_elsewhere_where_arrival_is_said_to_be_sure():
 
 def test_the_check_refuses_a_loss_that_has_a_way_out():
     outcomes = explored(wander, hall())
-    assert "a way leads out" in check_chance(replace(outcomes, ranks=(*outcomes.ranks[:-1], 0)), "part", [])
+    assert "a way leads out" in check_chance(
+        replace(outcomes, ranks=(*outcomes.ranks[:-1], 0)), "part", []
+    )
 
 
 def test_the_check_refuses_states_to_which_nothing_leads():
     outcomes = explored(wander, hall())
-    more = replace(outcomes, following=(*outcomes.following, ((-1, 0),)), states=np.concatenate([outcomes.states] * 2))
+    more = replace(
+        outcomes,
+        following=(*outcomes.following, ((-1, 0),)),
+        states=np.concatenate([outcomes.states] * 2),
+    )
     assert "no state before it leads" in check_chance(more, "sure", [])
 
 
@@ -277,7 +310,10 @@ def test_the_check_refuses_a_run_that_leaves_the_states():
 
 def test_the_check_refuses_an_arrival_that_no_state_tells():
     outcomes = explored(wander, hall())
-    never = tuple(tuple((v, 0 if after == ARRIVED else after) for v, after in entry) for entry in outcomes.following)
+    never = tuple(
+        tuple((v, 0 if after == ARRIVED else after) for v, after in entry)
+        for entry in outcomes.following
+    )
     run = simulate(hall(), wander, record=True, steps=20_000)
     assert run.verdict == "reached"
     assert "where no state says so" in check_chance(
@@ -287,7 +323,10 @@ def test_the_check_refuses_an_arrival_that_no_state_tells():
 
 def test_a_failures_record_says_what_chance_there_was():
     assert chance_details(hall(), Scenario(f"{HERE}:choose")) == {"chance": "part", "states": 39}
-    assert list(chance_details(hall(), Scenario(f"{HERE}:free"))) == ["failing_seeds", "failing_share_at_least"]
+    assert list(chance_details(hall(), Scenario(f"{HERE}:free"))) == [
+        "failing_seeds",
+        "failing_share_at_least",
+    ]
 
 
 @pytest.mark.gate
@@ -302,18 +341,28 @@ def test_a_failures_record_says_what_chance_there_was():
 )
 def test_the_command_says_so(tmp_path, controller, code, keys):
     write_world(hall(), tmp_path / "w.grid")
-    result = worldgen("chance", tmp_path / "w.grid", "--controller", f"{HERE}:{controller}", "--json")
+    result = worldgen(
+        "chance", tmp_path / "w.grid", "--controller", f"{HERE}:{controller}", "--json"
+    )
     assert result.code == code and keys.items() <= json.loads(result.out).items()
 
 
 def test_one_seed_of_many_that_fails_is_told_by_the_exit_code(tmp_path):
     write_world(hall(), tmp_path / "w.grid")
-    told = worldgen("chance", tmp_path / "w.grid", "--controller", f"{HERE}:rarely", "--seeds", 600, "--json")
+    told = worldgen(
+        "chance", tmp_path / "w.grid", "--controller", f"{HERE}:rarely", "--seeds", 600, "--json"
+    )
     found = json.loads(told.out)
-    assert (found["failing_seeds"], found["failing_share_at_least"], told.code) == ([1, 600], 0.0, 1)
+    assert (found["failing_seeds"], found["failing_share_at_least"], told.code) == (
+        [1, 600],
+        0.0,
+        1,
+    )
 
 
-@pytest.mark.parametrize(("options", "says"), [((), "give --controller"), (("--time-step", 0.1), "needs --controller")])
+@pytest.mark.parametrize(
+    ("options", "says"), [((), "give --controller"), (("--time-step", 0.1), "needs --controller")]
+)
 def test_without_a_controller_the_command_says_what_it_needs(tmp_path, options, says):
     write_world(hall(), tmp_path / "w.grid")
     result = worldgen("chance", tmp_path / "w.grid", *options)
@@ -321,13 +370,19 @@ def test_without_a_controller_the_command_says_what_it_needs(tmp_path, options, 
 
 
 def test_a_shrunk_failure_has_no_answer_of_the_world_that_it_came_from():
-    failure = failure_of(certified(hall((1.05, 0.45))), Scenario(f"{HERE}:astray"), chance="sure", states=7)
+    failure = failure_of(
+        certified(hall((1.05, 0.45))), Scenario(f"{HERE}:astray"), chance="sure", states=7
+    )
     details = shrink(failure).failure.record.details
     assert not {"chance", "states"} & details.keys() and "failing_seeds" in details
 
 
 def test_seeds_are_told_where_all_cannot_be_looked_at():
-    words = in_words(Chance("undecided", "why"), {"failing_seeds": [3, 40], "failing_share_at_least": 0.0157})
+    words = in_words(
+        Chance("undecided", "why"), {"failing_seeds": [3, 40], "failing_share_at_least": 0.0157}
+    )
     assert (
-        words == "undecided: why; 3 of 40 seeds fail, so that the share of all is 0.0157 at least, with 95 % confidence"
+        words
+        == "undecided: why; 3 of 40 seeds fail, so that the share of all is 0.0157 at least, with "
+        "95 % confidence"
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.ci import Finding, Report, junit, markdown, place_of, repository, sarif
+from fuzz.ci import CiFinding, Report, junit, markdown, place_of, repository, sarif
 from fuzz.failure import Failure
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
@@ -35,7 +35,7 @@ def project(tmp_path, monkeypatch):
 
 def finding(path, state="new", **changes):
     file = Path("failures") / path.name
-    return replace(Finding.of(Failure.read(path), file, state), **changes)
+    return replace(CiFinding.of(Failure.read(path), file, state), **changes)
 
 
 def report(*findings, command="fuzz"):
@@ -48,13 +48,21 @@ TWO = report(finding(LOOP), finding(STALLED, "known"))
 def test_junit_fails_what_is_new_and_skips_what_is_known():
     new, known = read_junit(junit(TWO)).findall("testcase")
     assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: loop for ever")
-    assert "\nS start  G target" in new.find("failure").text and "worldgen replay failures/" in new.find("failure").text
+    assert (
+        "\nS start  G target" in new.find("failure").text
+        and "worldgen replay failures/" in new.find("failure").text
+    )
     assert known.find("failure") is None and known.find("skipped") is not None
 
 
 def test_junit_says_which_world_and_seed():
-    properties = {one.attrib["name"]: one.attrib["value"] for one in read_junit(junit(TWO))[1].iter("property")}
-    assert properties["seed"] == str(read_world(LOOP).failure.seed) and len(properties["world"]) == 64
+    properties = {
+        one.attrib["name"]: one.attrib["value"]
+        for one in read_junit(junit(TWO))[1].iter("property")
+    }
+    assert (
+        properties["seed"] == str(read_world(LOOP).failure.seed) and len(properties["world"]) == 64
+    )
 
 
 def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
@@ -63,7 +71,7 @@ def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
 
 
 def test_sarif_is_as_it_was(project):
-    known = Finding(
+    known = CiFinding(
         state="known",
         file=project / "failures" / "tunnel.grid",
         controller="thesis-1",
@@ -78,7 +86,12 @@ def test_sarif_is_as_it_was(project):
         replay="worldgen replay failures/tunnel.grid",
     )
     new = replace(
-        known, state="new", file=project / "a b.grid", verdict="loop", kind="loop-bumps", what="loop for ever {}"
+        known,
+        state="new",
+        file=project / "a b.grid",
+        verdict="loop",
+        kind="loop-bumps",
+        what="loop for ever {}",
     )
     text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")
     assert text == (GOLDEN / "two.sarif").read_text(encoding="utf-8")
@@ -92,15 +105,22 @@ def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
 
 def test_a_fingerprint_is_the_class_and_not_the_world(project):
     loop = Failure.read(LOOP)
-    there = Finding.of(replace(loop, world=turned(loop.world)), project / "elsewhere.grid", "new")
-    here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))["results"]
-    assert here["partialFingerprints"] == same["partialFingerprints"] != other["partialFingerprints"]
+    there = CiFinding.of(replace(loop, world=turned(loop.world)), project / "elsewhere.grid", "new")
+    here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))[
+        "results"
+    ]
+    assert (
+        here["partialFingerprints"] == same["partialFingerprints"] != other["partialFingerprints"]
+    )
 
 
 def test_no_place_of_this_machine_is_in_a_report(project):
     outside = report(finding(LOOP, file=FAULTS / "a b.grid"))
     run = read_sarif(sarif(outside, project))
-    assert run["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] == "a%20b.grid"
+    assert (
+        run["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+        == "a%20b.grid"
+    )
 
 
 SOURCE = '"""Mine."""\nimport os\n\n\n@print\nclass Robot:\n    pass\n\n\nother: object = Robot\n'
@@ -135,7 +155,8 @@ def test_a_file_that_does_not_replay_stands_at_itself(project):
 
 
 @pytest.mark.parametrize(
-    "controller", ["thesis-1", "./gone.py:Robot", "no.such:thing", "json:loads", "", "cmd:false", "cmd:'"]
+    "controller",
+    ["thesis-1", "./gone.py:Robot", "no.such:thing", "json:loads", "", "cmd:false", "cmd:'"],
 )
 def test_a_controller_from_elsewhere_has_no_place(controller, project):
     assert place_of(controller, project) is None
@@ -145,25 +166,39 @@ def test_a_repository_is_where_git_or_github_says(project, monkeypatch):
     (project / "deep/er").mkdir(parents=True)
     assert repository(project / "deep/er") == project.resolve()
     monkeypatch.setenv("GITHUB_WORKSPACE", str(project / "deep"))
-    assert repository(project / "deep/er") == (project / "deep").resolve() and repository() == project.resolve()
+    assert (
+        repository(project / "deep/er") == (project / "deep").resolve()
+        and repository() == project.resolve()
+    )
 
 
 def test_words_of_strangers_break_no_report(project):
     world = read_world(LOOP)
     record = replace(world.failure, controller=HOSTILE, details={"class": HOSTILE})
     file = Path(HOSTILE.replace("\0", "").replace("/", ":"))
-    bad = report(*(Finding.of(Failure(world, record), file, state, HOSTILE) for state in ("new", "not confirmed")))
+    bad = report(
+        *(
+            CiFinding.of(Failure(world, record), file, state, HOSTILE)
+            for state in ("new", "not confirmed")
+        )
+    )
     assert len(read_sarif(sarif(bad, project))["results"]) == 2
     assert "\x1b" not in junit(bad).decode() and "\0" not in junit(bad).decode()
     [suite] = [read_junit(junit(replace(bad, findings=bad.findings[:1])))]
     assert r"\x1b[2J" in suite.find("testcase/failure").text
     rows, folds = read_markdown(markdown(bad))
-    assert len(rows) == len(folds) == 2 and "@" not in "".join(map("".join, rows)) and "`" not in rows[0][1]
+    assert (
+        len(rows) == len(folds) == 2
+        and "@" not in "".join(map("".join, rows))
+        and "`" not in rows[0][1]
+    )
 
 
 def test_a_summary_has_a_row_and_a_picture_for_each_class():
     rows, folds = read_markdown(markdown(TWO))
-    assert [row[0] for row in rows] == ["new", "known"] and rows[0][1] == read_world(LOOP).failure.details["class"]
+    assert [row[0] for row in rows] == ["new", "known"] and rows[0][1] == read_world(
+        LOOP
+    ).failure.details["class"]
     assert "S start  G target" in folds[0] and "1 new class of failures, 1 known" in markdown(TWO)
 
 
@@ -174,45 +209,90 @@ def test_a_summary_that_grows_too_long_says_what_it_leaves_out():
 
 def test_replay_writes_all_three_and_adds_to_the_summary(project):
     outputs = ("--junit", "j.xml", "--sarif", "s.sarif", "--summary", "sum.md")
-    assert [worldgen("replay", "failures", *outputs, *more).code for more in ((), ("--force",))] == [0, 0]
+    assert [
+        worldgen("replay", "failures", *outputs, *more).code for more in ((), ("--force",))
+    ] == [0, 0]
     assert read_junit(Path("j.xml").read_bytes()).attrib["failures"] == "0"
-    assert [one["level"] for one in read_sarif(Path("s.sarif").read_bytes())["results"]] == ["note", "note"]
+    assert [one["level"] for one in read_sarif(Path("s.sarif").read_bytes())["results"]] == [
+        "note",
+        "note",
+    ]
     assert Path("sum.md").read_text().count("worldgen replay: 2 of 2 confirmed") == 2
 
 
 def test_a_file_that_does_not_replay_is_a_failure_of_its_own(project):
-    result = worldgen("replay", "failures", "--controller", "thesis-2", "--junit", "j.xml", "--sarif", "s.sarif")
+    result = worldgen(
+        "replay", "failures", "--controller", "thesis-2", "--junit", "j.xml", "--sarif", "s.sarif"
+    )
     [first, _] = read_sarif(Path("s.sarif").read_bytes())["results"]
     assert result.code == 1 and first["ruleId"] == "not-confirmed" and first["level"] == "error"
-    assert "--controller thesis-2" in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+    assert (
+        "--controller thesis-2"
+        in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+    )
 
 
 def test_a_controller_that_is_not_here_is_reported_without_its_way(project):
     world = read_world(LOOP)
-    write_world(replace(world, failure=replace(world.failure, controller="./gone.py:Robot")), project / "gone.grid")
+    write_world(
+        replace(world, failure=replace(world.failure, controller="./gone.py:Robot")),
+        project / "gone.grid",
+    )
     assert worldgen("replay", "gone.grid", "--junit", "j.xml").code == 1
-    assert "S start  G target\n" in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+    assert (
+        "S start  G target\n"
+        in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+    )
 
 
 def test_a_report_that_is_there_is_refused_before_the_work(project):
     Path("j.xml").touch()
-    result = worldgen("fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", "--junit", "j.xml")
+    result = worldgen(
+        "fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", "--junit", "j.xml"
+    )
     assert result.code == 2 and result.error_code == "file-exists" and not Path("out").exists()
 
 
-@pytest.mark.parametrize(("one", "other"), [("--junit", "--sarif"), ("--sarif", "--report"), ("--junit", "--summary")])
+@pytest.mark.parametrize(
+    ("one", "other"), [("--junit", "--sarif"), ("--sarif", "--report"), ("--junit", "--summary")]
+)
 def test_two_reports_in_one_file_are_refused_before_the_work(one, other, project):
-    result = worldgen("fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", one, "x", other, "./x")
+    result = worldgen(
+        "fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", one, "x", other, "./x"
+    )
     assert (result.code, Path("out").exists()) == (2, False)
     assert result.error_code == "same-output-twice"
 
 
 def test_fuzz_writes_what_it_found_also_into_the_folder_that_it_makes(project):
-    options = ("--motion", "stepped", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1, "--out", "out")
+    options = (
+        "--motion",
+        "stepped",
+        "--units",
+        1,
+        "--examples",
+        40,
+        "--seed",
+        1,
+        "--workers",
+        1,
+        "--out",
+        "out",
+    )
     result = worldgen(
-        "fuzz", "--controller", "thesis-1", *options, "--json", "--sarif", "out/s.sarif", "--summary", "sum.md"
+        "fuzz",
+        "--controller",
+        "thesis-1",
+        *options,
+        "--json",
+        "--sarif",
+        "out/s.sarif",
+        "--summary",
+        "sum.md",
     )
     found = json.loads(result.out)["failures"]
     run = read_sarif(Path("out/s.sarif").read_bytes())
     assert [one["ruleId"] for one in run["results"]] == [one["class"] for one in found] != []
-    assert run["properties"]["seed"] == "1" and len(read_markdown(Path("sum.md").read_text())[0]) == len(found)
+    assert run["properties"]["seed"] == "1" and len(
+        read_markdown(Path("sum.md").read_text())[0]
+    ) == len(found)

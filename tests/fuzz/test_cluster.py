@@ -1,4 +1,7 @@
-"""A real Dask scheduler and real workers in processes of their own; one is killed in mid-campaign."""
+"""A real Dask scheduler and real workers in processes of their own.
+
+One is killed in mid-campaign.
+"""
 
 import itertools
 import json
@@ -52,9 +55,21 @@ class Dask:
         self.address = json.loads(self.file.read_text())["address"]
 
     def start(self, role, *options):
-        command = [sys.executable, "-m", "dask", role, "--host", "127.0.0.1", "--scheduler-file", self.file, *options]
+        command = [
+            sys.executable,
+            "-m",
+            "dask",
+            role,
+            "--host",
+            "127.0.0.1",
+            "--scheduler-file",
+            self.file,
+            *options,
+        ]
         with (self.folder / f"{role}.log").open("ab") as log:
-            process = subprocess.Popen([*map(str, command)], cwd=self.folder, stdout=log, stderr=log)
+            process = subprocess.Popen(
+                [*map(str, command)], cwd=self.folder, stdout=log, stderr=log
+            )
         self.processes.append(process)
         return process
 
@@ -85,7 +100,9 @@ def dask(tmp_path_factory):
 def corpus(campaign, each=lambda event: None):
     for event in campaign.run():
         each(event)
-    return {kind: found.dumps() for kind, found in campaign.state.best.items()}, campaign.state.finds[-1].steps
+    return {
+        kind: found.dumps() for kind, found in campaign.state.best.items()
+    }, campaign.state.finds[-1].steps
 
 
 @pytest.mark.nightly
@@ -100,19 +117,35 @@ def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(
         if isinstance(event, UnitDone) and event.unit == 0:
             doomed.kill()
 
-    found = corpus(Campaign(CONFIG, units=UNITS, executor=cluster_executor(dask.address, CONFIG)), kill_one)
+    found = corpus(
+        Campaign(CONFIG, units=UNITS, executor=cluster_executor(dask.address, CONFIG)), kill_one
+    )
     assert doomed.wait() == -9 and found == corpus(Campaign(CONFIG, units=UNITS))
 
 
 def test_a_controller_in_a_file_of_ones_own_goes_along_to_the_workers(dask, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.py").write_text(MINE)
-    options = ("--controller", "./mine.py:Mine", "--family", "corridor", "--seed", 1, "--units", 1, "--examples", 4)
-    result = worldgen("fuzz", *options, "--scheduler", dask.address, "--out", tmp_path / "there", "--json")
+    options = (
+        "--controller",
+        "./mine.py:Mine",
+        "--family",
+        "corridor",
+        "--seed",
+        1,
+        "--units",
+        1,
+        "--examples",
+        4,
+    )
+    result = worldgen(
+        "fuzz", *options, "--scheduler", dask.address, "--out", tmp_path / "there", "--json"
+    )
     assert result.code == 1, result.err
     worldgen("fuzz", *options, "--workers", 1, "--out", tmp_path / "here", "--json")
     there, here = (
-        {file.name: file.read_bytes() for file in (tmp_path / way).glob("*.grid")} for way in ["there", "here"]
+        {file.name: file.read_bytes() for file in (tmp_path / way).glob("*.grid")}
+        for way in ["there", "here"]
     )
     assert there == here
 
@@ -157,11 +190,15 @@ def test_a_scheduler_that_is_killed_ends_the_campaign_in_one_sentence(tmp_path):
 def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr("fuzz.campaign.executors.dask._TO_CONNECT", 0.5)
     options = ("--controller", "turn-right", "--units", 1, "--seed", 1)
-    result = worldgen("fuzz", *options, "--scheduler", "tcp://127.0.0.1:1", "--out", tmp_path / "out")
+    result = worldgen(
+        "fuzz", *options, "--scheduler", "tcp://127.0.0.1:1", "--out", tmp_path / "out"
+    )
     assert result.code == 2 and result.error_code == "no-scheduler"
 
 
-@pytest.mark.parametrize("address", ["nonsense", "tcp://host", "http://host:8786/status", "host:port"])
+@pytest.mark.parametrize(
+    "address", ["nonsense", "tcp://host", "http://host:8786/status", "host:port"]
+)
 def test_what_is_no_address_is_refused_before_anything_is_asked(address):
     with raises(InvalidParameter, "not-an-address", address=address):
         cluster_executor(address, CampaignConfig(Scenario("turn-right")))

@@ -15,7 +15,19 @@ from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
 from worldgen.interop.exporting import origin_of
 
-FUZZ = ("fuzz", "--controller", "turn-right", "--units", 1, "--examples", 40, "--seed", 5, "--workers", 1)
+FUZZ = (
+    "fuzz",
+    "--controller",
+    "turn-right",
+    "--units",
+    1,
+    "--examples",
+    40,
+    "--seed",
+    5,
+    "--workers",
+    1,
+)
 
 COMPLETE = '''
 from sim import Command
@@ -70,19 +82,31 @@ def again(tmp_path_factory):
 def test_fuzz_prints_one_json_object(again):
     summary = json.loads(again[1].out)
     assert {"seed", "worlds", "steps", "seconds", "failures"} <= set(summary) and again[1].code == 1
-    assert set(summary["failures"][0]) == {"file", "verdict", "class", "solid_cells", "shrunk", "replay"}
+    assert set(summary["failures"][0]) == {
+        "file",
+        "verdict",
+        "class",
+        "solid_cells",
+        "shrunk",
+        "replay",
+    }
 
 
 @pytest.mark.gate
 def test_equal_seeds_and_units_give_equal_files(failures, again):
-    one, other = ({file.name: file.read_bytes() for file in folder.glob("*.grid")} for folder, _ in (failures, again))
+    one, other = (
+        {file.name: file.read_bytes() for file in folder.glob("*.grid")}
+        for folder, _ in (failures, again)
+    )
     assert one == other and one
 
 
 def test_replay_confirms_every_file(failures):
     result = worldgen("replay", failures[0], "--json")
     summary = json.loads(result.out)
-    assert result.code == 0 and summary["replayed"] == summary["confirmed"] == len(list(failures[0].glob("*.grid")))
+    assert result.code == 0 and summary["replayed"] == summary["confirmed"] == len(
+        list(failures[0].glob("*.grid"))
+    )
 
 
 def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
@@ -91,7 +115,9 @@ def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
     digest = read_world(file).failure.trace_digest
     (tmp_path / "changed.grid").write_text(text.replace(digest, "0" * 16))
     result = worldgen("replay", tmp_path / "changed.grid")
-    assert result.code == 1 and "still fails: " in result.out and "; the trace digest is" in result.out
+    assert (
+        result.code == 1 and "still fails: " in result.out and "; the trace digest is" in result.out
+    )
 
 
 def test_replay_names_a_world_without_failure_and_goes_on_with_the_others(failures, tmp_path):
@@ -112,7 +138,9 @@ def test_replay_wants_a_witness(failures, tmp_path):
 
 def test_replay_names_another_version_of_the_motion_model(failures, tmp_path):
     world = read_world(next(iter(failures[0].glob("*.grid"))))
-    older = replace(world.failure, trace_digest="0" * 16, details={**world.failure.details, "motion_version": 0})
+    older = replace(
+        world.failure, trace_digest="0" * 16, details={**world.failure.details, "motion_version": 0}
+    )
     write_world(replace(world, failure=older), tmp_path / "older.grid")
     assert "recorded with version 0 of swept" in worldgen("replay", tmp_path / "older.grid").out
 
@@ -142,7 +170,11 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
         "fuzz", "--controller", controller, "--world", world, "--units", 1, "--examples", 40, "--seed", 1,
         "--workers", 1, "--out", tmp_path / "none",
     )  # fmt: skip
-    assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").glob("*.grid"))
+    assert (
+        result.code == 0
+        and "no failure of" in result.out
+        and not list((tmp_path / "none").glob("*.grid"))
+    )
 
 
 @pytest.mark.gate
@@ -151,12 +183,29 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
     [("raise SystemExit(7)", "SystemExit"), ("1 / 0", "ZeroDivisionError")],
 )
 def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_path):
-    (tmp_path / "mine.py").write_text(f"class Bad:\n def reset(self): return ()\n def act(self, o, m): {body}\n")
-    options = ("--controller", f"{tmp_path}/mine.py:Bad", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1)
+    (tmp_path / "mine.py").write_text(
+        f"class Bad:\n def reset(self): return ()\n def act(self, o, m): {body}\n"
+    )
+    options = (
+        "--controller",
+        f"{tmp_path}/mine.py:Bad",
+        "--units",
+        1,
+        "--examples",
+        40,
+        "--seed",
+        1,
+        "--workers",
+        1,
+    )
     result = worldgen("fuzz", *options, "--out", tmp_path / "out")
-    (tmp_path / "mine.py").write_text("# edited\n" + (tmp_path / "mine.py").read_text())  # its lines move
+    (tmp_path / "mine.py").write_text(
+        "# edited\n" + (tmp_path / "mine.py").read_text()
+    )  # its lines move
     assert result.code == 1 and worldgen("replay", tmp_path / "out").code == 0
-    assert [file.name[:-10] for file in (tmp_path / "out").glob("*.grid")] == [f"crash-{kind}-mine.act"]
+    assert [file.name[:-10] for file in (tmp_path / "out").glob("*.grid")] == [
+        f"crash-{kind}-mine.act"
+    ]
 
 
 def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):
@@ -199,10 +248,19 @@ def test_an_existing_file_is_not_overwritten(failures, tmp_path):
     ("args", "message"),
     [
         (("fuzz", "--controller", "turn-rihgt"), "did you mean 'turn-right'?"),
-        (("fuzz", "--controller", "turn-right", "--motion", "flying"), "no motion model is called 'flying'"),
+        (
+            ("fuzz", "--controller", "turn-right", "--motion", "flying"),
+            "no motion model is called 'flying'",
+        ),
         (("fuzz", "--controller", "turn-right", "--family", "mace"), "did you mean 'maze'?"),
-        (("fuzz", "--controller", "turn-right", "--budget", "soon"), "is no duration; write 30s, 5m or 1h"),
-        (("fuzz", "--controller", "turn-right", "--units", "1", "--budget", "1s"), "give --budget or --units"),
+        (
+            ("fuzz", "--controller", "turn-right", "--budget", "soon"),
+            "is no duration; write 30s, 5m or 1h",
+        ),
+        (
+            ("fuzz", "--controller", "turn-right", "--units", "1", "--budget", "1s"),
+            "give --budget or --units",
+        ),
         (("fuzz", "--controller", "./absent.py:Robot"), "no such file"),
         (("fuzz", "--controller", "turn-right", "--world", "absent.grid"), "absent.grid"),
     ],
@@ -212,8 +270,12 @@ def test_bad_options_of_fuzz_are_one_line_and_code_2(args, message, tmp_path):
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
 
 
-@pytest.mark.parametrize(("seeds", "said"), [([39, 40], ", 39 of 40 seeds fail\n"), ([], "1-minimal\n")])
-def test_replay_shows_for_how_many_seeds_a_failure_occurs_where_its_record_says_so(tmp_path, seeds, said):
+@pytest.mark.parametrize(
+    ("seeds", "said"), [([39, 40], ", 39 of 40 seeds fail\n"), ([], "1-minimal\n")]
+)
+def test_replay_shows_for_how_many_seeds_a_failure_occurs_where_its_record_says_so(
+    tmp_path, seeds, said
+):
     loop = read_world(CORPUS / "thesis-1-loop-104.grid")
     details = {**loop.failure.details, "failing_seeds": seeds}
     write_world(replace(loop, failure=replace(loop.failure, details=details)), tmp_path / "a.grid")
@@ -224,10 +286,14 @@ def test_replay_shows_for_how_many_seeds_a_failure_occurs_where_its_record_says_
 @pytest.mark.parametrize("command", ["replay", "shrink", "show", "verify"])
 def test_a_missing_file_is_one_line_and_code_2(command, tmp_path):
     result = worldgen(command, tmp_path / "absent.grid")
-    assert result.code == 2 and result.error_code == "no-such-file" and "Traceback" not in result.err
+    assert (
+        result.code == 2 and result.error_code == "no-such-file" and "Traceback" not in result.err
+    )
 
 
-def test_a_folder_with_failures_of_no_campaign_is_not_written_into_without_force(failures, tmp_path):
+def test_a_folder_with_failures_of_no_campaign_is_not_written_into_without_force(
+    failures, tmp_path
+):
     for file in failures[0].glob("*.grid"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     result = worldgen(*FUZZ, "--out", tmp_path)
@@ -243,7 +309,14 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_search(tmp_path):
 @pytest.mark.nightly
 def test_ctrl_c_keeps_what_was_found(tmp_path):
     folder = tmp_path / "failures"
-    command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--controller", "turn-left"]
+    command = [
+        sys.executable,
+        "-c",
+        "from worldgen.cli.main import main; main()",
+        "fuzz",
+        "--controller",
+        "turn-left",
+    ]
     process = subprocess.Popen(
         [*command, "--budget", "10m", "--seed", "3", "--workers", "1", "--out", str(folder)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -263,7 +336,12 @@ def test_ctrl_c_keeps_what_was_found(tmp_path):
 
 def test_a_fuzz_campaign_on_a_fixed_map_varies_the_poses_and_keeps_the_origin(tmp_path):
     text = "\n".join(
-        ["#" * 14, *["#" + "." * 12 + "#"] * 5, "#" + "." * 6 + "#" * 6 + "#", *["#" + "." * 12 + "#"] * 5]
+        [
+            "#" * 14,
+            *["#" + "." * 12 + "#"] * 5,
+            "#" + "." * 6 + "#" * 6 + "#",
+            *["#" + "." * 12 + "#"] * 5,
+        ]
     )
     path = tmp_path / "map.grid"
     path.write_text(
@@ -285,5 +363,9 @@ def test_write_world_round_trips_a_failure(failures, tmp_path):
 
 
 def test_a_baseline_that_is_not_there_is_refused_before_the_search(tmp_path):
-    result = worldgen("fuzz", "--controller", "bug1", "--out", tmp_path / "out", "--baseline", tmp_path / "absent")
-    assert result.code == 2 and result.error_code == "no-such-file" and not (tmp_path / "out").exists()
+    result = worldgen(
+        "fuzz", "--controller", "bug1", "--out", tmp_path / "out", "--baseline", tmp_path / "absent"
+    )
+    assert (
+        result.code == 2 and result.error_code == "no-such-file" and not (tmp_path / "out").exists()
+    )

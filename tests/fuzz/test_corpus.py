@@ -25,7 +25,9 @@ def failure(folder, name, *, solid=0, kind="loop-a", controller="thesis-1", dige
     world = read_world(LOOP)
     walls = world.walls.copy()
     walls.flat[:solid] = True
-    record = replace(world.failure, controller=controller, details={**world.failure.details, "class": kind})
+    record = replace(
+        world.failure, controller=controller, details={**world.failure.details, "class": kind}
+    )
     record = replace(record, trace_digest=digest or record.trace_digest)
     path = folder / f"{name}.grid"
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,7 +38,9 @@ def failure(folder, name, *, solid=0, kind="loop-a", controller="thesis-1", dige
 
 
 def contents(folder):
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*.grid"))}
+    return {
+        str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*.grid"))
+    }
 
 
 def read(*paths, **selection):
@@ -59,14 +63,28 @@ def test_list_as_json_has_what_the_file_says():
 
 @pytest.mark.parametrize(
     ("option", "pattern", "count"),
-    [("--controller", "thesis-3", 4), ("--class", "tunnel-*", 7), ("--verdict", "stalled", 2), ("--class", "no", 0)],
+    [
+        ("--controller", "thesis-3", 4),
+        ("--class", "tunnel-*", 7),
+        ("--verdict", "stalled", 2),
+        ("--class", "no", 0),
+    ],
 )
 def test_a_filter_leaves_what_fits(option, pattern, count):
-    assert len(json.loads(worldgen("corpus", "list", FAULTS, option, pattern, "--json").out)["failures"]) == count
+    assert (
+        len(
+            json.loads(worldgen("corpus", "list", FAULTS, option, pattern, "--json").out)[
+                "failures"
+            ]
+        )
+        == count
+    )
 
 
 def test_filters_of_different_kinds_must_all_fit_and_of_one_kind_one():
-    assert len(read(FAULTS, controllers=("thesis-1", "thesis-2"), verdicts=("stalled", "loop"))) == 3
+    assert (
+        len(read(FAULTS, controllers=("thesis-1", "thesis-2"), verdicts=("stalled", "loop"))) == 3
+    )
 
 
 def test_the_options_of_a_run_are_part_of_its_controller(tmp_path):
@@ -116,7 +134,9 @@ def test_the_index_spares_parsing(tmp_path, monkeypatch):
     assert read(tmp_path) == before
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{", '{"version": 1, "files": {"x": {"kind": 3}}}', "[" * 9999, "\x00"])
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{", '{"version": 1, "files": {"x": {"kind": 3}}}', "[" * 9999, "\x00"]
+)
 def test_a_broken_index_is_made_anew(text, tmp_path):
     failure(tmp_path, "a")
     before, index = read(tmp_path), (tmp_path / INDEX).read_bytes()
@@ -183,12 +203,19 @@ def test_merge_refuses_a_folder_with_other_worlds_and_leaves_it_alone(tmp_path):
     failure(tmp_path / "C", "thesis-1/stepped/loop-a", solid=2)
     before = contents(tmp_path / "C")
     result = worldgen("corpus", "merge", tmp_path / "A", "--out", tmp_path / "C")
-    assert result.code == 2 and result.error_code == "folder-holds-worlds" and contents(tmp_path / "C") == before
+    assert (
+        result.code == 2
+        and result.error_code == "folder-holds-worlds"
+        and contents(tmp_path / "C") == before
+    )
 
 
 def test_a_baseline_grows_by_merging_into_itself(tmp_path):
     merge(read(failure(tmp_path / "A", "x", solid=2)), tmp_path / "base")
-    small, fresh = failure(tmp_path / "B", "x", solid=1), failure(tmp_path / "B", "y", kind="loop-b")
+    small, fresh = (
+        failure(tmp_path / "B", "x", solid=1),
+        failure(tmp_path / "B", "y", kind="loop-b"),
+    )
     base = tmp_path / "base"
     assert worldgen("corpus", "merge", base, tmp_path / "B", "--out", base, "--force").code == 0
     assert sorted(contents(base).values()) == sorted([small.read_bytes(), fresh.read_bytes()])
@@ -205,7 +232,10 @@ def test_a_merged_failure_is_dated_by_the_first_of_its_class(tmp_path):
 def test_a_name_from_a_strangers_file_stays_in_the_folder(word, tmp_path):
     failure(tmp_path / "A", "x", kind=word, controller=word)
     written = list(merge(read(tmp_path / "A"), tmp_path / "C"))
-    assert written[0].resolve().is_relative_to(tmp_path / "C") and len(list((tmp_path / "C").rglob("*.grid"))) == 1
+    assert (
+        written[0].resolve().is_relative_to(tmp_path / "C")
+        and len(list((tmp_path / "C").rglob("*.grid"))) == 1
+    )
 
 
 def test_names_that_look_alike_once_they_are_plain_stay_apart(tmp_path):
@@ -214,9 +244,13 @@ def test_names_that_look_alike_once_they_are_plain_stay_apart(tmp_path):
     assert len(merge(read(tmp_path / "A"), tmp_path / "C")) == 3
 
 
-@pytest.mark.parametrize(("old", "new", "change"), [(2, 1, "smaller"), (1, 2, "larger"), (1, 1, "same")])
+@pytest.mark.parametrize(
+    ("old", "new", "change"), [(2, 1, "smaller"), (1, 2, "larger"), (1, 1, "same")]
+)
 def test_diff_says_what_became_of_a_class(old, new, change, tmp_path):
-    before, now = (read(failure(tmp_path, str(k), solid=solid)) for k, solid in enumerate((old, new)))
+    before, now = (
+        read(failure(tmp_path, str(k), solid=solid)) for k, solid in enumerate((old, new))
+    )
     assert [difference.change for difference in differences(before, now)] == [change]
 
 
@@ -249,8 +283,14 @@ def mixed(tmp_path):
 def test_prune_keeps_what_replays_and_what_it_cannot_judge(mixed):
     result = worldgen("corpus", "prune", mixed)
     assert result.code == 1 and sorted(contents(mixed)) == ["absent.grid", "holds.grid"]
-    assert "no longer replays: the trace digest is" in result.out and "cannot be replayed here" in result.out
-    assert "holds.grid is a smaller world of its class" in result.out and "2 kept, 2 dropped" in result.out
+    assert (
+        "no longer replays: the trace digest is" in result.out
+        and "cannot be replayed here" in result.out
+    )
+    assert (
+        "holds.grid is a smaller world of its class" in result.out
+        and "2 kept, 2 dropped" in result.out
+    )
 
 
 def test_a_dry_run_of_prune_says_the_same_and_deletes_nothing(mixed):
@@ -271,7 +311,9 @@ def test_where_the_smallest_no_longer_replays_the_next_one_stays(tmp_path):
     other = read_world(FAULTS / "thesis-1-confined.grid")  # of fewer cells
     record = replace(other.failure, details={"class": "loop-a"}, trace_digest="0" * 16)
     write_world(replace(other, failure=record), tmp_path / "small.grid")
-    judged = [(judgement.entry.path.name, judgement.keep) for judgement in judge_all(read(tmp_path))]
+    judged = [
+        (judgement.entry.path.name, judgement.keep) for judgement in judge_all(read(tmp_path))
+    ]
     assert judged == [("small.grid", False), ("next.grid", True)]
 
 
@@ -284,16 +326,21 @@ def test_the_smaller_of_two_failures_is_the_one_that_shrinking_calls_simpler():
 
 
 @pytest.mark.parametrize(
-    ("body", "verdict"), [("raise FileNotFoundError('map.yaml')", "crash"), ("return None", "invalid-command")]
+    ("body", "verdict"),
+    [("raise FileNotFoundError('map.yaml')", "crash"), ("return None", "invalid-command")],
 )
 def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, verdict, tmp_path):
-    (tmp_path / "mine.py").write_text(f"class R:\n def reset(self): return ()\n def act(self, o, m): {body}\n")
+    (tmp_path / "mine.py").write_text(
+        f"class R:\n def reset(self): return ()\n def act(self, o, m): {body}\n"
+    )
     world = read_world(LOOP)
     record = replace(world.failure, controller=f"{tmp_path}/mine.py:R", motion="swept")
     write_world(replace(world, failure=record), tmp_path / "f.grid")
     result = worldgen("corpus", "prune", tmp_path)
     assert (
-        result.code == 1 and (tmp_path / "f.grid").exists() and f"its controller ends in {verdict} here" in result.out
+        result.code == 1
+        and (tmp_path / "f.grid").exists()
+        and f"its controller ends in {verdict} here" in result.out
     )
 
 
@@ -304,7 +351,10 @@ def test_prune_refuses_an_archive():
 
 @pytest.mark.parametrize("ending", [".zip", ".tar.gz"])
 def test_equal_failures_are_an_equal_archive(ending, tmp_path):
-    one = [failure(tmp_path / "A", "x", seen=1_600_000_000), failure(tmp_path / "A", "y", kind="loop-b")]
+    one = [
+        failure(tmp_path / "A", "x", seen=1_600_000_000),
+        failure(tmp_path / "A", "y", kind="loop-b"),
+    ]
     two = [failure(tmp_path / "B/deep", "q", kind="loop-b"), failure(tmp_path / "B", "r"), *one]
     export(read(*one), tmp_path / f"one{ending}")
     export(read(*two), tmp_path / f"two{ending}")
@@ -329,7 +379,9 @@ def test_an_archive_has_a_row_and_a_picture_for_each_failure(tmp_path):
     export(read(tmp_path / "A"), tmp_path / "f.zip")
     with zipfile.ZipFile(tmp_path / "f.zip") as archive:
         rows = list(csv.DictReader(archive.read("corpus.csv").decode().splitlines()))
-        assert [row["file"] for row in rows] == [f"thesis-1/stepped/loop-a{n}.grid" for n in ("", "~2")]
+        assert [row["file"] for row in rows] == [
+            f"thesis-1/stepped/loop-a{n}.grid" for n in ("", "~2")
+        ]
         assert all(archive.read(row["picture"]).startswith(b"\x89PNG") for row in rows)
 
 
@@ -337,14 +389,21 @@ def test_a_table_alone_is_comma_separated(tmp_path):
     result = worldgen("corpus", "export", FAULTS, "--out", tmp_path / "t.csv", "--json")
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert json.loads(result.out)["failures"] == 16 == len(lines) - 1
-    assert lines[0] == "file,controller,motion,class,verdict,width,height,solid,events,digest,first_seen"
+    assert (
+        lines[0]
+        == "file,controller,motion,class,verdict,width,height,solid,events,digest,first_seen"
+    )
 
 
 def test_a_parquet_table_holds_texts_and_pictures(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="the extra [parquet]")
     export(read(LOOP), tmp_path / "t.parquet")
     row = parquet.read_table(tmp_path / "t.parquet").to_pylist()[0]
-    assert row["grid"] == LOOP.read_bytes() and row["picture"].startswith(b"\x89PNG") and row["solid"] == 0
+    assert (
+        row["grid"] == LOOP.read_bytes()
+        and row["picture"].startswith(b"\x89PNG")
+        and row["solid"] == 0
+    )
 
 
 def test_a_parquet_table_without_pyarrow_is_refused_with_the_way_out(tmp_path, monkeypatch):
@@ -353,16 +412,26 @@ def test_a_parquet_table_without_pyarrow_is_refused_with_the_way_out(tmp_path, m
     assert result.code == 2 and result.error_code == "package-missing"
 
 
-@pytest.mark.parametrize(("name", "error_code"), [("f.xls", "unknown-format"), ("there.csv", "file-exists")])
+@pytest.mark.parametrize(
+    ("name", "error_code"), [("f.xls", "unknown-format"), ("there.csv", "file-exists")]
+)
 def test_export_refuses_what_it_cannot_write(name, error_code, tmp_path):
     (tmp_path / "there.csv").write_text("mine")
     result = worldgen("corpus", "export", LOOP, "--out", tmp_path / name)
-    assert result.code == 2 and result.error_code == error_code and (tmp_path / "there.csv").read_text() == "mine"
+    assert (
+        result.code == 2
+        and result.error_code == error_code
+        and (tmp_path / "there.csv").read_text() == "mine"
+    )
 
 
 def test_show_draws_a_failure_and_says_how_to_replay_it():
     result = worldgen("corpus", "show", FAULTS, "--class", "loop-*")
-    assert result.code == 0 and "S start  G target" in result.out and f"worldgen replay {LOOP}" in result.out
+    assert (
+        result.code == 0
+        and "S start  G target" in result.out
+        and f"worldgen replay {LOOP}" in result.out
+    )
 
 
 def test_words_from_a_strangers_file_cannot_steer_the_terminal(tmp_path):

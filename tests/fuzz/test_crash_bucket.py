@@ -65,8 +65,14 @@ def test_another_folder_leaves_the_bucket_as_it_is(tmp_path):
     ("one", "other"),
     [
         pytest.param("raise ValueError('a')", "raise ValueError('b')", id="statements"),
-        pytest.param("raise ValueError(\n 'a')", "raise ValueError(\n 'b')", id="statements-of-two-lines"),
-        pytest.param("raise ValueError", "if m[0] > 9:\n raise ValueError\nraise ValueError", id="equal-statements"),
+        pytest.param(
+            "raise ValueError(\n 'a')", "raise ValueError(\n 'b')", id="statements-of-two-lines"
+        ),
+        pytest.param(
+            "raise ValueError",
+            "if m[0] > 9:\n raise ValueError\nraise ValueError",
+            id="equal-statements",
+        ),
         pytest.param("raise ValueError", "raise KeyError", id="types"),
         pytest.param("(lambda: 1 / 0)()", "1 / 0", id="functions"),
     ],
@@ -82,20 +88,25 @@ def test_a_recursion_without_end_has_one_bucket_wherever_the_stack_was_full(tmp_
 
 def aborted(said, step=5, **facts):
     stderr = said.splitlines()[-5:]
-    return fault_evidence({"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts})
+    return fault_evidence(
+        {"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts}
+    )
 
 
 def test_two_assertions_of_a_program_have_two_buckets():
     first, second = (
-        aborted(f"robot: robot.c:12: act: Assertion `{text}' failed.\n") for text in ("gap > 0", "speed < 2")
+        aborted(f"robot: robot.c:12: act: Assertion `{text}' failed.\n")
+        for text in ("gap > 0", "speed < 2")
     )
-    assert crash_bucket(first).startswith("SIGABRT-assertion-robot.act-") and crash_bucket(first) != crash_bucket(
-        second
-    )
+    assert crash_bucket(first).startswith("SIGABRT-assertion-robot.act-") and crash_bucket(
+        first
+    ) != crash_bucket(second)
 
 
 def test_an_assertion_of_a_program_is_the_same_on_another_line():
-    first, second = (aborted(f"robot: robot.c:{line}: act: Assertion `gap > 0' failed.\n") for line in (12, 40))
+    first, second = (
+        aborted(f"robot: robot.c:{line}: act: Assertion `gap > 0' failed.\n") for line in (12, 40)
+    )
     assert crash_bucket(first) == crash_bucket(second)
 
 
@@ -106,17 +117,27 @@ def test_the_last_words_of_a_program_that_aborts_are_in_its_bucket_without_their
 
 @pytest.mark.parametrize("value", ["-3.5", "nan", "-inf", "1e-5"])
 def test_neither_signs_nor_what_is_no_number_make_another_bucket(value):
-    said = "terminate called after throwing an instance of 'std::out_of_range'\n  what():  x out of range: {}\n"
+    said = (
+        "terminate called after throwing an instance of 'std::out_of_range'\n  what():  x out "
+        "of range: {}\n"
+    )
     assert crash_bucket(aborted(said.format(value))) == crash_bucket(aborted(said.format("3.5")))
 
 
 def test_what_a_program_said_before_a_signal_that_it_did_not_raise_is_not_in_its_bucket():
-    assert crash_bucket(FaultEvidence(error="killed by SIGSEGV", step=5, stderr=("turning left",))) == "SIGSEGV"
+    assert (
+        crash_bucket(FaultEvidence(error="killed by SIGSEGV", step=5, stderr=("turning left",)))
+        == "SIGSEGV"
+    )
 
 
 def test_silent_aborts_are_told_apart_by_where_the_run_stood():
     stands = [aborted("", step=1), aborted("", step=9), aborted("", step=9, bump=True)]
-    assert [crash_bucket(evidence) for evidence in stands] == ["SIGABRT-first", "SIGABRT", "SIGABRT-bump"]
+    assert [crash_bucket(evidence) for evidence in stands] == [
+        "SIGABRT-first",
+        "SIGABRT",
+        "SIGABRT-bump",
+    ]
 
 
 def test_evidence_from_before_buckets_keeps_its_name():
@@ -127,7 +148,11 @@ def test_evidence_from_before_buckets_keeps_its_name():
     ("verdict", "evidence", "kind"),
     [
         ("crash", {"error": "exit code 3"}, "crash-exit-3"),
-        ("crash", {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]}, "crash-exit-1-KeyError"),
+        (
+            "crash",
+            {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]},
+            "crash-exit-1-KeyError",
+        ),
         ("crash", {"error": "closed its output"}, "crash"),
         ("crash", {"error": "ValueError: math domain error"}, "crash-ValueError"),
         ("hang", {"error": "no answer"}, "hang"),
@@ -136,14 +161,24 @@ def test_evidence_from_before_buckets_keeps_its_name():
     ],
 )
 def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, kind):
-    assert failure_class(arena(), Episode(Verdict(verdict), 1, 0.015, 0.0, 0, "", fault_evidence(evidence))) == kind
+    assert (
+        failure_class(
+            arena(), Episode(Verdict(verdict), 1, 0.015, 0.0, 0, "", fault_evidence(evidence))
+        )
+        == kind
+    )
 
 
 def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):
-    body = "if o.target_distance < 0.4:\n    raise ValueError('near')\nif m[0] > 2:\n    raise KeyError('late')"
+    body = (
+        "if o.target_distance < 0.4:\n    raise ValueError('near')\nif m[0] > 2:\n    raise "
+        "KeyError('late')"
+    )
     name = controller(tmp_path, body)
     world = arena()
-    failure = failure_of(replace(world, certificate=decide(world).certificate), Scenario.parse(name))
+    failure = failure_of(
+        replace(world, certificate=decide(world).certificate), Scenario.parse(name)
+    )
     small = shrink(failure).failure
     assert small.record.details["class"] == failure.record.details["class"]
     assert small.world.width < world.width and "KeyError" in small.record.details["class"]

@@ -14,7 +14,9 @@ from worldgen.generation import generate
 
 @pytest.fixture
 def config(tmp_path):
-    return CampaignConfig(Scenario("turn-right"), seed=5, examples=30, database=str(tmp_path / "examples"))
+    return CampaignConfig(
+        Scenario("turn-right"), seed=5, examples=30, database=str(tmp_path / "examples")
+    )
 
 
 def test_what_a_unit_found_the_next_campaign_tries_first(config):
@@ -35,7 +37,11 @@ def test_trying_again_deletes_nothing(config):
 
 def test_a_database_changes_nothing_in_what_a_unit_draws(config):
     with_one, without = run_unit(config, 3), run_unit(replace(config, database=""), 3)
-    assert (with_one.lane, with_one.steps, with_one.verdicts) == (without.lane, without.steps, without.verdicts)
+    assert (with_one.lane, with_one.steps, with_one.verdicts) == (
+        without.lane,
+        without.steps,
+        without.verdicts,
+    )
 
 
 def test_an_empty_database_has_nothing_to_try(config):
@@ -50,7 +56,10 @@ def test_another_controller_does_not_read_choices_that_are_not_its_own(config):
 def test_another_map_does_not_read_places_of_the_first(config):
     here, there = (generate("trap", seed=seed) for seed in (1, 2))
     run_unit(replace(config, fixed_map=here), 1)
-    assert run_unit(replace(config, fixed_map=here), 0).worlds > run_unit(replace(config, fixed_map=there), 0).worlds
+    assert (
+        run_unit(replace(config, fixed_map=here), 0).worlds
+        > run_unit(replace(config, fixed_map=there), 0).worlds
+    )
 
 
 def test_a_lane_has_its_own_failures(config):
@@ -62,6 +71,14 @@ def test_a_lane_has_its_own_failures(config):
 
 def test_a_database_that_is_a_file_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
-    line = ("fuzz", "--controller", "turn-right", "--database", tmp_path / "file", "--out", tmp_path / "out")
+    line = (
+        "fuzz",
+        "--controller",
+        "turn-right",
+        "--database",
+        tmp_path / "file",
+        "--out",
+        tmp_path / "out",
+    )
     ended = worldgen(*line)
     assert ended.code == 2 and "is a file" in ended.err

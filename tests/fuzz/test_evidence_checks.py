@@ -8,7 +8,7 @@ import pytest
 
 from fuzz.evidence_checks import check_evidence
 from sim import MOTIONS, Command, simulate
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.episode import prepare
 from sim.evidence import BurnedEvidence
 from sim.options.run import RunOptions
@@ -52,7 +52,11 @@ def loop_and_longer(controller=Ahead):
     options = RunOptions(steps=5000)
     episode = simulate(world, controller(), options)
     entry, period = episode.evidence.entry, episode.evidence.period
-    longer = prepare(world, controller(), options).run(entry + 2 * period, find_loop=False, record=True).trace
+    longer = (
+        prepare(world, controller(), options)
+        .run(entry + 2 * period, find_loop=False, record=True)
+        .trace
+    )
     return world, episode, longer
 
 
@@ -73,12 +77,16 @@ def test_a_true_loop_holds(controller):
 )
 def test_false_evidence_of_a_loop_is_refused(change, message):
     world, episode, trace = loop_and_longer()
-    assert message in check_evidence("loop", world, trace, replace(episode.evidence, **change), SWEPT)
+    assert message in check_evidence(
+        "loop", world, trace, replace(episode.evidence, **change), SWEPT
+    )
 
 
 def test_hidden_memory_is_no_loop():
     world, episode, trace = loop_and_longer()
-    assert "does not declare" in check_evidence("loop", world, replace(trace, complete=False), episode.evidence, SWEPT)
+    assert "does not declare" in check_evidence(
+        "loop", world, replace(trace, complete=False), episode.evidence, SWEPT
+    )
 
 
 def test_a_true_tunnel_holds():
@@ -89,7 +97,11 @@ def test_a_true_tunnel_holds():
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"step": 1}, "does not meet"), ({"cell": (3, 3)}, "is not solid"), ({"step": 99}, "has no step 99")],
+    [
+        ({"step": 1}, "does not meet"),
+        ({"cell": (3, 3)}, "is not solid"),
+        ({"step": 99}, "has no step 99"),
+    ],
 )
 def test_false_evidence_of_a_tunnel_is_refused(change, message):
     episode = run(wall_world(), time_step=0.15)
@@ -115,7 +127,9 @@ def test_arriving_is_measured_at_the_last_step():
     assert episode.verdict == "reached"
     assert check_evidence("reached", world, episode.trace, episode.evidence, SWEPT) == ""
     elsewhere = replace(world, target=Target(2.05, 0.65, 0.05))
-    assert "away from the target" in check_evidence("reached", elsewhere, episode.trace, episode.evidence, SWEPT)
+    assert "away from the target" in check_evidence(
+        "reached", elsewhere, episode.trace, episode.evidence, SWEPT
+    )
 
 
 @pytest.mark.parametrize(("steps", "verdict"), [(60, "timeout"), (2000, "stalled")])
@@ -148,7 +162,9 @@ def burning(state, motion="swept", when=0.3):
 def test_flames_that_meet_the_robot_are_confirmed(motion):
     world, episode = burning(CellState.BURNING, motion)
     assert episode.verdict == "burned"
-    assert check_evidence("burned", world, episode.trace, episode.evidence, MOTIONS.get(motion)) == ""
+    assert (
+        check_evidence("burned", world, episode.trace, episode.evidence, MOTIONS.get(motion)) == ""
+    )
 
 
 @pytest.mark.parametrize(
@@ -162,7 +178,9 @@ def test_flames_that_meet_the_robot_are_confirmed(motion):
 )
 def test_false_evidence_of_a_burn_is_refused(change, message):
     world, episode = burning(CellState.BURNING)
-    assert message in check_evidence("burned", world, episode.trace, replace(episode.evidence, **change), SWEPT)
+    assert message in check_evidence(
+        "burned", world, episode.trace, replace(episode.evidence, **change), SWEPT
+    )
 
 
 def test_flames_far_away_burn_nobody():
@@ -170,7 +188,11 @@ def test_flames_far_away_burn_nobody():
     step = episode.evidence.step
     moved = replace(world, timeline=Timeline.of([Event(0.3, 20, 5, CellState.BURNING)]))
     assert "m away from cell" in check_evidence(
-        "burned", moved, episode.trace, BurnedEvidence(step=step, cell=(20, 5), state="burning"), SWEPT
+        "burned",
+        moved,
+        episode.trace,
+        BurnedEvidence(step=step, cell=(20, 5), state="burning"),
+        SWEPT,
     )
 
 
@@ -188,7 +210,8 @@ def spent(controller):
     """A run that spends its budget of 4,000 steps, where the witness takes 2 s."""
     witness = Witness(np.array([0.0, 2.0]), np.array([0.5, 2.05]), np.array([0.55, 0.55]), 0.1)
     world = replace(
-        World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05)), certificate=witness
+        World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05)),
+        certificate=witness,
     )
     return world, simulate(world, controller, record=True, steps=4000)
 
@@ -197,9 +220,16 @@ def spent(controller):
 def test_a_stalled_runs_budget_is_the_stated_multiple_of_the_witness(claimed):
     world, episode = spent(Stands())
     assert episode.verdict == "stalled" and episode.evidence.witness_multiple == 30.0
-    said = check_evidence("stalled", world, episode.trace, replace(episode.evidence, witness_multiple=claimed), SWEPT)
-    assert bool(said) == (claimed != 30.0) and (not said or "30.000 times the witness's time" in said)
+    said = check_evidence(
+        "stalled", world, episode.trace, replace(episode.evidence, witness_multiple=claimed), SWEPT
+    )
+    assert bool(said) == (claimed != 30.0) and (
+        not said or "30.000 times the witness's time" in said
+    )
 
 
 def test_the_budget_is_said_in_steps_and_in_times_of_the_witness():
-    assert evidence_in_words(spent(Stands())[1]) == " (no new cell after step 0 of 4000, 30.0 times the witness's time)"
+    assert (
+        describe_evidence(spent(Stands())[1])
+        == " (no new cell after step 0 of 4000, 30.0 times the witness's time)"
+    )

@@ -6,7 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tables, tells
+from benchmarks.finding import (
+    Limits,
+    Row,
+    controller_name,
+    look_for,
+    removable_cells,
+    tables,
+    tells,
+)
 from fuzz.failure import Failure
 from fuzz.faults import FAULTS
 from fuzz.triage.judging import failure_of
@@ -39,7 +47,12 @@ def test_a_command_finds_it_by_its_name(name):
 @pytest.mark.parametrize("name", FAULTS)
 def test_it_says_in_one_sentence_what_is_wrong(name):
     fault = FAULTS[name]
-    assert fault.sentence.endswith(".") and "\n" not in fault.sentence and fault.expected and fault.base is not None
+    assert (
+        fault.sentence.endswith(".")
+        and "\n" not in fault.sentence
+        and fault.expected
+        and fault.base is not None
+    )
 
 
 @pytest.mark.gate
@@ -65,8 +78,22 @@ def test_brute_force_sees_what_shrinking_left():
 
 def test_the_table_compares_what_every_searcher_has_done():
     def row(fault, searcher, found):
-        return asdict(Row(fault, searcher, 1, Limits(1, 1.0), found, worlds=7, steps=70, seconds=0.1, wall_seconds=0.2))
+        return asdict(
+            Row(
+                fault,
+                searcher,
+                1,
+                Limits(1, 1.0),
+                found,
+                worlds=7,
+                steps=70,
+                seconds=0.1,
+                wall_seconds=0.2,
+            )
+        )
 
     text = tables([row("a", "random", True), row("b", "random", True), row("a", "plan", False)])
-    assert "| `random` | 1 of 1 | 7 (7 to 7) |" in text and "| `plan` | 0 of 1 | - (- to -) |" in text
+    assert (
+        "| `random` | 1 of 1 | 7 (7 to 7) |" in text and "| `plan` | 0 of 1 | - (- to -) |" in text
+    )
     assert "| `a` | 7 | not found |" in text and "| `b` | 7 |  |" in text

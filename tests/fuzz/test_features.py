@@ -14,9 +14,13 @@ from worldgen import check_certificate
 @given(layouts())
 def test_any_layout_has_a_border_and_room_for_the_robot(data):
     world = decode_world(data)
-    border = np.concatenate([world.walls[0], world.walls[-1], world.walls[:, 0], world.walls[:, -1]])
+    border = np.concatenate(
+        [world.walls[0], world.walls[-1], world.walls[:, 0], world.walls[:, -1]]
+    )
     assert border.all()
-    LatticeRun(world, CONTROLLERS.get("turn-left"), RunOptions())  # raises if the start is in a wall
+    LatticeRun(
+        world, CONTROLLERS.get("turn-left"), RunOptions()
+    )  # raises if the start is in a wall
 
 
 def test_zero_bytes_are_an_empty_arena():

@@ -83,7 +83,9 @@ def mine(tmp_path):
 
 def run(path, controller, steps, *options):
     """What ``worldgen run`` says: verdict, and steps or period."""
-    episode = json.loads(worldgen("run", path, "--controller", controller, "--steps", steps, *options, "--json").out)
+    episode = json.loads(
+        worldgen("run", path, "--controller", controller, "--steps", steps, *options, "--json").out
+    )
     return episode["verdict"], episode["evidence"].get("period", episode["steps"])
 
 
@@ -93,7 +95,9 @@ def test_every_outcome_as_wanted_ends_with_0(found):
 
 def test_the_outcomes_claimed_are_those_of_run(found):
     claimed = {o["controller"]: (o["verdict"], o["steps"]) for o in found[2]["outcomes"]}
-    assert claimed == {o["controller"]: run(found[0], o["controller"], o["budget"]) for o in found[2]["outcomes"]}
+    assert claimed == {
+        o["controller"]: run(found[0], o["controller"], o["budget"]) for o in found[2]["outcomes"]
+    }
     assert [verdict for verdict, _ in claimed.values()] == ["loop", "reached"]
 
 
@@ -104,14 +108,19 @@ def test_the_target_of_the_world_can_be_reached(found):
 def test_the_file_says_what_was_looked_for(found):
     provenance = read_world(found[0]).provenance
     assert provenance.family == "find" and provenance.seed == 1
-    assert provenance.params["outcome"].startswith("turn-left+motion=swept+time_step=0.015=loop, turn-right")
+    assert provenance.params["outcome"].startswith(
+        "turn-left+motion=swept+time_step=0.015=loop, turn-right"
+    )
 
 
 def test_outcomes_are_told_in_the_order_in_which_they_were_wished(tmp_path):
     result = worldgen(
         "find", "--outcome", "turn-random=reached", "--outcome", "turn-left=reached", *QUICK, "--out", tmp_path / "w",
     )  # fmt: skip
-    assert [line.split(":")[0] for line in result.out.splitlines()[:2]] == ["turn-random", "turn-left"]
+    assert [line.split(":")[0] for line in result.out.splitlines()[:2]] == [
+        "turn-random",
+        "turn-left",
+    ]
 
 
 @pytest.mark.nightly
@@ -127,7 +136,9 @@ def test_a_number_of_steps_is_met_exactly(tmp_path):
         "find", "--outcome", "thesis-1=reached@3s", "--motion", "stepped", "--units", 8, "--seed", 1, "--workers", 1,
         "--out", tmp_path / "w.grid",
     )  # fmt: skip
-    assert result.code == 0 and run(tmp_path / "w.grid", "thesis-1", 1000, "--motion", "stepped") == ("reached", 200)
+    assert result.code == 0 and run(
+        tmp_path / "w.grid", "thesis-1", 1000, "--motion", "stepped"
+    ) == ("reached", 200)
 
 
 def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
@@ -139,7 +150,9 @@ def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
 
 
 def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path, monkeypatch):
-    monkeypatch.setattr("fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__))  # a second for each look
+    monkeypatch.setattr(
+        "fuzz.campaign.deadline.time", SimpleNamespace(time=count().__next__)
+    )  # a second for each look
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--keep-target", "--budget", "2h",
         "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid",
@@ -153,13 +166,24 @@ def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_
         "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--budget", "100s", "--seed", 1,
         "--workers", 1, "--out", tmp_path / "w.grid",
     )  # fmt: skip
-    assert result.code == 1 and "no world with a reachable target was met; give more time" in result.err
+    assert (
+        result.code == 1
+        and "no world with a reachable target was met; give more time" in result.err
+    )
 
 
 def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
     wanted = "thesis-1=reached@100, thesis-1=reached@200"
     result = worldgen(
-        "find", "--outcome", wanted, "--motion", "stepped", *QUICK, "--out", tmp_path / "w.grid", "--json"
+        "find",
+        "--outcome",
+        wanted,
+        "--motion",
+        "stepped",
+        *QUICK,
+        "--out",
+        tmp_path / "w.grid",
+        "--json",
     )
     summary = json.loads(result.out)
     steps = summary["outcomes"][0]["steps"]
@@ -170,7 +194,9 @@ def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
 @pytest.mark.nightly
 def test_how_near_it_comes_is_printed(tmp_path):
     wanted = "turn-left=reached, turn-left=loop"
-    result = worldgen("find", "--outcome", wanted, "--units", 1, *QUICK[2:], "--out", tmp_path / "w.grid")
+    result = worldgen(
+        "find", "--outcome", wanted, "--units", 1, *QUICK[2:], "--out", tmp_path / "w.grid"
+    )
     assert result.code == 1 and "as wanted" in result.out and "off by" in result.out
     assert "unit 0: off by" in result.err
 
@@ -184,8 +210,14 @@ def test_a_leash_keeps_walls_and_target_near_where_they_were(tmp_path):
     )  # fmt: skip
     before, after = read_world(SKETCH), read_world(out)
     assert (before.walls != after.walls).any()
-    assert not (after.walls & ~grown(before.walls, 2)).any() and not (before.walls & ~grown(after.walls, 2)).any()
-    assert max(abs(after.target.x - before.target.x), abs(after.target.y - before.target.y)) <= 2.5 * before.cell_size
+    assert (
+        not (after.walls & ~grown(before.walls, 2)).any()
+        and not (before.walls & ~grown(after.walls, 2)).any()
+    )
+    assert (
+        max(abs(after.target.x - before.target.x), abs(after.target.y - before.target.y))
+        <= 2.5 * before.cell_size
+    )
 
 
 def grown(walls, cells):
@@ -193,7 +225,9 @@ def grown(walls, cells):
     padded = np.pad(walls, cells)
     height, width = walls.shape
     shifts = range(2 * cells + 1)
-    return np.any([padded[dy : dy + height, dx : dx + width] for dy in shifts for dx in shifts], axis=0)
+    return np.any(
+        [padded[dy : dy + height, dx : dx + width] for dy in shifts for dx in shifts], axis=0
+    )
 
 
 @pytest.mark.gate
@@ -201,7 +235,10 @@ def test_keep_target_leaves_the_target_where_it_is(tmp_path):
     options = ("--motion", "stepped", "--from", SKETCH, "--keep-target", *QUICK)
     worldgen("find", "--outcome", "thesis-1=reached@300", *options, "--out", tmp_path / "w.grid")
     found = read_world(tmp_path / "w.grid")
-    assert found.target == read_world(SKETCH).target and (found.walls != read_world(SKETCH).walls).any()
+    assert (
+        found.target == read_world(SKETCH).target
+        and (found.walls != read_world(SKETCH).walls).any()
+    )
 
 
 @pytest.mark.nightly
@@ -218,31 +255,77 @@ def test_no_edit_leaves_the_world_as_its_family_makes_it(tmp_path):
     result = worldgen("find", "--outcome", "turn-left=loop", *options, "--out", tmp_path / "w.grid")
     found = read_world(tmp_path / "w.grid")
     again = generate("trap", seed=found.provenance.seed, **found.provenance.params)
-    assert result.code == 0 and found.provenance.family == "trap" and found.provenance.params["depth"] == 5
-    assert (again.walls == found.walls).all() and (again.start, again.target) == (found.start, found.target)
+    assert (
+        result.code == 0
+        and found.provenance.family == "trap"
+        and found.provenance.params["depth"] == 5
+    )
+    assert (again.walls == found.walls).all() and (again.start, again.target) == (
+        found.start,
+        found.target,
+    )
 
 
 def test_what_is_fixed_for_one_family_leaves_the_others_alone(tmp_path):
-    options = ("--family", "trap", "--family", "maze", "--set", "depth=5", "--no-edit", "--units", 1, "--seed", 1)
-    worldgen("find", "--outcome", "turn-left=reached@9999", *options, "--workers", 1, "--out", tmp_path / "w.grid")
+    options = (
+        "--family",
+        "trap",
+        "--family",
+        "maze",
+        "--set",
+        "depth=5",
+        "--no-edit",
+        "--units",
+        1,
+        "--seed",
+        1,
+    )
+    worldgen(
+        "find",
+        "--outcome",
+        "turn-left=reached@9999",
+        *options,
+        "--workers",
+        1,
+        "--out",
+        tmp_path / "w.grid",
+    )
     assert (tmp_path / "w.grid").exists()
 
 
 def test_every_world_gets_the_start_that_is_given(tmp_path):
-    worldgen("find", "--outcome", WANTED, "--start", "0.45,0.55,-1.5", *QUICK, "--out", tmp_path / "w.grid")
+    worldgen(
+        "find",
+        "--outcome",
+        WANTED,
+        "--start",
+        "0.45,0.55,-1.5",
+        *QUICK,
+        "--out",
+        tmp_path / "w.grid",
+    )
     start = read_world(tmp_path / "w.grid").start
     assert (start.x, start.y, start.heading) == (0.45, 0.55, -1.5)
 
 
 def test_an_existing_file_is_refused_before_the_search(tmp_path):
     (tmp_path / "w.grid").write_text("mine")
-    result = worldgen("find", "--outcome", WANTED, "--budget", "1h", "--seed", 1, "--out", tmp_path / "w.grid")
-    assert result.code == 2 and result.error_code == "file-exists" and (tmp_path / "w.grid").read_text() == "mine"
+    result = worldgen(
+        "find", "--outcome", WANTED, "--budget", "1h", "--seed", 1, "--out", tmp_path / "w.grid"
+    )
+    assert (
+        result.code == 2
+        and result.error_code == "file-exists"
+        and (tmp_path / "w.grid").read_text() == "mine"
+    )
 
 
 def test_force_overwrites(tmp_path):
     (tmp_path / "w.grid").write_text("mine")
-    assert worldgen("find", "--outcome", WANTED, *QUICK, "--force", "--out", tmp_path / "w.grid").code == 0
+    assert (
+        worldgen("find", "--outcome", WANTED, *QUICK, "--force", "--out", tmp_path / "w.grid").code
+        == 0
+    )
     assert read_world(tmp_path / "w.grid").certificate is not None
 
 
@@ -265,7 +348,9 @@ def test_force_overwrites(tmp_path):
     ],
 )
 def test_bad_options_are_one_line_and_code_2(args, message, tmp_path):
-    result = worldgen("find", "--outcome", "turn-left=loop", *args, "--seed", 1, "--out", tmp_path / "w.grid")
+    result = worldgen(
+        "find", "--outcome", "turn-left=loop", *args, "--seed", 1, "--out", tmp_path / "w.grid"
+    )
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
     assert not (tmp_path / "w.grid").exists()
 
@@ -278,11 +363,18 @@ def test_a_worker_that_dies_is_one_line_and_code_2(tmp_path):
         [*FIND, wanted, "--units", "1", "--workers", "2", "--out", tmp_path / "w.grid"],
         check=False, capture_output=True, text=True, timeout=180,
     )  # fmt: skip
-    assert ended.returncode == 2 and "a worker process died" in ended.stderr and "Traceback" not in ended.stderr
+    assert (
+        ended.returncode == 2
+        and "a worker process died" in ended.stderr
+        and "Traceback" not in ended.stderr
+    )
 
 
 def interrupted(process):
-    """Presses Ctrl-C as a terminal does, at every process; returns what it printed, once all have ended."""
+    """Presses Ctrl-C as a terminal does, at every process.
+
+    Returns what it printed, once all have ended.
+    """
     os.killpg(process.pid, signal.SIGINT)
     try:
         out, err = process.communicate(timeout=180)
@@ -295,7 +387,11 @@ def interrupted(process):
 
 def started(*args):
     return subprocess.Popen(
-        [*FIND, *map(str, args)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        [*FIND, *map(str, args)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
 
 
@@ -316,7 +412,17 @@ def ended(group):
 def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp_path):
     wanted, path = "thesis-1=reached@331, thesis-2=reached@9388", tmp_path / "w.grid"
     process = started(
-        wanted, "--motion", "stepped", "--budget", "10m", "--seed", 1, "--workers", workers, "--out", path
+        wanted,
+        "--motion",
+        "stepped",
+        "--budget",
+        "10m",
+        "--seed",
+        1,
+        "--workers",
+        workers,
+        "--out",
+        path,
     )
     assert "off by" in process.stderr.readline()
     assert f"wrote {path}" in interrupted(process)
@@ -328,7 +434,9 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     met = tmp_path / "met"
     (tmp_path / "mine.py").write_text(MINE.replace("MET", str(met)))
     wanted = f"{tmp_path}/mine.py:Slow=reached@9999"
-    process = started(wanted, "--budget", "10m", "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid")
+    process = started(
+        wanted, "--budget", "10m", "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid"
+    )
     deadline = time.monotonic() + 120
     while not met.exists() and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -338,7 +446,9 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
 
 def test_a_budget_of_time_ends_a_unit_that_takes_longer(mine, tmp_path, monkeypatch):
     looks = []
-    clock = SimpleNamespace(time=lambda: looks.append(True) or float(len(looks)))  # a second for each look
+    clock = SimpleNamespace(
+        time=lambda: looks.append(True) or float(len(looks))
+    )  # a second for each look
     monkeypatch.setattr("fuzz.campaign.deadline.time", clock)
     result = worldgen(
         "find", "--outcome", f"{mine}:Forgets=reached", "--budget", "20s", "--seed", 1, "--workers", 1,

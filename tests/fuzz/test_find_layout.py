@@ -22,7 +22,9 @@ def worlds(draw):
     """Square worlds with a border, a few boxes, a start below and a target above on the diagonal."""
     walls = np.zeros((SIDE, SIDE), bool)
     corner, length = st.integers(0, SIDE - 1), st.integers(1, 6)
-    for x, y, width, height in draw(st.lists(st.tuples(corner, corner, length, length), max_size=5)):
+    for x, y, width, height in draw(
+        st.lists(st.tuples(corner, corner, length, length), max_size=5)
+    ):
         walls[y : y + height, x : x + width] = True
     walls[[0, -1], :] = walls[:, [0, -1]] = True
     walls[SIDE - 4 : SIDE - 1, 1:4] = walls[1:4, SIDE - 4 : SIDE - 1] = False
@@ -84,19 +86,28 @@ def test_edits_on_a_leash_stay_near_home(world, seed, leash):
     for layout in edits(home, seed):
         moved = np.abs(np.array(layout.boxes) - np.array(home.boxes))
         assert moved.max(initial=0) <= leash
-        assert max(abs(a - b) for a, b in zip(target_cell(layout), target_cell(home), strict=True)) <= leash
+        assert (
+            max(abs(a - b) for a, b in zip(target_cell(layout), target_cell(home), strict=True))
+            <= leash
+        )
 
 
 @given(worlds(), SEEDS)
 def test_a_fixed_target_stays(world, seed):
-    assert all(layout.empty.target == world.target for layout in edits(Layout.of(world, fixed_target=True), seed))
+    assert all(
+        layout.empty.target == world.target
+        for layout in edits(Layout.of(world, fixed_target=True), seed)
+    )
 
 
 @given(worlds())
 def test_what_is_simpler_has_no_wall_that_was_not_there(world):
     layout = Layout.of(world)
     for simpler in layout.simpler():
-        assert not (simpler.world().walls & ~world.walls).any() and simpler.world().solid_cells < world.solid_cells
+        assert (
+            not (simpler.world().walls & ~world.walls).any()
+            and simpler.world().solid_cells < world.solid_cells
+        )
 
 
 def test_a_world_that_is_not_square_has_no_mirror():

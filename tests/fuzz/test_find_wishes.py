@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.find import parse_wishes
+from fuzz.find import parse_targets
 from sim import simulate
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
@@ -30,13 +30,16 @@ class Coin:
 '''
 
 ROOM = (
-    "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\ntarget = [2.85, 0.25, 0.05]\n"
-    "\n%cells\n" + "\n".join(["#" * 31, *["#" + "." * 24 + "#...." + "#"] * 3, "#" * 31]) + "\n%end\n"
+    "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\ntarget = "
+    "[2.85, 0.25, 0.05]\n"
+    "\n%cells\n"
+    + "\n".join(["#" * 31, *["#" + "." * 24 + "#...." + "#"] * 3, "#" * 31])
+    + "\n%end\n"
 )
 
 
 def wish(text, **options):
-    (one,) = parse_wishes(text, **options)
+    (one,) = parse_targets(text, **options)
     return one
 
 
@@ -72,8 +75,14 @@ def test_seconds_count_in_the_time_step_of_the_controller():
 
 
 def test_a_controller_may_name_its_own_motion_and_switches():
-    one, other = parse_wishes("thesis-1+noise+motion=stepped=loop, turn-left=reached", motion="endpoint")
-    assert (one.scenario.motion, one.scenario.thesis.noise, other.scenario.motion) == ("stepped", True, "endpoint")
+    one, other = parse_targets(
+        "thesis-1+noise+motion=stepped=loop, turn-left=reached", motion="endpoint"
+    )
+    assert (one.scenario.motion, one.scenario.thesis.noise, other.scenario.motion) == (
+        "stepped",
+        True,
+        "endpoint",
+    )
 
 
 @pytest.mark.parametrize(
@@ -101,7 +110,9 @@ def test_a_controller_may_name_its_own_motion_and_switches():
     ],
 )
 def test_a_malformed_wish_is_one_line_and_code_2(text, message, tmp_path):
-    result = worldgen("find", "--outcome", text, "--units", 1, "--seed", 1, "--out", tmp_path / "w.grid")
+    result = worldgen(
+        "find", "--outcome", text, "--units", 1, "--seed", 1, "--out", tmp_path / "w.grid"
+    )
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
     assert len(result.err.splitlines()) == 1
 
@@ -109,14 +120,18 @@ def test_a_malformed_wish_is_one_line_and_code_2(text, message, tmp_path):
 @given(st.text(st.sampled_from("turn-lefabcdp=@.<>,+s019 \n"), max_size=40))
 def test_any_text_is_a_wish_or_refused(text):
     try:
-        assert parse_wishes(text)
+        assert parse_targets(text)
     except InvalidParameter as error:
         assert str(error)
 
 
 @pytest.mark.parametrize(
     ("outcome", "verdict", "steps"),
-    [("thesis-1=reached", "reached", 2554), ("thesis-2=loop", "loop", 104), ("thesis-2=never", "loop", 104)],
+    [
+        ("thesis-1=reached", "reached", 2554),
+        ("thesis-2=loop", "loop", 104),
+        ("thesis-2=never", "loop", 104),
+    ],
 )
 def test_an_outcome_without_number_is_fulfilled_by_any(outcome, verdict, steps):
     result = wish(outcome, motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
@@ -152,12 +167,21 @@ def test_never_without_chance_is_a_loop_or_a_stall_and_no_timeout(room):
 
 
 def test_never_with_chance_is_not_to_arrive_in_the_budget():
-    result = wish("thesis-3=never", motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
-    assert (result.verdict, result.share, result.seeds, result.distance) == ("timeout", 0.0, 20, 0.0)
+    result = wish("thesis-3=never", motion="stepped").look(
+        read_world(CONFIGURATIONS / "config-05.grid")
+    )
+    assert (result.verdict, result.share, result.seeds, result.distance) == (
+        "timeout",
+        0.0,
+        20,
+        0.0,
+    )
 
 
 def test_a_loop_of_a_controller_with_chance_is_not_fulfilled_by_a_timeout():
-    result = wish("thesis-3=loop", motion="stepped").look(read_world(CONFIGURATIONS / "config-05.grid"))
+    result = wish("thesis-3=loop", motion="stepped").look(
+        read_world(CONFIGURATIONS / "config-05.grid")
+    )
     assert result.verdict == "timeout" and result.distance > 1.0
 
 

@@ -36,7 +36,16 @@ SOURCE = Path(__file__).parents[1] / "data" / "controllers" / "faulty.c"
 def library(tmp_path_factory):
     """The library of faulty controllers, by its whole path."""
     made = tmp_path_factory.mktemp("library") / "faulty.so"
-    words = ["-std=c17", "-O1", "-shared", "-fPIC", f"-I{include_folder()}", str(SOURCE), "-o", str(made)]
+    words = [
+        "-std=c17",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        f"-I{include_folder()}",
+        str(SOURCE),
+        "-o",
+        str(made),
+    ]
     subprocess.run([*compiler(), *words], check=True)
     return made
 
@@ -55,7 +64,9 @@ def looks_of(name, count=60, budget=400):
 def alone(looks, n):
     """The run of a look, by itself."""
     options = looks.scenario_of(n).options(looks.world(n))
-    return simulate(looks.world(n), looks.scenario.controller, replace(options, steps=int(looks.budget[n])))
+    return simulate(
+        looks.world(n), looks.scenario.controller, replace(options, steps=int(looks.budget[n]))
+    )
 
 
 def test_each_crash_of_a_batch_is_that_of_its_world(library):
@@ -78,7 +89,10 @@ def test_looks_in_another_process_are_bit_for_bit_those_in_this_one(library, mon
     there = looks_of(f"lib:{library}:complain")
     monkeypatch.setattr(containment, "_contained", [])
     here = looks_of(f"lib:{library}:complain")
-    assert [there.raw[name].tolist() for name in ("ending", "steps", "path_length", "visited", "contact")] == [
+    assert [
+        there.raw[name].tolist()
+        for name in ("ending", "steps", "path_length", "visited", "contact")
+    ] == [
         here.raw[name].tolist() for name in ("ending", "steps", "path_length", "visited", "contact")
     ]
 
@@ -91,7 +105,9 @@ def test_a_death_leaves_the_results_that_an_error_leaves_in_this_process(library
     said = looks_of(f"lib:{library}:own_up")
     error = simulate(world, f"lib:{library}:own_up")
     names = ("ending", "steps", "path_length", "visited", "contact", "collisions")
-    assert [died.raw[name].tolist() for name in names] == [said.raw[name].tolist() for name in names]
+    assert [died.raw[name].tolist() for name in names] == [
+        said.raw[name].tolist() for name in names
+    ]
     assert (death.trace_digest, death.steps) == (error.trace_digest, error.steps)
 
 
@@ -116,7 +132,10 @@ def test_crashes_of_two_kinds_have_two_keys(library):
 @pytest.mark.gate
 def test_a_batch_ends_with_its_second_hang(library):
     looks = looks_of(f"lib:{library}:hang")
-    assert looks.verdict[looks.ran].tolist().count("hang") == 2 and looks.verdict[looks.ran][-1] == "hang"
+    assert (
+        looks.verdict[looks.ran].tolist().count("hang") == 2
+        and looks.verdict[looks.ran][-1] == "hang"
+    )
 
 
 def test_what_a_library_keeps_of_one_unit_is_not_there_in_the_next(library):
@@ -128,7 +147,10 @@ def test_what_a_library_keeps_of_one_unit_is_not_there_in_the_next(library):
 @pytest.mark.gate
 def test_a_unit_with_crashes_finds_the_same_bytes_again(library):
     config = CampaignConfig(scenario=Scenario(f"lib:{library}:segfault"), examples=10)
-    found = [{kind: failure.dumps() for kind, failure in run_unit(config, 0).failures.items()} for _ in range(2)]
+    found = [
+        {kind: failure.dumps() for kind, failure in run_unit(config, 0).failures.items()}
+        for _ in range(2)
+    ]
     assert found[0] == found[1] and any(kind.startswith("crash-SIGSEGV") for kind in found[0])
 
 

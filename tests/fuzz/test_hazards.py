@@ -58,7 +58,9 @@ def test_only_what_a_sense_shows_can_be_known(robot, state, how, sensed, mine):
 
 
 def test_a_controller_that_declares_other_senses_does_not_see_smoke():
-    assert not can_sense(CONTROLLERS.get("wall-left"), RobotOptions(smoke=0.2), "burning", "entered")
+    assert not can_sense(
+        CONTROLLERS.get("wall-left"), RobotOptions(smoke=0.2), "burning", "entered"
+    )
 
 
 def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
@@ -83,7 +85,18 @@ def test_a_hazard_that_is_shrunk_stays_one(mine):
 def met(tmp_path_factory):
     """A campaign of a controller that arrives wherever nothing burns."""
     out = tmp_path_factory.mktemp("hazards") / "out"
-    options = ("--controller", "mapper", "--family", "fire", "--units", 1, "--examples", 48, "--seed", 1)
+    options = (
+        "--controller",
+        "mapper",
+        "--family",
+        "fire",
+        "--units",
+        1,
+        "--examples",
+        48,
+        "--seed",
+        1,
+    )
     return out, worldgen("fuzz", *options, "--workers", 1, "--no-shrink", "--out", out, "--json")
 
 
@@ -92,7 +105,8 @@ def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
     said = json.loads(met[1].out)
     assert said["hazards"] and not said["failures"] and met[1].code == 0
     assert all(
-        one["verdict"] == "burned" and is_unsensed(Failure.of(read_world(one["file"]))) for one in said["hazards"]
+        one["verdict"] == "burned" and is_unsensed(Failure.of(read_world(one["file"])))
+        for one in said["hazards"]
     )
 
 
@@ -106,4 +120,6 @@ def test_hazards_count_where_that_is_asked_for(met):
 def test_the_summary_says_that_there_are_no_failures_but_hazards(met):
     again = worldgen("fuzz", "--resume", met[0], "--workers", 1)
     assert again.code == 0 and "hazards it cannot sense: met burned-" in again.out
-    assert "no failure of mapper under swept found, but for hazards that it cannot sense" in again.out
+    assert (
+        "no failure of mapper under swept found, but for hazards that it cannot sense" in again.out
+    )

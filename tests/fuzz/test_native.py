@@ -34,11 +34,23 @@ RUNS = (
 
 
 def scenes(count, seed=1, width=SCENE_BYTES):
-    return RandomStream(seed).bits(8 * count).astype("<u8").view(np.uint8).reshape(count, 64)[:, :width]
+    return (
+        RandomStream(seed)
+        .bits(8 * count)
+        .astype("<u8")
+        .view(np.uint8)
+        .reshape(count, 64)[:, :width]
+    )
 
 
 def look(scenario, data, seed=0, time_step=0.015, budget=800):
-    return evaluate(np.frombuffer(data, np.uint8)[None, :], scenario, np.array([seed], np.uint64), time_step, budget)
+    return evaluate(
+        np.frombuffer(data, np.uint8)[None, :],
+        scenario,
+        np.array([seed], np.uint64),
+        time_step,
+        budget,
+    )
 
 
 def run_of(looks, n):
@@ -49,14 +61,20 @@ def run_of(looks, n):
     )
 
 
-@given(SCENE, st.sampled_from(RUNS), st.integers(0, 2**64 - 1), st.sampled_from((0.015, 0.05, 0.15)))
+@given(
+    SCENE, st.sampled_from(RUNS), st.integers(0, 2**64 - 1), st.sampled_from((0.015, 0.05, 0.15))
+)
 def test_a_look_is_the_run_in_the_decoded_world_bit_for_bit(data, name, seed, time_step):
     looks = look(Scenario.parse(name), data, seed, time_step)
     if looks.ran[0]:
         run = run_of(looks, 0)
         metres = UNIT / looks.world(0).cell_size
         assert looks.verdict[0] in (run.ending, "undecided", "overlap")
-        assert (looks.steps[0], looks.period[0], looks.collisions[0]) == (run.steps, run.period, run.collisions)
+        assert (looks.steps[0], looks.period[0], looks.collisions[0]) == (
+            run.steps,
+            run.period,
+            run.collisions,
+        )
         assert looks.path[0] / metres == pytest.approx(run.path_length, rel=1e-12)
         assert looks.raw["last_new_cell"][0] == run.last_new_cell
         assert (looks.raw["overlap_step"][0], looks.raw["hit_step"][0]) == (
@@ -77,11 +95,17 @@ def test_many_looks_at_once_are_those_one_by_one():
 @given(SCENE, st.sampled_from((0.02, 0.06, 0.1)), st.sampled_from((0.5, 3.0)))
 def test_looks_at_robots_of_another_size_and_speed_are_runs_of_these(data, radius, speed):
     layouts = np.frombuffer(data, np.uint8)[None, :]
-    looks = evaluate(layouts, Scenario("turn-left"), 0, 0.015, 400, robot_radius=radius, robot_speed=speed)
+    looks = evaluate(
+        layouts, Scenario("turn-left"), 0, 0.015, 400, robot_radius=radius, robot_speed=speed
+    )
     if looks.ran[0]:
         run, world = run_of(looks, 0), looks.world(0)
         assert (world.robot_radius, world.robot_speed) == (radius, speed)
-        assert (looks.steps[0], looks.collisions[0], looks.period[0]) == (run.steps, run.collisions, run.period)
+        assert (looks.steps[0], looks.collisions[0], looks.period[0]) == (
+            run.steps,
+            run.collisions,
+            run.period,
+        )
 
 
 @given(SCENE)
@@ -108,7 +132,10 @@ def test_what_is_said_of_a_world_is_so():
         inner = world.walls[1:-1, 1:-1]
         assert looks.solid[n] == world.solid_cells
         assert looks.density[n] == pytest.approx(inner.mean())
-        apart = np.hypot(world.start.x - world.target.x, world.start.y - world.target.y) / world.cell_size
+        apart = (
+            np.hypot(world.start.x - world.target.x, world.start.y - world.target.y)
+            / world.cell_size
+        )
         assert looks.straight[n] == pytest.approx(apart)
 
 
@@ -126,7 +153,12 @@ def test_loops_of_one_key_reach_as_far_and_come_as_near(controller):
 def test_the_budget_follows_the_way_unless_it_is_given():
     own = evaluate(scenes(100), Scenario("turn-left"), np.zeros(100, np.uint64), 0.005)
     long, short = own.ran & (own.way > 17), own.ran & (own.way < 8)
-    assert (own.budget[long] == 8000).all() and (own.budget[short] == 4000).all() and long.any() and short.any()
+    assert (
+        (own.budget[long] == 8000).all()
+        and (own.budget[short] == 4000).all()
+        and long.any()
+        and short.any()
+    )
     given_ = evaluate(scenes(9), Scenario("turn-left"), np.zeros(9, np.uint64), 0.015, 70)
     assert set(given_.budget.tolist()) <= {0, 70}
 
@@ -148,7 +180,11 @@ def test_a_controller_that_raises_ends_only_its_own_run(monkeypatch):
 
 def test_a_layout_is_a_scene_with_nothing_added():
     data = scenes(1)[0, :LAYOUT_BYTES].tobytes()
-    assert dumps(decode_scene(data)) == dumps(decode_world(data)) == dumps(decode_scene(data + bytes(3)))
+    assert (
+        dumps(decode_scene(data))
+        == dumps(decode_world(data))
+        == dumps(decode_scene(data + bytes(3)))
+    )
 
 
 @pytest.mark.parametrize(
@@ -163,13 +199,21 @@ def test_a_layout_is_a_scene_with_nothing_added():
     ],
 )
 def test_what_cannot_be_looked_at_is_refused(changed, expected):
-    given_ = {"layouts": scenes(2), "scenario": Scenario("turn-left"), "seeds": 0, "time_steps": 0.015, **changed}
+    given_ = {
+        "layouts": scenes(2),
+        "scenario": Scenario("turn-left"),
+        "seeds": 0,
+        "time_steps": 0.015,
+        **changed,
+    }
     with raises(InvalidParameter, **expected):
         evaluate(**given_)
 
 
 def test_oracles_that_are_asked_for_judge_winding_runs():
-    config = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("native",), oracles=("detour=3",))
+    config = CampaignConfig(
+        Scenario("turn-right"), seed=3, examples=20, families=("native",), oracles=("detour=3",)
+    )
     result = run_unit(config, 0)
     by_oracle = [world for kind, world in result.failures.items() if "detour" in kind]
     assert by_oracle and all(replay(world).confirmed for world in by_oracle)

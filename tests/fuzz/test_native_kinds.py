@@ -1,4 +1,7 @@
-"""Native search with controllers that are not compiled: its looks are the runs that the simulator makes."""
+"""Native search with controllers that are not compiled.
+
+Its looks are the runs that the simulator makes.
+"""
 
 import math
 import sys
@@ -45,7 +48,10 @@ class Homing:
 
 @dataclass(frozen=True)
 class Planner(Homing):
-    """Wants the world, and drives the slower the larger it is; its memory is as long as the world is high."""
+    """Wants the world, and drives the slower the larger it is.
+
+    Its memory is as long as the world is high.
+    """
 
     def reset(self, world):
         assert isinstance(world, World)
@@ -94,7 +100,9 @@ class Mistaken(Homing):
 
     def act(self, observation, memory):
         command, memory = super().act(observation, memory)
-        return command._replace(speed=math.nan if observation.bump and observation.x > 1.0 else command.speed), memory
+        return command._replace(
+            speed=math.nan if observation.bump and observation.x > 1.0 else command.speed
+        ), memory
 
 
 class Unready(Homing):
@@ -106,7 +114,15 @@ class Unready(Homing):
 
 WallLeft = AsClass("wall-left")
 
-CLASSES = ("Homing", "Homing+motion=endpoint", "Planner", "Attributes", "Fragile", "Mistaken", "Unready")
+CLASSES = (
+    "Homing",
+    "Homing+motion=endpoint",
+    "Planner",
+    "Attributes",
+    "Fragile",
+    "Mistaken",
+    "Unready",
+)
 
 PROGRAM = """
 import json, sys
@@ -248,7 +264,9 @@ def test_a_vector_class_looks_the_same_for_any_number_of_places(monkeypatch):
 def test_a_vector_class_that_remembers_outside_its_memory_is_run_alone(monkeypatch):
     alone = []
     run = OneByOne.run
-    monkeypatch.setattr(OneByOne, "run", lambda self, worlds: alone.append(worlds) or run(self, worlds))
+    monkeypatch.setattr(
+        OneByOne, "run", lambda self, worlds: alone.append(worlds) or run(self, worlds)
+    )
     look(named("ManyCounting"), 12, budget=30)
     look(named("Many"), 12, budget=30)
     assert alone == [12]
@@ -258,18 +276,24 @@ def test_a_program_that_offers_it_drives_many_robots_at_once():
     offering = program(PROGRAM_OF_MANY.replace("OFFER", "True"))
     one = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 40, 60)
     many = look(offering, 40, 60)
-    assert CONTROLLERS.get(offering.controller).offer == Offer(8, ("bump", "target_heading", "heading", "time_step"))
+    assert CONTROLLERS.get(offering.controller).offer == Offer(
+        8, ("bump", "target_heading", "heading", "time_step")
+    )
     assert (one.raw == many.raw).all()
     assert {"reached", "undecided"} <= set(many.verdict)
 
 
 def test_a_program_that_fails_among_others_is_run_alone():
-    text = PROGRAM_OF_MANY.replace("OFFER", "True").replace('answer = {"speed": [2.0]', 'answer = {"sped": [2.0]')
+    text = PROGRAM_OF_MANY.replace("OFFER", "True").replace(
+        'answer = {"speed": [2.0]', 'answer = {"sped": [2.0]'
+    )
     alone = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 12, 30)
     assert (look(program(text), 12, 30).raw == alone.raw).all()
 
 
-@pytest.mark.parametrize(("name", "verdict"), [("Fragile", "crash"), ("Mistaken", "invalid-command")])
+@pytest.mark.parametrize(
+    ("name", "verdict"), [("Fragile", "crash"), ("Mistaken", "invalid-command")]
+)
 def test_a_class_that_fails_ends_only_its_own_run(name, verdict):
     assert {verdict, "reached"} <= set(look(named(name), 60, budget=300).verdict.tolist())
 
@@ -299,7 +323,9 @@ def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
     config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
     one = run_unit(config, 1)
     two = run_unit(config, 1)
-    assert [found.dumps() for found in one.failures.values()] == [found.dumps() for found in two.failures.values()]
+    assert [found.dumps() for found in one.failures.values()] == [
+        found.dumps() for found in two.failures.values()
+    ]
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
     assert one.failures
     assert all(replay(failure).confirmed for failure in one.failures.values())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import Memory
+from fuzz.campaign.result import SearchState
 from fuzz.campaign.unit import run_unit
 from fuzz.campaign.variation import Variation
 from fuzz.screening import evaluate
@@ -22,14 +22,20 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=25, families=("
 def varied(*texts):
     scenario = Scenario("turn-right")
     return CampaignConfig(
-        scenario, 1, examples=12, families=("native",), vary=tuple(Variation.parse(text, scenario) for text in texts)
+        scenario,
+        1,
+        examples=12,
+        families=("native",),
+        vary=tuple(Variation.parse(text, scenario) for text in texts),
     )
 
 
 @pytest.mark.gate
 def test_a_unit_is_a_function_of_its_number():
     one, two, other = run_unit(CONFIG, 3), run_unit(CONFIG, 3), run_unit(CONFIG, 4)
-    assert [found.dumps() for found in one.failures.values()] == [found.dumps() for found in two.failures.values()]
+    assert [found.dumps() for found in one.failures.values()] == [
+        found.dumps() for found in two.failures.values()
+    ]
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
     assert one.steps != other.steps
 
@@ -58,13 +64,17 @@ def test_the_smallest_of_each_key_come_first():
 def test_of_runs_that_only_spent_their_budget_few_are_proved():
     layouts = scenes(RandomStream(1), 400)
     few = Few()
-    few.add(evaluate(layouts, Scenario("turn-right"), np.zeros(len(layouts), np.uint64), 0.015, 900))
+    few.add(
+        evaluate(layouts, Scenario("turn-right"), np.zeros(len(layouts), np.uint64), 0.015, 900)
+    )
     verdicts = Counter(str(looks.verdict[n]) for looks, n in few.in_order())
     assert verdicts["undecided"] == 4 and verdicts["loop"] > 1
 
 
 def test_a_campaign_for_a_compiled_controller_is_mainly_native():
-    lanes = Counter(planned_lane(CampaignConfig(Scenario("vfh")), unit, Memory()) for unit in range(100))
+    lanes = Counter(
+        planned_lane(CampaignConfig(Scenario("vfh")), unit, SearchState()) for unit in range(100)
+    )
     assert lanes["native"] > 35 and lanes["features"] > 5
 
 
@@ -104,8 +114,12 @@ def test_what_a_campaign_varies_is_one_thing_for_a_unit():
 @pytest.mark.gate
 @pytest.mark.parametrize("controller", ["turn-random", "random-walk"])
 def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
-    result = run_unit(CampaignConfig(Scenario(controller), seed=1, examples=25, families=("native",)), 0)
-    assert result.failures and all(kind.startswith(("timeout", "stalled")) for kind in result.failures)
+    result = run_unit(
+        CampaignConfig(Scenario(controller), seed=1, examples=25, families=("native",)), 0
+    )
+    assert result.failures and all(
+        kind.startswith(("timeout", "stalled")) for kind in result.failures
+    )
     assert all(replay(failure).confirmed for failure in result.failures.values())
 
 

@@ -54,7 +54,8 @@ def chance(tmp_path):
         "    def reset(self): return ()\n"
         "    def act(self, o, memory):\n"
         "        turn = (o.target_heading - o.heading + math.pi) % math.tau - math.pi\n"
-        "        return Command(o.top_speed, random.uniform(0.5, 1.0) * turn / o.time_step), memory\n"
+        "        return Command(o.top_speed, random.uniform(0.5, 1.0) * turn / o.time_step), "
+        "memory\n"
     )
     return f"{tmp_path}/mine.py:Chance"
 
@@ -67,23 +68,31 @@ def northerner(tmp_path):
         "class North:\n"
         "    def reset(self): return ()\n"
         "    def act(self, o, memory):\n"
-        "        return Command(o.top_speed if o.y < 0.6 else 0.0, (math.pi / 2 - o.heading) / o.time_step), memory\n"
+        "        return Command(o.top_speed if o.y < 0.6 else 0.0, (math.pi / 2 - o.heading) / "
+        "o.time_step), memory\n"
     )
     return f"{tmp_path}/north.py:North"
 
 
-UP = certified(World(np.zeros((9, 9), bool), Pose(0.45, 0.15, math.pi / 2), Target(0.45, 0.5, 0.05)))
+UP = certified(
+    World(np.zeros((9, 9), bool), Pose(0.45, 0.15, math.pi / 2), Target(0.45, 0.5, 0.05))
+)
 
 
 def test_a_way_round_the_whole_block_is_a_detour_with_its_lengths():
     said = objection("detour=2")
-    assert said["ratio"] > 2 and said["ratio"] == pytest.approx(said["path"] / said["witness"], rel=1e-4)
+    assert said["ratio"] > 2 and said["ratio"] == pytest.approx(
+        said["path"] / said["witness"], rel=1e-4
+    )
     assert said["witness"] == pytest.approx(BLOCK.certificate.length)
 
 
 def test_a_way_within_the_bound_is_no_detour():
     ratio = objection("detour=2")["ratio"]
-    assert objection(f"detour={ratio + 0.01}") is None and objection(f"detour={ratio - 0.01}") is not None
+    assert (
+        objection(f"detour={ratio + 0.01}") is None
+        and objection(f"detour={ratio - 0.01}") is not None
+    )
 
 
 def test_a_run_that_does_not_arrive_makes_no_detour():
@@ -112,15 +121,24 @@ def test_a_replay_notices_a_bound_that_the_run_keeps():
 
 def test_a_replay_notices_that_the_oracle_is_not_here():
     failure = failing("detour=2")
-    record = replace(failure.record, evidence={**failure.record.evidence, "oracle": "./gone.py:gone"})
+    record = replace(
+        failure.record, evidence={**failure.record.evidence, "oracle": "./gone.py:gone"}
+    )
     assert "no such file" in replay(replace(failure, record=record)).reason
 
 
 def test_a_detour_is_shrunk_to_a_1_minimal_one():
-    failure = failing("detour=2", world=certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 4), (0, 3))))))
+    failure = failing(
+        "detour=2", world=certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 4), (0, 3)))))
+    )
     result = shrink(failure)
-    assert result.failure.record.evidence["objection"]["ratio"] > 2 and replay(result.failure).confirmed
-    assert result.failure.world.walls.size < failure.world.walls.size and result.after < result.before
+    assert (
+        result.failure.record.evidence["objection"]["ratio"] > 2
+        and replay(result.failure).confirmed
+    )
+    assert (
+        result.failure.world.walls.size < failure.world.walls.size and result.after < result.before
+    )
     assert removable(result.failure.world, StillFails.of(result.failure)) == [] == list(result.left)
 
 
@@ -130,9 +148,13 @@ def test_a_library_controller_repeats_itself():
 
 def test_chance_without_a_seed_is_seen_in_the_first_step_that_differs(chance):
     said = objection(
-        "repeat", chance, UP.__class__(UP.walls, Pose(0.45, 0.15, 0.0), UP.target, certificate=UP.certificate)
+        "repeat",
+        chance,
+        UP.__class__(UP.walls, Pose(0.45, 0.15, 0.0), UP.target, certificate=UP.certificate),
     )
-    assert said["step"] == 1 and said["poses"][0] != said["poses"][1] and said["repeatable"] is False
+    assert (
+        said["step"] == 1 and said["poses"][0] != said["poses"][1] and said["repeatable"] is False
+    )
 
 
 def test_a_run_that_does_not_come_again_is_replayed_and_shrunk(chance):
@@ -149,11 +171,15 @@ def test_only_repeat_speaks_of_a_controller_that_is_not_the_same_twice(chance):
 @pytest.mark.parametrize("oracle", ["turn=1", "shift=1", "scale=1"])
 @pytest.mark.parametrize("controller", ["bug1", "turn-right", "vfh"])
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
-def test_a_controller_without_an_absolute_frame_runs_alike_where_worlds_correspond(oracle, controller, motion):
+def test_a_controller_without_an_absolute_frame_runs_alike_where_worlds_correspond(
+    oracle, controller, motion
+):
     assert objection(oracle, controller, motion=motion) is None
 
 
-@pytest.mark.parametrize(("oracle", "there"), [("turn", "loop"), ("shift", "loop"), ("scale", "loop")])
+@pytest.mark.parametrize(
+    ("oracle", "there"), [("turn", "loop"), ("shift", "loop"), ("scale", "loop")]
+)
 def test_an_absolute_frame_shows_where_worlds_correspond(oracle, there, northerner):
     said = objection(oracle, northerner, UP)
     assert said["kind"] == "only-here" and said["verdicts"] == ["reached", there]
@@ -169,12 +195,18 @@ def test_an_objection_to_a_turned_world_is_replayed_and_shrunk(northerner):
 def test_a_factor_also_compares_the_steps_of_runs_that_arrive():
     world = certified(replace(BLOCK, start=Pose(0.15, 0.35, 0.0)))
     assert objection("mirror=1.1", "bug2", world)["kind"] == "slower"
-    assert objection("mirror=1.5", "bug2", world) is None and objection("mirror", "bug2", world) is None
+    assert (
+        objection("mirror=1.5", "bug2", world) is None
+        and objection("mirror", "bug2", world) is None
+    )
 
 
 def test_two_steps_of_half_the_duration_count_as_one():
     said = objection("finer=1", "bug1")
-    assert said["steps"][1] == pytest.approx(2 * said["steps"][0], rel=0.2) and objection("finer=1.2", "bug1") is None
+    assert (
+        said["steps"][1] == pytest.approx(2 * said["steps"][0], rel=0.2)
+        and objection("finer=1.2", "bug1") is None
+    )
 
 
 CHANGING = replace(UP, timeline=Timeline.of([Event(0.5, 1, 7, CellState.SOLID)]))
@@ -182,24 +214,44 @@ CHANGING = replace(UP, timeline=Timeline.of([Event(0.5, 1, 7, CellState.SOLID)])
 
 def test_four_quarters_and_two_mirrors_give_the_world_back():
     walls = np.pad(np.ones((2, 3), bool), ((5, 2), (0, 2)))
-    world = replace(CHANGING, certificate=None, walls=walls, start=Pose(0.25, 0.15, 0.0), target=Target(0.4, 0.2, 0.1))
+    world = replace(
+        CHANGING,
+        certificate=None,
+        walls=walls,
+        start=Pose(0.25, 0.15, 0.0),
+        target=Target(0.4, 0.2, 0.1),
+    )
     quarters = turned(turned(turned(turned(world))))
     twice = mirrored(mirrored(world))
     for same in (quarters, twice):
-        assert (same.walls == world.walls).all() and same.target == world.target and same.timeline == world.timeline
-        assert math.remainder(same.start.heading - world.start.heading, math.tau) == pytest.approx(0.0, abs=1e-12)
+        assert (
+            (same.walls == world.walls).all()
+            and same.target == world.target
+            and same.timeline == world.timeline
+        )
+        assert math.remainder(same.start.heading - world.start.heading, math.tau) == pytest.approx(
+            0.0, abs=1e-12
+        )
 
 
 def test_a_shift_moves_cells_places_and_events_alike():
     moved = shifted(CHANGING)
-    assert (moved.width, moved.height) == (12, 14) and moved.walls[:5].all() and moved.walls[:, :3].all()
+    assert (
+        (moved.width, moved.height) == (12, 14)
+        and moved.walls[:5].all()
+        and moved.walls[:, :3].all()
+    )
     assert (moved.start.x, moved.start.y, moved.target.x, moved.target.y) == (0.75, 0.65, 0.75, 1.0)
     assert [(event.ix, event.iy) for event in moved.timeline] == [(4, 12)]
 
 
 def test_a_scale_doubles_every_length_and_the_speed():
     large = scaled(UP)
-    assert (large.cell_size, large.robot_radius, large.robot_speed) == (0.2, 2 * UP.robot_radius, 4.0)
+    assert (large.cell_size, large.robot_radius, large.robot_speed) == (
+        0.2,
+        2 * UP.robot_radius,
+        4.0,
+    )
     assert (large.start.x, large.target.radius) == (0.9, 0.1)
 
 
@@ -219,7 +271,9 @@ def spy(tmp_path):
     return f"{tmp_path}/spy.py:Spy"
 
 
-WIDE = certified(World(np.zeros((9, 19), bool), Pose(0.95, 0.15, math.pi / 2), Target(0.95, 0.5, 0.05)))
+WIDE = certified(
+    World(np.zeros((9, 19), bool), Pose(0.95, 0.15, math.pi / 2), Target(0.95, 0.5, 0.05))
+)
 
 
 def test_a_controller_that_knows_of_walls_which_it_cannot_sense_is_seen(spy):
@@ -244,7 +298,9 @@ def test_walls_far_from_a_robot_that_feels_its_way_change_nothing(motion):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("controller", ["vfh", "three-layer", "turn-right+signal=blocked", "vfh+beam_dropout=0.5"])
+@pytest.mark.parametrize(
+    "controller", ["vfh", "three-layer", "turn-right+signal=blocked", "vfh+beam_dropout=0.5"]
+)
 def test_walls_that_beams_or_a_signal_would_notice_are_not_added(controller):
     scenario, hall = Scenario.parse(controller), generate("maze", seed=4)
     trial = Trial(hall, scenario.controller, scenario.options(hall))
@@ -263,7 +319,9 @@ def test_where_every_cell_is_sensed_there_is_no_room_for_walls():
 
 
 def test_a_world_that_changes_is_not_asked_about_walls():
-    assert objection("wall", "bug1", CHANGING) is None and objection("block", "bug1", CHANGING) is None
+    assert (
+        objection("wall", "bug1", CHANGING) is None and objection("block", "bug1", CHANGING) is None
+    )
 
 
 def test_walls_that_hold_up_the_thesis_s_signal_count_everywhere():
@@ -272,7 +330,9 @@ def test_walls_that_hold_up_the_thesis_s_signal_count_everywhere():
 
 
 def test_a_block_beside_the_way_shows_a_seeded_fault():
-    world = read_world(Path(__file__).parents[1] / "data" / "faults" / "bug1-lost-wall-wrong-side.grid")
+    world = read_world(
+        Path(__file__).parents[1] / "data" / "faults" / "bug1-lost-wall-wrong-side.grid"
+    )
     assert objection("block", world.failure.controller, world)["kind"] == "only-there"
     assert objection("block", "bug1", world) is None
 
@@ -325,14 +385,22 @@ def test_an_oracle_that_is_none_is_refused(code, expected, tmp_path):
 
 
 def test_numbers_of_numpy_are_evidence_like_others(tmp_path):
-    code = "import numpy as np\ndef many(trial): return {'n': np.int64(3), 'x': np.float32(0.5), 'b': [np.True_]}"
+    code = (
+        "import numpy as np\ndef many(trial): return {'n': np.int64(3), 'x': np.float32(0.5), "
+        "'b': [np.True_]}"
+    )
     (tmp_path / "mine.py").write_text(code)
     said = objection(f"{tmp_path}/mine.py:many")
-    assert said == {"n": 3, "x": 0.5, "b": [True]} and {type(said["n"]), type(said["x"])} == {int, float}
+    assert said == {"n": 3, "x": 0.5, "b": [True]} and {type(said["n"]), type(said["x"])} == {
+        int,
+        float,
+    }
 
 
 def test_an_oracle_without_a_number_takes_none(tmp_path):
-    (tmp_path / "mine.py").write_text("def mine(trial): return {'kind': 'a/b c', 'x': [1, (2, 3)]}\n")
+    (tmp_path / "mine.py").write_text(
+        "def mine(trial): return {'kind': 'a/b c', 'x': [1, (2, 3)]}\n"
+    )
     with raises(InvalidParameter, "takes-no-number"):
         NamedOracle.parse(f"{tmp_path}/mine.py:mine=3")
     oracle = NamedOracle.parse(f"{tmp_path}/mine.py:mine")
@@ -355,14 +423,41 @@ def test_a_detour_is_fixed_when_the_oracle_has_nothing_to_say(tmp_path):
 
 
 def test_a_campaign_refuses_an_oracle_that_is_not_there_before_it_begins(tmp_path):
-    result = worldgen("fuzz", "--controller", "bug1", "--oracle", "detuor=5", "--units", 1, "--out", tmp_path / "f")
-    assert result.code == 2 and result.error_code == "unknown-name" and not (tmp_path / "f").exists()
+    result = worldgen(
+        "fuzz",
+        "--controller",
+        "bug1",
+        "--oracle",
+        "detuor=5",
+        "--units",
+        1,
+        "--out",
+        tmp_path / "f",
+    )
+    assert (
+        result.code == 2 and result.error_code == "unknown-name" and not (tmp_path / "f").exists()
+    )
 
 
 @pytest.mark.gate
 def test_a_campaign_finds_the_same_with_one_worker_and_with_two(tmp_path):
-    fuzz = ("fuzz", "--controller", "bug1", "--detour", 3, "--units", 2, "--examples", 20, "--seed", 2, "--no-shrink")
+    fuzz = (
+        "fuzz",
+        "--controller",
+        "bug1",
+        "--detour",
+        3,
+        "--units",
+        2,
+        "--examples",
+        20,
+        "--seed",
+        2,
+        "--no-shrink",
+    )
     for workers in (1, 2):
         assert worldgen(*fuzz, "--workers", workers, "--out", tmp_path / str(workers)).code == 1
-    one, two = ({file.name: file.read_bytes() for file in (tmp_path / n).glob("*.grid")} for n in "12")
+    one, two = (
+        {file.name: file.read_bytes() for file in (tmp_path / n).glob("*.grid")} for n in "12"
+    )
     assert one == two and "detour.grid" in one

@@ -1,4 +1,7 @@
-"""What "smaller" means to the shrinker: the weightier measure decides, whatever the lighter ones say."""
+"""What "smaller" means to the shrinker.
+
+The weightier measure decides, whatever the lighter ones say.
+"""
 
 import numpy as np
 
@@ -12,7 +15,9 @@ def case(side, solid, heading=0.0):
     walls = np.zeros((side, side), bool)
     walls.ravel()[:solid] = True
     place = (side - 0.5) / 10
-    return Case(World(walls, Pose(0.65, place, heading), Target(place, place, 0.05)), Scenario("turn-right"))
+    return Case(
+        World(walls, Pose(0.65, place, heading), Target(place, place, 0.05)), Scenario("turn-right")
+    )
 
 
 def test_fewer_cells_weigh_more_than_fewer_solid_ones():

@@ -43,7 +43,9 @@ def test_a_fault_in_a_script_fails_its_tests(tmp_path):
 
 def test_numbers_of_all_sizes_are_read_as_they_were_packed():
     random = np.random.default_rng(1)
-    lists = [np.cumsum(random.integers(-(10**k), 10**k, 50)) for k in (1, 3, 6, 9)] + [np.zeros(0, np.int64)]
+    lists = [np.cumsum(random.integers(-(10**k), 10**k, 50)) for k in (1, 3, 6, 9)] + [
+        np.zeros(0, np.int64)
+    ]
     read = called(*(["player/decode", "numbersOf", [numbers(values)]] for values in lists))
     assert [list(map(int, one)) for one in read] == [values.tolist() for values in lists]
 

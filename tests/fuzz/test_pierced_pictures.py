@@ -10,7 +10,7 @@ from PIL import Image
 
 from sim import simulate
 from sim.drawing.picture import drive_of, trail_of
-from sim.drawing.wall_penetrations import pierced_cells
+from sim.drawing.wall_penetrations import penetrated_cells
 from worldgen.files.grid import read_world
 from worldgen.render import Frame, draw_gif, draw_png, draw_svg
 from worldgen.render.palette import PIERCED, rgb
@@ -27,7 +27,9 @@ def room(speed):
 
 def slide():
     world = read_world(FAULTS / "thesis-2-slide.grid")
-    return world, simulate(world, world.failure.controller, motion="stepped", steps=3000, record=True)
+    return world, simulate(
+        world, world.failure.controller, motion="stepped", steps=3000, record=True
+    )
 
 
 def fast():
@@ -49,13 +51,15 @@ def red(pixels):
 def test_a_png_s_red_is_in_and_around_the_cell_that_the_verdict_names(run):
     world, episode = run()
     assert episode.verdict in ("tunnel", "overlap")
-    (named,) = [cell for cell in pierced_cells(episode, world) if cell.place]
+    (named,) = [cell for cell in penetrated_cells(episode, world) if cell.place]
     assert (named.ix, named.iy) == episode.evidence.cell
     frame, places = (
         Frame.of(world),
         red(decoded(Image.open(io.BytesIO(draw_png(world, trail=trail_of(episode, world)))))),
     )
-    column, row = frame.to_pixels((named.ix + 0.5) * world.cell_size, (named.iy + 0.5) * world.cell_size)
+    column, row = frame.to_pixels(
+        (named.ix + 0.5) * world.cell_size, (named.iy + 0.5) * world.cell_size
+    )
     inside = np.abs(places - (row, column)).max(axis=1) <= frame.cell / 2
     assert inside.sum() > 0.15 * frame.cell**2
 
@@ -65,7 +69,10 @@ def test_an_svg_has_stripes_a_frame_for_each_wall_and_a_cross(run):
     world, episode = run()
     text = draw_svg(world, trail=trail_of(episode, world))
     assert f'fill="{PIERCED}"/></pattern>' in text
-    assert len(re.findall(f'<polygon [^>]*stroke="{PIERCED}"', text)) == len(pierced_cells(episode, world)) + 1  # a key
+    assert (
+        len(re.findall(f'<polygon [^>]*stroke="{PIERCED}"', text))
+        == len(penetrated_cells(episode, world)) + 1
+    )  # a key
     assert "a wall that it went into" in text
 
 
@@ -84,8 +91,11 @@ def test_a_gif_s_walls_turn_red_when_the_robot_goes_in(run):
 def test_a_robot_that_keeps_out_of_walls_marks_none():
     world = room(2.0)
     episode = simulate(world, "turn-left", steps=300, record=True)
-    assert episode.collisions and pierced_cells(episode, world) == []
-    assert len(red(decoded(Image.open(io.BytesIO(draw_png(world, trail=trail_of(episode, world))))))) == 0
+    assert episode.collisions and penetrated_cells(episode, world) == []
+    assert (
+        len(red(decoded(Image.open(io.BytesIO(draw_png(world, trail=trail_of(episode, world)))))))
+        == 0
+    )
 
 
 def test_every_wall_that_the_centre_jumps_over_is_among_them():
@@ -93,4 +103,4 @@ def test_every_wall_that_the_centre_jumps_over_is_among_them():
     walls[2:8, 6:8] = True
     world = World(walls, Pose(0.25, 0.45, 0.0), Target(1.25, 0.45, 0.1), robot_speed=60.0)
     episode = simulate(world, "turn-left", motion="endpoint", steps=300, record=True)
-    assert {(6, 4), (7, 4)} <= {(cell.ix, cell.iy) for cell in pierced_cells(episode, world)}
+    assert {(6, 4), (7, 4)} <= {(cell.ix, cell.iy) for cell in penetrated_cells(episode, world)}

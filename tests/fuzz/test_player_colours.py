@@ -12,19 +12,46 @@ from worldgen.render.palette import mix
 
 CSS = (Path(__file__).parents[2] / "fuzz/player/page/player.css").read_text("utf-8")
 ROBOTS = [f"robot-{number}" for number in range(6)]
-ON_FLOOR = ["start", "target", "way", "loop", "breach", "pierced", "memory", "fire", "touched", *ROBOTS]
+ON_FLOOR = [
+    "start",
+    "target",
+    "way",
+    "loop",
+    "breach",
+    "pierced",
+    "memory",
+    "fire",
+    "touched",
+    *ROBOTS,
+]
 ON_WALLS = ["touched", "pierced", "fire"]
 PLAIN = 25.0  # a distance that is plain at a glance, for thin lines too
 
-# Complete deficiency, in linear RGB. Source: Machado, Oliveira, Fernandes, A Physiologically-based Model for Simulation
-# of Color Vision Deficiency, 2009, table 1.
+# Complete deficiency, in linear RGB. Source: Machado, Oliveira, Fernandes, A Physiologically-based
+# Model for Simulation of Color Vision Deficiency, 2009, table 1.
 SEEN = {
     "usual": np.eye(3),
-    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
-    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.01182, 0.04294, 0.968881],
+    ],
+    "tritanopia": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.3039],
+    ],
 }
-TO_XYZ = [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]]
+TO_XYZ = [
+    [0.4124564, 0.3575761, 0.1804375],
+    [0.2126729, 0.7151522, 0.072175],
+    [0.0193339, 0.119192, 0.9503041],
+]
 WHITE = [0.95047, 1.0, 1.08883]
 
 
@@ -48,14 +75,20 @@ def lab(colour, seen):
 
 def too_near(theme, seen, pairs, least):
     named = colours_of(theme)
-    apart = {(a, b): float(np.linalg.norm(lab(named[a], seen) - lab(named[b], seen))) for a, b in pairs}
+    apart = {
+        (a, b): float(np.linalg.norm(lab(named[a], seen) - lab(named[b], seen))) for a, b in pairs
+    }
     return {pair: distance for pair, distance in apart.items() if distance < least}
 
 
 @pytest.mark.parametrize("seen", SEEN)
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_what_is_drawn_stands_out_from_what_lies_below_it(theme, seen):
-    pairs = [("wall", "floor"), *((name, "floor") for name in ON_FLOOR), *((name, "wall") for name in ON_WALLS)]
+    pairs = [
+        ("wall", "floor"),
+        *((name, "floor") for name in ON_FLOOR),
+        *((name, "wall") for name in ON_WALLS),
+    ]
     assert too_near(theme, seen, pairs, PLAIN) == {}
 
 
@@ -76,14 +109,19 @@ def apart(one, other, seen):
 
 @pytest.mark.parametrize("seen", SEEN)
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_from_a_wall(theme, seen):
+def test_stripes_of_a_pierced_wall_stand_out_from_what_is_below_them_and_that_from_a_wall(
+    theme, seen
+):
     script = (Path(__file__).parents[2] / "fuzz/player/page/pierced.js").read_text("utf-8")
     named = colours_of(theme)
     ground = named["wall"]
     for layer, share in re.findall(r"\[colours\.(floor|pierced), (0\.\d+)\]", script):
         ground = mix(ground, named[layer], float(share))
     assert ground != named["wall"]
-    assert apart(named["pierced"], ground, seen) >= PLAIN and apart(ground, named["wall"], seen) >= PLAIN
+    assert (
+        apart(named["pierced"], ground, seen) >= PLAIN
+        and apart(ground, named["wall"], seen) >= PLAIN
+    )
 
 
 @pytest.mark.parametrize("seen", SEEN)

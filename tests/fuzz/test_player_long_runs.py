@@ -63,7 +63,9 @@ def test_what_a_long_run_and_its_page_hold_does_not_grow_with_the_memory(little)
 
 def test_a_short_run_is_recorded_whole_even_so():
     episode, _ = driven(lean=True)
-    assert 8 * episode.trace.states.size < MOST_HELD and episode.trace.digest() == episode.trace_digest
+    assert (
+        8 * episode.trace.states.size < MOST_HELD and episode.trace.digest() == episode.trace_digest
+    )
 
 
 def test_a_lean_recording_has_no_words_for_a_digest(little):
@@ -78,6 +80,7 @@ def test_of_many_changes_the_last_map_is_always_held(monkeypatch):
     monkeypatch.undo()
     _, many = driven(lean=False)
     places = [
-        {(row["kind"], row["x0"], row["y0"]) for row in shapes(run, BLOCKED, episode.steps)} for run in (few, many)
+        {(row["kind"], row["x0"], row["y0"]) for row in shapes(run, BLOCKED, episode.steps)}
+        for run in (few, many)
     ]
     assert places[0] == places[1] != set()

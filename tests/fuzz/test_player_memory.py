@@ -31,10 +31,16 @@ def seen(world, controller, **settings):
 
 
 def shapes(run, kind, step=None):
-    columns = {name: decoded(text) for name, text in run["memory"]["map"].items() if name != "names"}
+    columns = {
+        name: decoded(text) for name, text in run["memory"]["map"].items() if name != "names"
+    }
     rows = zip(*columns.values(), strict=True)
     table = [dict(zip(columns, row, strict=True)) for row in rows]
-    return [row for row in table if row["kind"] == kind and (step is None or row["since"] <= step < row["until"])]
+    return [
+        row
+        for row in table
+        if row["kind"] == kind and (step is None or row["since"] <= step < row["until"])
+    ]
 
 
 @pytest.mark.gate
@@ -85,7 +91,9 @@ class Counting:
         return Command(observation.top_speed, 0.3 / observation.time_step), (memory[0] + 1.0,)
 
     def memory_map(self, memory):
-        return MemoryMap(cells=np.array([[0.1, 0.2, 0.2, 0.3]]) if memory[0] > 3 else np.zeros((0, 4)))
+        return MemoryMap(
+            cells=np.array([[0.1, 0.2, 0.2, 0.3]]) if memory[0] > 3 else np.zeros((0, 4))
+        )
 
 
 def test_a_class_s_memory_is_shown_by_its_own_words():

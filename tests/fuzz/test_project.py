@@ -42,21 +42,37 @@ def test_the_example_s_workflow_is_what_init_writes(tmp_path):
 
 
 def test_a_workflow_names_the_repository_that_worldgen_came_from(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "origin", lambda: Origin("https://github.com/owner/worldgen", "abc123"))
+    monkeypatch.setattr(
+        module, "origin", lambda: Origin("https://github.com/owner/worldgen", "abc123")
+    )
     project = Project(tmp_path, ROBOT)
     project.write(force=False)
     plan = yaml.safe_load((tmp_path / ".github" / "workflows" / "worldgen.yml").read_text())
-    sources = [step["with"] for step in plan["jobs"]["pull-request"]["steps"] if step.get("with", {}).get("repository")]
-    assert [(source["repository"], source["ref"]) for source in sources] == [("owner/worldgen", "abc123")]
+    sources = [
+        step["with"]
+        for step in plan["jobs"]["pull-request"]["steps"]
+        if step.get("with", {}).get("repository")
+    ]
+    assert [(source["repository"], source["ref"]) for source in sources] == [
+        ("owner/worldgen", "abc123")
+    ]
     assert project.must_be_told_where_worldgen_is == ""
 
 
-@pytest.mark.parametrize("controller", [ROBOT, 'cmd:./robot --name "O\'Neill" #1', "package.module:Robot+radius=0.2"])
+@pytest.mark.parametrize(
+    "controller", [ROBOT, 'cmd:./robot --name "O\'Neill" #1', "package.module:Robot+radius=0.2"]
+)
 def test_a_controller_reaches_the_ci_file_as_it_is(controller, tmp_path):
     for ci in ("github", "gitlab"):
         Project(tmp_path / ci, controller, ci=ci).write(force=False)
-    workflow = yaml.safe_load((tmp_path / "github" / ".github" / "workflows" / "worldgen.yml").read_text())
-    uses = [step for step in workflow["jobs"]["pull-request"]["steps"] if step.get("uses") == "./.worldgen"]
+    workflow = yaml.safe_load(
+        (tmp_path / "github" / ".github" / "workflows" / "worldgen.yml").read_text()
+    )
+    uses = [
+        step
+        for step in workflow["jobs"]["pull-request"]["steps"]
+        if step.get("uses") == "./.worldgen"
+    ]
     assert [step["with"]["controller"] for step in uses] == [controller]
     job = yaml.safe_load((tmp_path / "gitlab" / ".gitlab" / "worldgen.yml").read_text())["worldgen"]
     words = shlex.split(job["script"][-1])
@@ -163,7 +179,9 @@ def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_
     assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
     configuration._project.cache_clear()
     again = worldgen("fuzz", "--out", "found", "--workers", 1)
-    assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, again.err
+    assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, (
+        again.err
+    )
 
 
 def test_init_names_no_folder_that_goes_when_it_ends(tmp_path, monkeypatch):

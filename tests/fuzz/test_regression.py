@@ -1,4 +1,7 @@
-"""Worlds as regression tests: what counts as fixed, what as confirmed, what is kept of a failing run."""
+"""Worlds as regression tests.
+
+What counts as fixed, what as confirmed, what is kept of a failing run.
+"""
 
 import re
 from dataclasses import replace
@@ -8,8 +11,8 @@ import numpy as np
 import pytest
 
 from fuzz.failure import Failure
-from fuzz.replay.answer import State, answer, summary_in_words
-from fuzz.replay.regression import CONFIRMED, Seen, check, run, tell
+from fuzz.replay.answer import State, answer, describe_summary
+from fuzz.replay.regression import CONFIRMED, RegressionRun, check, run, tell
 from fuzz.triage.judging import failure_of, replay
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
@@ -51,10 +54,14 @@ def test_a_failure_that_still_fails_is_confirmed_but_not_fixed(stored):
 def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirmed(stored):
     assert check(stored, controller="bug2").reason == ""
     reason = check(stored, CONFIRMED, "bug2").reason
-    assert "arrives now in" in reason and reason.endswith("(was: loop, period 545); expect it to be fixed")
+    assert "arrives now in" in reason and reason.endswith(
+        "(was: loop, period 545); expect it to be fixed"
+    )
 
 
-def test_a_repaired_controller_gets_the_witness_s_budget_even_if_the_failure_was_short(failure, tmp_path):
+def test_a_repaired_controller_gets_the_witness_s_budget_even_if_the_failure_was_short(
+    failure, tmp_path
+):
     record = replace(failure.record, parameters={**failure.record.parameters, "steps": 3})
     replace(failure, record=record).write(tmp_path / "short.grid")
     assert check(tmp_path / "short.grid", controller="bug2").reason == ""
@@ -68,14 +75,20 @@ def test_a_failure_without_its_witness_is_never_fixed(failure, tmp_path):
 def test_where_the_target_is_walled_off_fixed_means_that_the_robot_stays_out(tmp_path):
     assert "where the target is walled off" in check(BREACH).reason
     breach = read_world(BREACH)
-    write_world(replace(breach, failure=replace(breach.failure, motion="swept", parameters={})), tmp_path / "b.grid")
+    write_world(
+        replace(breach, failure=replace(breach.failure, motion="swept", parameters={})),
+        tmp_path / "b.grid",
+    )
     assert check(tmp_path / "b.grid", controller="bug2").reason == ""
 
 
 def test_a_world_without_a_failure_is_a_test_for_the_controller_that_is_named(trap, tmp_path):
     write_world(trap, tmp_path / "w.grid")
     assert check(tmp_path / "w.grid", controller="bug2").reason == ""
-    assert "though the target can be reached" in check(tmp_path / "w.grid", controller="turn-right").reason
+    assert (
+        "though the target can be reached"
+        in check(tmp_path / "w.grid", controller="turn-right").reason
+    )
     with raises(InvalidParameter, "no-failure"):
         check(tmp_path / "w.grid")
 
@@ -89,7 +102,10 @@ def test_a_world_whose_target_cannot_be_reached_is_no_test(tmp_path):
 def test_the_world_of_a_failing_run_is_kept_as_a_failure_that_replays(trap, tmp_path):
     seen, episode = run(trap, "turn-right", 5)
     told = tell(seen, tmp_path / "new" / "w.grid")
-    assert episode.verdict == "loop" and told.properties["replay"] == f"worldgen replay {tmp_path}/new/w.grid"
+    assert (
+        episode.verdict == "loop"
+        and told.properties["replay"] == f"worldgen replay {tmp_path}/new/w.grid"
+    )
     assert replay(Failure.read(tmp_path / "new" / "w.grid")).confirmed
 
 
@@ -100,7 +116,10 @@ def test_the_world_of_a_run_that_arrives_is_kept_with_the_command_that_runs_it(t
 
 
 def test_a_world_in_which_nothing_ran_is_kept_with_the_command_that_draws_it(trap, tmp_path):
-    assert tell(Seen(trap), tmp_path / "w.grid").properties["replay"] == f"worldgen show {tmp_path}/w.grid"
+    assert (
+        tell(RegressionRun(trap), tmp_path / "w.grid").properties["replay"]
+        == f"worldgen show {tmp_path}/w.grid"
+    )
 
 
 def test_a_world_that_cannot_be_kept_is_shown_all_the_same(trap, tmp_path):
@@ -137,4 +156,4 @@ def test_a_robot_that_is_only_late_with_the_stored_steps_arrives_now(stored):
 
 def test_a_summary_counts_what_still_fails_and_what_arrives():
     states = [State.SAME, State.FAILS, State.ARRIVES, State.ARRIVES]
-    assert summary_in_words(states) == "1 of 4 confirmed; 1 still fails, 2 arrive now"
+    assert describe_summary(states) == "1 of 4 confirmed; 1 still fails, 2 arrive now"

@@ -23,7 +23,15 @@ from fuzz.report import write_report
 from sim.episode import Episode, simulate
 from sim.evidence import LoopEvidence, WallEvidence
 from sim.trace import Trace
-from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL, campaign_folder, renamed
+from tests.helpers.campaign_folder import (
+    CORPUS,
+    LOOP,
+    STALLED,
+    SUMMARY,
+    TUNNEL,
+    campaign_folder,
+    renamed,
+)
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
@@ -33,7 +41,9 @@ from worldgen.world import FailureRecord
 
 def data_of(page):
     """The JSON in a page."""
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text())[1])
+    return json.loads(
+        re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text())[1]
+    )
 
 
 def decoded(text):
@@ -69,11 +79,15 @@ def test_bits_come_back_as_they_were(flags):
 
 
 def test_a_page_has_the_failures_but_not_what_the_campaign_remembers(page):
-    assert sorted(failure["now"]["name"] for failure in data_of(page)["failures"]) == sorted([LOOP, STALLED, TUNNEL])
+    assert sorted(failure["now"]["name"] for failure in data_of(page)["failures"]) == sorted(
+        [LOOP, STALLED, TUNNEL]
+    )
 
 
 def test_a_file_in_the_page_is_the_file_byte_for_byte(page):
-    embedded = {failure["now"]["name"]: failure["now"]["file"] for failure in data_of(page)["failures"]}
+    embedded = {
+        failure["now"]["name"]: failure["now"]["file"] for failure in data_of(page)["failures"]
+    }
     for name in (LOOP, TUNNEL, STALLED):
         assert base64.b64decode(embedded[name]) == (page.parent / "failures" / name).read_bytes()
 
@@ -81,7 +95,11 @@ def test_a_file_in_the_page_is_the_file_byte_for_byte(page):
 def test_the_failure_as_found_stands_beside_the_shrunk_one(page):
     loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
     assert loop["before"]["world"]["width"] == 9
-    assert all(failure["before"] is None for failure in data_of(page)["failures"] if failure["verdict"] != "loop")
+    assert all(
+        failure["before"] is None
+        for failure in data_of(page)["failures"]
+        if failure["verdict"] != "loop"
+    )
 
 
 def test_every_failure_says_whether_it_replays(page):
@@ -95,7 +113,9 @@ def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
     assert groups["Search"]["class met"] == "17 times"
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
     assert groups["Run"]["period"] == "104 steps (1.56 s)"
-    driven, witness = (float(text.split()[0]) for text in (groups["Run"]["way driven"], groups["World"]["witness"]))
+    driven, witness = (
+        float(text.split()[0]) for text in (groups["Run"]["way driven"], groups["World"]["witness"])
+    )
     assert float(groups["Run"]["way over witness"]) == pytest.approx(driven / witness, rel=0.01)
 
 
@@ -104,7 +124,9 @@ def test_an_exact_answer_is_among_the_numbers(tmp_path):
     details = {**trap.failure.details, "chance": "trap", "states": 512, "newly_noted": [1, 2]}
     write_world(replace(trap, failure=replace(trap.failure, details=details)), tmp_path / "a.grid")
     write_report([tmp_path], tmp_path / "r.html")
-    groups = {title: dict(rows) for title, rows in data_of(tmp_path / "r.html")["failures"][0]["groups"]}
+    groups = {
+        title: dict(rows) for title, rows in data_of(tmp_path / "r.html")["failures"][0]["groups"]
+    }
     assert groups["Failure"]["exact answer"] == "trap, over 512 states"
     assert groups["Search"]["newly noted"] == "1, 2"
 
@@ -129,14 +151,23 @@ def test_a_title_is_text_whatever_it_holds(page, tmp_path):
 
 
 def test_a_hostile_class_stays_inside_the_data(tmp_path):
-    write_world(renamed(read_world(CORPUS / LOOP), "</script><script>alert(1)</script>\u2028"), tmp_path / "a.grid")
+    write_world(
+        renamed(read_world(CORPUS / LOOP), "</script><script>alert(1)</script>\u2028"),
+        tmp_path / "a.grid",
+    )
     write_report([tmp_path / "a.grid"], tmp_path / "r.html")
-    assert data_of(tmp_path / "r.html")["failures"][0]["kind"] == "</script><script>alert(1)</script>\u2028"
+    assert (
+        data_of(tmp_path / "r.html")["failures"][0]["kind"]
+        == "</script><script>alert(1)</script>\u2028"
+    )
 
 
 def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_path):
     loop = read_world(CORPUS / LOOP)
-    write_world(replace(loop, failure=replace(loop.failure, controller="./gone.py:Robot")), tmp_path / "a.grid")
+    write_world(
+        replace(loop, failure=replace(loop.failure, controller="./gone.py:Robot")),
+        tmp_path / "a.grid",
+    )
     write_report([tmp_path], tmp_path / "r.html")
     (failure,) = data_of(tmp_path / "r.html")["failures"]
     assert failure["now"]["run"] is None
@@ -155,13 +186,19 @@ def test_a_single_file_is_shown_with_its_campaign(page):
 def test_a_failure_belongs_to_the_innermost_campaign_around_it(tmp_path):
     campaign_folder(campaign_folder(tmp_path / "outer") / "inner", met={"loop-a": 3})
     write_report([tmp_path], tmp_path / "r.html")
-    loop = next(failure for failure in data_of(tmp_path / "r.html")["failures"] if failure["kind"] == "loop-a")
+    loop = next(
+        failure
+        for failure in data_of(tmp_path / "r.html")["failures"]
+        if failure["kind"] == "loop-a"
+    )
     assert (loop["path"], loop["met"]) == (str(tmp_path / "outer" / "inner" / LOOP), 3)
 
 
 def test_of_a_failure_that_does_not_replay_nothing_is_said_but_why(tmp_path):
     loop = read_world(CORPUS / LOOP)
-    write_world(replace(loop, failure=replace(loop.failure, trace_digest="0" * 16)), tmp_path / "a.grid")
+    write_world(
+        replace(loop, failure=replace(loop.failure, trace_digest="0" * 16)), tmp_path / "a.grid"
+    )
     write_report([tmp_path], tmp_path / "r.html")
     (failure,) = data_of(tmp_path / "r.html")["failures"]
     assert (failure["words"], failure["confirmed"]) == ("loop", False)
@@ -170,12 +207,16 @@ def test_of_a_failure_that_does_not_replay_nothing_is_said_but_why(tmp_path):
 
 @pytest.mark.parametrize(("controller", "motion"), [("bug1", "swept"), ("turn-right", "stepped")])
 @pytest.mark.parametrize("signal", ["open", "blocked"])
-def test_the_floor_is_tinted_by_a_signal_that_walls_do_not_stop(tmp_path, controller, motion, signal):
+def test_the_floor_is_tinted_by_a_signal_that_walls_do_not_stop(
+    tmp_path, controller, motion, signal
+):
     steps = {"steps": 10, "time_step": 0.015, "signal": signal}
     record = FailureRecord(controller, motion, 0, "timeout", "0" * 16, steps)
     write_world(replace(read_world(CORPUS / LOOP), failure=record), tmp_path / "a.grid")
     write_report([tmp_path], tmp_path / "r.html")
-    assert data_of(tmp_path / "r.html")["failures"][0]["now"]["sensors"]["signal"] == (signal == "open")
+    assert data_of(tmp_path / "r.html")["failures"][0]["now"]["sensors"]["signal"] == (
+        signal == "open"
+    )
 
 
 def test_an_archive_is_read_like_a_folder(tmp_path):
@@ -194,7 +235,20 @@ def long_loop(steps, entry, period):
     """A run of many steps on a line, with the evidence of a loop."""
     line, none = np.arange(steps + 1) / 1000.0, np.zeros(0)
     words = np.zeros(0, np.uint64)
-    trace = Trace(0.015, line, line, line, line > 1.0, none, none, none.astype(np.int64), none, words, words, True)
+    trace = Trace(
+        0.015,
+        line,
+        line,
+        line,
+        line > 1.0,
+        none,
+        none,
+        none.astype(np.int64),
+        none,
+        words,
+        words,
+        True,
+    )
     loop = LoopEvidence(entry=entry, period=period, state_digest="0" * 16)
     return Episode("loop", steps, steps * 0.015, 1.0, 0, "0" * 16, loop, trace)
 
@@ -209,7 +263,9 @@ def test_a_long_run_is_thinned_but_for_the_period_of_its_loop():
 
 
 def test_a_long_run_is_thinned_but_for_what_leads_to_a_breach_and_follows():
-    breach = replace(long_loop(40_000, 0, 1), verdict="tunnel", evidence=WallEvidence(step=20_000, cell=(1, 2)))
+    breach = replace(
+        long_loop(40_000, 0, 1), verdict="tunnel", evidence=WallEvidence(step=20_000, cell=(1, 2))
+    )
     kept = {at // SHARE for at in decoded(drawn_run(breach, 0.1)["at"])}
     assert set(range(19_800, 20_200)) <= kept
     assert len(kept) <= MOST_STEPS + 4
@@ -236,9 +292,13 @@ def test_a_breach_is_marked_on_the_whole_way_to_the_target(tmp_path):
 
 
 def test_a_stall_is_marked_where_the_last_new_cell_is_entered(page):
-    stall = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "stalled")
+    stall = next(
+        failure for failure in data_of(page)["failures"] if failure["verdict"] == "stalled"
+    )
     last = read_world(CORPUS / STALLED).failure.evidence["last_new_cell"]
-    assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [("Nothing new after", last)]
+    assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [
+        ("Nothing new after", last)
+    ]
 
 
 def test_corners_inside_steps_are_kept():
@@ -276,9 +336,22 @@ def test_the_command_says_what_it_wrote(tmp_path):
 
 @pytest.mark.gate
 def test_a_campaign_writes_its_own_page(tmp_path):
-    run = ("--controller", "turn-right", "--motion", "stepped", "--units", 1, "--examples", 60, "--seed", 1)
+    run = (
+        "--controller",
+        "turn-right",
+        "--motion",
+        "stepped",
+        "--units",
+        1,
+        "--examples",
+        60,
+        "--seed",
+        1,
+    )
     page = tmp_path / "r.html"
-    assert worldgen("fuzz", *run, "--workers", 1, "--out", tmp_path / "f", "--report", page).code == 1
+    assert (
+        worldgen("fuzz", *run, "--workers", 1, "--out", tmp_path / "f", "--report", page).code == 1
+    )
     data = data_of(page)
     assert data["campaigns"][0]["units"] == 1
     assert len(data["failures"]) == len(list((tmp_path / "f").glob("*.grid")))
@@ -293,7 +366,10 @@ def test_a_campaign_writes_its_own_page(tmp_path):
         ({"seconds": "fast"}, "'seconds' is no finite number"),
         ({"seconds": 10**400}, "too large|no summary"),
         ({"controller": None}, "'controller' is no text"),
-        ({"archive": {**SUMMARY["archive"], "cells": [[0, 0, 1.0, ""]]}}, "'verdict' is no text, or empty"),
+        (
+            {"archive": {**SUMMARY["archive"], "cells": [[0, 0, 1.0, ""]]}},
+            "'verdict' is no text, or empty",
+        ),
         ({"met": {"loop": 1.5}}, "'loop' is no whole number"),
         ({"lanes": {}}, "'lanes' is no list"),
         ({"found": [3]}, "an object is wanted"),
@@ -316,7 +392,9 @@ def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
         read_summary(tmp_path)
 
 
-@pytest.mark.parametrize(("package", "part"), [("fuzz.report", "body.html"), ("fuzz.player", "player.css")])
+@pytest.mark.parametrize(
+    ("package", "part"), [("fuzz.report", "body.html"), ("fuzz.player", "player.css")]
+)
 def test_the_page_s_parts_are_shipped(package, part):
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     patterns = project["tool"]["setuptools"]["package-data"][package]

@@ -30,9 +30,13 @@ def test_the_target_is_walled_off_and_the_cut_says_so(data):
 @given(ANY_BYTES)
 def test_the_arena_has_a_border_and_room_for_the_robot(data):
     world = decode_sealed(data)
-    border = np.concatenate([world.walls[0], world.walls[-1], world.walls[:, 0], world.walls[:, -1]])
+    border = np.concatenate(
+        [world.walls[0], world.walls[-1], world.walls[:, 0], world.walls[:, -1]]
+    )
     assert border.all() and all(10 <= side <= 20 for side in world.walls.shape)
-    prepare(world, "thesis-1", Scenario("thesis-1", "stepped").options(world, 10))  # raises if the start is in a wall
+    prepare(
+        world, "thesis-1", Scenario("thesis-1", "stepped").options(world, 10)
+    )  # raises if the start is in a wall
 
 
 @given(ANY_BYTES)

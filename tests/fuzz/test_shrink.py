@@ -16,7 +16,7 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
-from sim.runners.edited import has_sure_way
+from sim.runners.edited import has_sure_path
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
 from tests.helpers.raising import raises
@@ -44,7 +44,9 @@ def cup_world():
 
 
 def failure(controller="turn-right", motion="swept", **scenario):
-    return failure_of(certified(cup_world()), Scenario(controller, motion, **scenario), fewest_steps=20_000)
+    return failure_of(
+        certified(cup_world()), Scenario(controller, motion, **scenario), fewest_steps=20_000
+    )
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +63,10 @@ def test_the_shrunk_world_fails_with_the_same_verdict_and_replays(shrunk):
 
 
 def test_the_shrunk_world_carries_a_witness_that_the_checker_accepts(shrunk):
-    assert isinstance(shrunk.failure.world.certificate, Witness) and check_certificate(shrunk.failure.world).valid
+    assert (
+        isinstance(shrunk.failure.world.certificate, Witness)
+        and check_certificate(shrunk.failure.world).valid
+    )
 
 
 def test_nothing_more_can_be_removed(shrunk):
@@ -132,13 +137,20 @@ def test_a_random_controllers_failure_says_for_how_many_seeds_it_fails():
     assert count == 40 and 0 <= details["failing_share_at_least"] <= failing / count
 
 
-SCENARIOS = [("turn-right", "swept"), ("turn-left", "endpoint"), ("turn-right", "stepped"), ("vfh", "swept")]
+SCENARIOS = [
+    ("turn-right", "swept"),
+    ("turn-left", "endpoint"),
+    ("turn-right", "stepped"),
+    ("vfh", "swept"),
+]
 
 
 @functools.cache
 def found(controller, motion, family="features"):
     scenario = Scenario.parse(controller, motion=motion)
-    config = CampaignConfig(scenario, seed=5, families=(family,), time_steps=(scenario.time_step,), examples=100)
+    config = CampaignConfig(
+        scenario, seed=5, families=(family,), time_steps=(scenario.time_step,), examples=100
+    )
     return [world for _, world in sorted(run_unit(config, 0).failures.items())][:4]
 
 
@@ -182,13 +194,17 @@ def test_results_are_one_minimal_by_brute_force(controller, motion, family):
     results = shrunk_found(controller, motion, family)
     assert results and all(result.failure.record.details["one_minimal"] for result in results)
     for result in results:
-        assert not any(fails_alike(near, result.failure) for near in plain_neighbours(result.failure.world))
+        assert not any(
+            fails_alike(near, result.failure) for near in plain_neighbours(result.failure.world)
+        )
 
 
 @pytest.mark.gate
 @pytest.mark.parametrize(("controller", "motion"), SCENARIOS)
 def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
-    for before, after in zip(found(controller, motion), shrunk_found(controller, motion), strict=True):
+    for before, after in zip(
+        found(controller, motion), shrunk_found(controller, motion), strict=True
+    ):
         old, new = before.record, after.failure.record
         assert (new.verdict, new.evidence.get("cause")) == (old.verdict, old.evidence.get("cause"))
         assert replay(after.failure).confirmed
@@ -200,7 +216,10 @@ def test_the_class_stays_where_it_is_to_be_kept(controller, motion):
     for before in found(controller, motion)[:2]:
         result = shrink(before, keep="class")
         assert result.failure.record.details["class"] == before.record.details["class"]
-        assert result.left == () and removable(result.failure.world, StillFails.of(result.failure)) == []
+        assert (
+            result.left == ()
+            and removable(result.failure.world, StillFails.of(result.failure)) == []
+        )
 
 
 @pytest.mark.gate
@@ -240,7 +259,9 @@ def test_ctrl_c_ends_restarts_with_the_best_so_far():
 
     best = shrink_class([failure(), failure("turn-left")], progress=stop, keep_on_interrupt=True)
     assert (
-        best.interrupted and best.failure.world.walls.size < cup_world().walls.size and replay(best.failure).confirmed
+        best.interrupted
+        and best.failure.world.walls.size < cup_world().walls.size
+        and replay(best.failure).confirmed
     )
 
 
@@ -252,10 +273,21 @@ def test_a_shrunk_failure_names_the_one_that_it_came_from():
 
 
 def test_odd_numbers_of_the_world_and_the_run_become_simple():
-    world = replace(cup_world(), start=Pose(1.06, 0.44, 1.5), target=Target(1.05, 1.64, 0.0613), robot_radius=0.0687)
-    made = failure_of(certified(world), Scenario("turn-right", time_step=0.0173), fewest_steps=20_000)
+    world = replace(
+        cup_world(),
+        start=Pose(1.06, 0.44, 1.5),
+        target=Target(1.05, 1.64, 0.0613),
+        robot_radius=0.0687,
+    )
+    made = failure_of(
+        certified(world), Scenario("turn-right", time_step=0.0173), fewest_steps=20_000
+    )
     small = shrink(made).failure
-    assert (small.world.robot_radius, small.world.target.radius, small.record.parameters["time_step"]) == (
+    assert (
+        small.world.robot_radius,
+        small.world.target.radius,
+        small.record.parameters["time_step"],
+    ) == (
         0.07,
         0.05,
         0.015,
@@ -263,11 +295,15 @@ def test_odd_numbers_of_the_world_and_the_run_become_simple():
     assert small.world.start.heading % (math.pi / 2) == 0.0
 
 
-@pytest.mark.parametrize(("value", "usual", "simplest"), [(0.0687, 0.07, 0.07), (0.0687, 0.0, 0.0), (3.7, 2.0, 2.0)])
+@pytest.mark.parametrize(
+    ("value", "usual", "simplest"), [(0.0687, 0.07, 0.07), (0.0687, 0.0, 0.0), (3.7, 2.0, 2.0)]
+)
 def test_rounder_numbers_come_simplest_first(value, usual, simplest):
     numbers = list(rounder(value, usual))
     costs = [number_cost(number, usual) for number in numbers]
-    assert numbers[0] == simplest and costs == sorted(costs) and max(costs) < number_cost(value, usual)
+    assert (
+        numbers[0] == simplest and costs == sorted(costs) and max(costs) < number_cost(value, usual)
+    )
 
 
 def test_the_quick_look_at_the_way_never_sees_one_that_is_not_there():
@@ -276,15 +312,20 @@ def test_the_quick_look_at_the_way_never_sees_one_that_is_not_there():
     shut = World(walls, Pose(0.05, 0.05, 0.0), Target(0.55, 0.55, 0.05), robot_radius=0.03)
     gap = walls.copy()
     gap[2, 3] = False
-    assert not has_sure_way(shut) and has_sure_way(replace(shut, walls=gap))
-    assert not has_sure_way(replace(shut, walls=gap, robot_radius=0.051))
+    assert not has_sure_path(shut) and has_sure_path(replace(shut, walls=gap))
+    assert not has_sure_path(replace(shut, walls=gap, robot_radius=0.051))
 
 
 @pytest.mark.parametrize(("radius", "seen"), [(0.07, True), (0.0708, False)])
 def test_the_quick_look_goes_through_a_diagonal_gap_that_is_just_wide_enough(radius, seen):
     walls = np.zeros((8, 8), bool)
     walls[4:, :4] = walls[:3, 5:] = True  # their corners are the square root of two cells apart
-    assert has_sure_way(World(walls, Pose(0.15, 0.15, 0.0), Target(0.65, 0.65, 0.05), robot_radius=radius)) is seen
+    assert (
+        has_sure_path(
+            World(walls, Pose(0.15, 0.15, 0.0), Target(0.65, 0.65, 0.05), robot_radius=radius)
+        )
+        is seen
+    )
 
 
 def test_a_world_too_large_for_a_quick_look_is_shrunk_by_the_exact_judge(monkeypatch):

@@ -28,7 +28,9 @@ def big(tmp_path_factory):
 def test_passes_lists_every_pass_and_every_measure():
     result = worldgen("shrink", "--passes")
     assert result.code == 0
-    assert all(f"  {one.name} " in result.out and one.says in result.out for one in (*PASSES, *ORDER))
+    assert all(
+        f"  {one.name} " in result.out and one.says in result.out for one in (*PASSES, *ORDER)
+    )
 
 
 @pytest.mark.gate
@@ -60,8 +62,12 @@ def test_snippet_and_json_do_not_go_together(big):
     assert result.code == 2 and "give one of them" in result.err
 
 
-@pytest.mark.parametrize(("out", "error_code"), [("no/such.grid", "no-such-folder"), ("there.grid", "file-exists")])
-def test_what_could_not_be_written_is_refused_before_the_work(big, tmp_path, monkeypatch, out, error_code):
+@pytest.mark.parametrize(
+    ("out", "error_code"), [("no/such.grid", "no-such-folder"), ("there.grid", "file-exists")]
+)
+def test_what_could_not_be_written_is_refused_before_the_work(
+    big, tmp_path, monkeypatch, out, error_code
+):
     (tmp_path / "there.grid").touch()
     monkeypatch.setattr("fuzz.shrink.shrink", lambda *args, **options: pytest.fail("it has begun"))
     result = worldgen("shrink", big, "--out", tmp_path / out)
@@ -70,7 +76,9 @@ def test_what_could_not_be_written_is_refused_before_the_work(big, tmp_path, mon
 
 def run_pytest(folder):
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore", "."]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False).stdout
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=300, check=False
+    ).stdout
 
 
 @pytest.mark.gate
@@ -96,7 +104,9 @@ class Mine:
 @pytest.mark.nightly
 def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    corridor = certified(World(np.zeros((3, 9), bool), Pose(0.15, 0.15, 0.0), Target(0.75, 0.15, 0.05)))
+    corridor = certified(
+        World(np.zeros((3, 9), bool), Pose(0.15, 0.15, 0.0), Target(0.75, 0.15, 0.05))
+    )
     (tmp_path / "mine.py").write_text(ROBOT.format('raise OSError("no motor")'))
     made = failure_of(corridor, Scenario("./mine.py:Mine"))
     (tmp_path / "test_mine.py").write_text(snippet(made).partition("\n\n@given")[0] + "\n")
@@ -107,7 +117,9 @@ def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch
 
 @pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
 def test_a_module_is_valid_python_that_carries_the_same_world(motion):
-    made = failure_of(certified(cup_world()), Scenario("turn-right", motion, time_step=0.03), fewest_steps=20_000)
+    made = failure_of(
+        certified(cup_world()), Scenario("turn-right", motion, time_step=0.03), fewest_steps=20_000
+    )
     names = {}
     exec(compile(snippet(made), "test_it.py", "exec"), names)
     assert world_digest(names["FAILURE"]) == world_digest(made.stored)
@@ -123,11 +135,17 @@ NAMES = [
 
 @pytest.mark.gate
 @pytest.mark.parametrize("controller", NAMES)
-@pytest.mark.parametrize("parameters", [{}, {"slip": 0.125, "beams": 36, "sensor_range": 0.25, "friction": 0.5}])
-def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(controller, parameters, tmp_path):
+@pytest.mark.parametrize(
+    "parameters", [{}, {"slip": 0.125, "beams": 36, "sensor_range": 0.25, "friction": 0.5}]
+)
+def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(
+    controller, parameters, tmp_path
+):
     pytest.importorskip("ruff", reason="no formatter here")
     made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
-    record = replace(made.record, controller=controller, parameters={**made.record.parameters, **parameters})
+    record = replace(
+        made.record, controller=controller, parameters={**made.record.parameters, **parameters}
+    )
     (tmp_path / "test_it.py").write_text(snippet(replace(made, record=record)))
     for width in ("88", "120"):
         command = [
@@ -159,4 +177,6 @@ def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(con
 def test_a_module_says_from_where_a_controller_s_file_is_looked_for(controller, says):
     made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
     text = snippet(replace(made, record=replace(made.record, controller=controller)))
-    assert (f"# {controller} is looked for from the folder in which pytest is started." in text) == says
+    assert (
+        f"# {controller} is looked for from the folder in which pytest is started." in text
+    ) == says

@@ -23,12 +23,17 @@ NOTHING = np.zeros((0, 1), np.uint64)
 
 
 def world_of(*rows, timeline=None, **changes):
-    """A world of cells of 1 m, the top row first; the start is in the middle of the cell S, the target of G."""
+    """A world of cells of 1 m, the top row first.
+
+    The start is in the middle of the cell S, the target of G.
+    """
     cells = np.array([list(row) for row in rows[::-1]])
     (sy, sx), (gy, gx) = (np.argwhere(cells == mark)[0].tolist() for mark in "SG")
     start, target = Pose(sx + 0.5, sy + 0.5, 0.0), Target(gx + 0.5, gy + 0.5, 0.3)
     line = Timeline.of(timeline or [])
-    return World(cells == "#", start, target, cell_size=1.0, robot_radius=0.4, timeline=line, **changes)
+    return World(
+        cells == "#", start, target, cell_size=1.0, robot_radius=0.4, timeline=line, **changes
+    )
 
 
 def trace_of(places, bumps=(), headings=None):
@@ -81,7 +86,11 @@ def corner_of(evidence, way, world):
     if not isinstance(evidence, (WallEvidence, BurnedEvidence)):
         return evidence
     ix, iy = evidence.cell
-    there = {"turn": (world.height - 1 - iy, ix), "mirror": (world.width - 1 - ix, iy), "shift": (ix + 3, iy + 5)}
+    there = {
+        "turn": (world.height - 1 - iy, ix),
+        "mirror": (world.width - 1 - ix, iy),
+        "shift": (ix + 3, iy + 5),
+    }
     return replace(evidence, cell=there[way])
 
 
@@ -91,7 +100,11 @@ def failures(controller, motion):
     def run(data):
         world = decode_world(data)
         proved = certified(world)
-        return None if proved is None else (proved, simulate(proved, controller, record=True, motion=motion))
+        return (
+            None
+            if proved is None
+            else (proved, simulate(proved, controller, record=True, motion=motion))
+        )
 
     drawn = st.binary(min_size=LAYOUT_BYTES, max_size=LAYOUT_BYTES).map(run)
     return drawn.filter(lambda pair: pair is not None and pair[1].verdict != "reached")
@@ -114,7 +127,9 @@ def test_a_robot_that_cannot_tell_where_it_is_runs_into_the_same_class(failure):
     world, episode = failure
     for way in ("turn", "shift"):
         there = WAYS[way][0](world)
-        again = simulate(there, "wall-right", record=True, motion="swept", steps=4 * episode.steps + 100)
+        again = simulate(
+            there, "wall-right", record=True, motion="swept", steps=4 * episode.steps + 100
+        )
         assert failure_class(there, again) == failure_class(world, episode)
 
 
@@ -129,7 +144,11 @@ ROOM = world_of("#######", "#.....#", "#.S...#", "#...G.#", "#######")
         (("S....", ".....", "###..", "###..", "....G"), (1.5, 3.4), "wall"),
         (("S....", ".....", "###..", "###..", "....G"), (3.28, 3.28), "corner"),
         (("S....", ".....", "###..", "#....", "....G"), (1.4, 1.6), "nook"),
-        (("S....", ".....", "###..", "#....", "....G"), (1.41, 1.6), "nook"),  # robots stop a little short of a wall
+        (
+            ("S....", ".....", "###..", "#....", "....G"),
+            (1.41, 1.6),
+            "nook",
+        ),  # robots stop a little short of a wall
         (("S....", ".....", ".....", ".....", "....G"), (0.4, 2.5), "wall"),
         (("S....", ".....", ".....", ".....", "....G"), (0.4, 0.4), "nook"),
     ],
@@ -163,12 +182,16 @@ def test_a_path_round_a_cell_is_told_from_one_beside_it():
 def test_a_place_is_shut_in_by_the_walls_near_it(place, word):
     walls = np.zeros((19, 19), bool)
     walls[1:3, 6] = walls[1:3, 8] = walls[5:10, 10] = walls[5:10, 12] = True
-    world = World(walls, Pose(7.5, 7.5, 0.0), Target(3.5, 3.5, 0.3), cell_size=1.0, robot_radius=0.4)
+    world = World(
+        walls, Pose(7.5, 7.5, 0.0), Target(3.5, 3.5, 0.3), cell_size=1.0, robot_radius=0.4
+    )
     assert enclosure(world, [place]) == word
 
 
 CIRCLE = [(2.5, 2.5), (4.5, 2.5), (4.5, 4.5), (2.5, 4.5), (2.5, 2.5)]
-ISLAND = world_of("S.......", "........", "........", "........", "...#....", "........", "........", ".......G")
+ISLAND = world_of(
+    "S.......", "........", "........", "........", "...#....", "........", "........", ".......G"
+)
 
 
 @pytest.mark.parametrize(
@@ -178,7 +201,11 @@ ISLAND = world_of("S.......", "........", "........", "........", "...#....", ".
         ([1, 3], None, "loop-2bump-post-round-near-closer"),
         ([], None, "loop-free-bend-swing-near-closer"),
         ([], [0.0, 1.6, 3.1, -1.6, 0.0], "loop-free-bend-turn-near-closer"),
-        ([], [0.0, math.pi, 0.0, math.pi, 0.0], "loop-free-bend-swing-near-closer"),  # half a turn has no side
+        (
+            [],
+            [0.0, math.pi, 0.0, math.pi, 0.0],
+            "loop-free-bend-swing-near-closer",
+        ),  # half a turn has no side
     ],
 )
 def test_a_loop_is_called_after_its_touches_and_its_shape(bumps, headings, name):
@@ -188,14 +215,20 @@ def test_a_loop_is_called_after_its_touches_and_its_shape(bumps, headings, name)
 def test_what_was_touched_in_the_first_half_of_a_stalled_run_is_not_in_its_class():
     trace = trace_of([*CIRCLE, *[CIRCLE[0]] * 4], bumps=[1])
     assert (
-        failure_class(ISLAND, Episode("stalled", 8, 8.0, 1.0, 1, "", BudgetEvidence(last_new_cell=0), trace))
+        failure_class(
+            ISLAND, Episode("stalled", 8, 8.0, 1.0, 1, "", BudgetEvidence(last_new_cell=0), trace)
+        )
         == "stalled-free-bend-spot"
     )
 
 
-@pytest.mark.parametrize(("state", "kind"), [(CellState.SOLID, "post"), (CellState.BURNING, "wall")])
+@pytest.mark.parametrize(
+    ("state", "kind"), [(CellState.SOLID, "post"), (CellState.BURNING, "wall")]
+)
 def test_walls_count_as_they_are_when_the_world_has_come_to_rest(state, kind):
-    world = world_of("S....", ".....", ".....", ".....", "....G", timeline=[Event(1.0, 2, 2, state)])
+    world = world_of(
+        "S....", ".....", ".....", ".....", "....G", timeline=[Event(1.0, 2, 2, state)]
+    )
     found = contacts(world, trace_of([(2.0, 4.5), (2.5, 1.6)], bumps=[1]), 0, 1)
     assert [contact.kind for contact in found] == [kind]
 
@@ -207,14 +240,20 @@ def test_a_loop_no_nearer_to_the_target_than_the_start_is_away():
     assert failure_class(back, episode).endswith("away")
 
 
-@pytest.mark.parametrize(("time", "name"), [(0.0, "burned-burning-entered"), (1.5, "burned-burning-caught")])
+@pytest.mark.parametrize(
+    ("time", "name"), [(0.0, "burned-burning-entered"), (1.5, "burned-burning-caught")]
+)
 def test_who_drives_into_a_fire_is_told_from_who_is_caught(time, name):
     world = world_of("S..G", "....", timeline=[Event(time, 2, 1, CellState.BURNING)])
     evidence = BurnedEvidence(step=2, cell=(2, 1), state="burning")
-    episode = Episode("burned", 2, 2.0, 1.0, 0, "", evidence, trace_of([(0.5, 1.5), (1.0, 1.5), (1.7, 1.5)]))
+    episode = Episode(
+        "burned", 2, 2.0, 1.0, 0, "", evidence, trace_of([(0.5, 1.5), (1.0, 1.5), (1.7, 1.5)])
+    )
     assert failure_class(world, episode) == name
 
 
-@pytest.mark.parametrize(("cell", "part"), [((3, 3), "post"), ((-1, 3), "block"), ((3, 8), "block")])
+@pytest.mark.parametrize(
+    ("cell", "part"), [((3, 3), "post"), ((-1, 3), "block"), ((3, 8), "block")]
+)
 def test_what_lies_outside_the_grid_is_part_of_a_block(cell, part):
     assert part_of(ISLAND, *cell) == part

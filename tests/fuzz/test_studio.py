@@ -32,7 +32,7 @@ from fuzz.studio.messages import message_of, restored, world_of
 from fuzz.studio.serving import USUAL_PORT, bind, called
 from fuzz.studio.session import Session
 from fuzz.studio.starting import check_controller
-from fuzz.studio.workers import Lane
+from fuzz.studio.workers import Worker
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -56,7 +56,9 @@ class Robot:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("studio") / "opened"  # its parent is out of bounds, and its own
+    folder = (
+        tmp_path_factory.mktemp("studio") / "opened"
+    )  # its parent is out of bounds, and its own
     folder.mkdir()
     (folder.parent / "secret.grid").write_bytes(dumps(generate("trap", 1)))
     (folder / "out.grid").symlink_to(folder.parent / "secret.grid")
@@ -105,19 +107,24 @@ def test_the_address_with_the_token_gives_a_cookie_that_other_sites_cannot_send(
     assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
 
 
-@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/studio/start.js", "/player/map.js", "/nowhere"])
+@pytest.mark.parametrize(
+    "path", ["/", "/?token=", "/?token=wrong", "/studio/start.js", "/player/map.js", "/nowhere"]
+)
 def test_nobody_gets_anything_without_the_token(gate, path):
     answer = get(gate, path, token=False)
     assert answer.status == 403 and b"does not know you" in answer.body
 
 
-@pytest.mark.parametrize("host", ["evil.example:{port}", "evil.example", "127.0.0.1", "127.0.0.1:1", "10.0.0.1:{port}"])
+@pytest.mark.parametrize(
+    "host", ["evil.example:{port}", "evil.example", "127.0.0.1", "127.0.0.1:1", "10.0.0.1:{port}"]
+)
 def test_a_name_that_was_made_to_lead_here_is_refused(gate, host):
     assert get(gate, Host=host.format(port=gate.port)).status == 421
 
 
 @pytest.mark.parametrize(
-    "headers", [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec_Fetch_Site": "cross-site"}]
+    "headers",
+    [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec_Fetch_Site": "cross-site"}],
 )
 def test_a_request_of_another_site_is_refused_though_the_browser_knows_the_cookie(gate, headers):
     assert get(gate, "/studio/start.js", **headers).status == 403
@@ -155,7 +162,9 @@ def test_the_address_that_a_browser_is_started_with_lets_in_once(gate):
     assert second.status == 403 and "set-cookie" not in first.headers
 
 
-@pytest.mark.parametrize("path", ["/../answers.py", "/studio/../gate.py", "/studio/%2e%2e/gate.py", "/player/", "/x"])
+@pytest.mark.parametrize(
+    "path", ["/../answers.py", "/studio/../gate.py", "/studio/%2e%2e/gate.py", "/player/", "/x"]
+)
 def test_the_server_gives_the_page_s_parts_and_nothing_else(gate, path):
     assert get(gate, path).status == 404
 
@@ -163,7 +172,11 @@ def test_the_server_gives_the_page_s_parts_and_nothing_else(gate, path):
 def test_every_answer_forbids_scripts_in_the_page_s_text_and_everything_from_elsewhere(gate):
     for answer in (get(gate), get(gate, token=False), get(gate, "/nowhere")):
         policy = answer.headers["content-security-policy"]
-        assert "default-src 'none'" in policy and "script-src 'self' 'sha256-" in policy and "unsafe" not in policy
+        assert (
+            "default-src 'none'" in policy
+            and "script-src 'self' 'sha256-" in policy
+            and "unsafe" not in policy
+        )
         assert answer.headers["x-content-type-options"] == "nosniff"
 
 
@@ -174,11 +187,14 @@ def test_it_listens_to_this_machine_alone_unless_told():
 
 def test_at_the_port_that_browsers_leave_out_it_knows_its_name_without():
     assert Gate("127.0.0.1", 80).knows_host("127.0.0.1") and Gate("::1", 80).knows_host("[::1]")
-    assert not Gate("127.0.0.1", 80).knows_host("evil.example") and not Gate("::1", 81).knows_host("[::1]")
+    assert not Gate("127.0.0.1", 80).knows_host("evil.example") and not Gate("::1", 81).knows_host(
+        "[::1]"
+    )
 
 
 @pytest.mark.parametrize(
-    ("host", "name"), [("127.1", "127.0.0.1"), ("0:0::1", "::1"), ("LOCALHOST", "localhost"), ("", "0.0.0.0")]
+    ("host", "name"),
+    [("127.1", "127.0.0.1"), ("0:0::1", "::1"), ("LOCALHOST", "localhost"), ("", "0.0.0.0")],
 )
 def test_a_host_is_known_by_what_a_browser_makes_of_it(host, name):
     with bind(host, None) as listener:
@@ -199,7 +215,8 @@ def test_bound_to_every_address_it_still_knows_no_name_but_its_own():
 def test_a_cookie_that_is_none_lets_nobody_in():
     gate = Gate("127.0.0.1", 80)
     assert not any(
-        gate.has_cookie(Headers({"cookie": text})) for text in ("", "=", "\x00", f"other={gate.token}", "[]")
+        gate.has_cookie(Headers({"cookie": text}))
+        for text in ("", "=", "\x00", f"other={gate.token}", "[]")
     )
 
 
@@ -228,7 +245,9 @@ def test_links_hidden_files_and_what_is_no_map_are_not_listed(folder):
 @pytest.mark.gate
 @pytest.mark.parametrize("do", ["open", "save", "bring", "export"])
 def test_no_question_leads_out_of_the_folder(page, folder, do):
-    said = page.ask(do, name="outside/new.grid", world=world(), overwrite=True, keep=True, format="thesis")
+    said = page.ask(
+        do, name="outside/new.grid", world=world(), overwrite=True, keep=True, format="thesis"
+    )
     assert said["error"]["code"] == "outside-of-folder"
     assert not (folder.parent / "new.grid").exists()
 
@@ -236,14 +255,23 @@ def test_no_question_leads_out_of_the_folder(page, folder, do):
 @pytest.mark.gate
 def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
     error = page.ask("save", name="w.grid", world=world(), overwrite=False)["error"]
-    assert (error["code"], error["facts"]["path"], error["terminal"]) == ("file-exists", "w.grid", False)
+    assert (error["code"], error["facts"]["path"], error["terminal"]) == (
+        "file-exists",
+        "w.grid",
+        False,
+    )
 
 
 # What is answered.
 
 
 def test_it_says_first_what_is_open(page, folder):
-    assert page.begins == {"protocol": 2, "folder": str(folder), "file": "w.grid", "limits": limits()}
+    assert page.begins == {
+        "protocol": 2,
+        "folder": str(folder),
+        "file": "w.grid",
+        "limits": limits(),
+    }
 
 
 @pytest.mark.gate
@@ -264,7 +292,9 @@ def test_a_named_controller_stands_first_with_the_motion_model_it_drives_in():
 
 
 @pytest.mark.gate
-def test_a_controller_that_took_long_to_fail_is_tried_again_when_its_file_is_mended(tmp_path, monkeypatch):
+def test_a_controller_that_took_long_to_fail_is_tried_again_when_its_file_is_mended(
+    tmp_path, monkeypatch
+):
     monkeypatch.setattr("fuzz.studio.catalogue._SLOW", -1.0)
     (tmp_path / "mine.py").write_text(f"print('tried')\nraise OSError({'x' * 50!r})\n")
     label = f"{tmp_path / 'mine.py'}:Robot"
@@ -320,7 +350,10 @@ def test_a_generated_world_is_the_command_line_s(page):
 def test_a_run_is_the_library_s_to_the_digest(page):
     said = page.ask("run", **run_message(controllers=["turn-left", "turn-right"]))
     digests = [part["digest"] for part in said["parts"] if "digest" in part]
-    wanted = [simulate(generate("corridor", 3), name, steps=300).trace_digest for name in ("turn-left", "turn-right")]
+    wanted = [
+        simulate(generate("corridor", 3), name, steps=300).trace_digest
+        for name in ("turn-left", "turn-right")
+    ]
     assert digests == wanted
 
 
@@ -331,7 +364,9 @@ def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, fol
     assert len(said["parts"]) == 3
 
 
-@pytest.mark.parametrize("name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3])
+@pytest.mark.parametrize(
+    "name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3]
+)
 def test_no_other_controller_runs(page, name):
     (_, part) = page.ask("run", **run_message(controllers=[name]))["parts"]
     assert part["error"]["code"] == "not-named"
@@ -346,14 +381,28 @@ def test_no_file_s_code_is_run_as_a_family_or_format(page, do, message):
     assert said["error"]["code"] == "not-registered"
 
 
-DRAWING = "\n".join(["#" * 12, "#S" + "." * 9 + "#", *["#" + "." * 10 + "#"] * 8, "#" + "." * 9 + "G#", "#" * 12, ""])
+DRAWING = "\n".join(
+    [
+        "#" * 12,
+        "#S" + "." * 9 + "#",
+        *["#" + "." * 10 + "#"] * 8,
+        "#" + "." * 9 + "G#",
+        "#" * 12,
+        "",
+    ]
+)
 
 
 def test_a_dropped_map_becomes_a_world_and_is_exported_as_the_command_line_does(page, folder):
     data = base64.b64encode(DRAWING.encode()).decode()
     brought = page.ask("bring", name="../../drawing.txt", data=data)["answer"]["world"]
-    (made,) = page.ask("export", name="d.gex", world=brought, format="thesis", keep=False)["answer"]["files"][:1]
-    assert base64.b64decode(made["data"]) == export_world(restored(brought), "thesis", file="d.gex").data
+    (made,) = page.ask("export", name="d.gex", world=brought, format="thesis", keep=False)[
+        "answer"
+    ]["files"][:1]
+    assert (
+        base64.b64decode(made["data"])
+        == export_world(restored(brought), "thesis", file="d.gex").data
+    )
 
 
 def test_what_is_wrong_with_a_dropped_file_is_said_by_its_own_name(page):
@@ -365,7 +414,10 @@ def test_a_document_type_in_a_dropped_file_is_said_once(page):
     data = base64.b64encode(b"<?xml version='1.0'?><!DOCTYPE sdf><sdf version='1.7'/>").decode()
     error = page.ask("bring", name="e.world", data=data)["error"]
     assert (error["source"], error["line"]) == ("e.world", 1)
-    assert error["problem"].startswith("a document type ('sdf') is declared") and "/" not in error["problem"]
+    assert (
+        error["problem"].startswith("a document type ('sdf') is declared")
+        and "/" not in error["problem"]
+    )
 
 
 @pytest.mark.gate
@@ -391,7 +443,9 @@ def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
 @pytest.mark.nightly
 def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
     with page_of(gate) as page:
-        hanging = page.send("run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"]))
+        hanging = page.send(
+            "run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"])
+        )
         threading.Event().wait(0.3)
         page.send("cancel", of=hanging)
         ended = [page.hear() for _ in range(2)]
@@ -413,7 +467,8 @@ def test_half_of_a_character_is_the_message_s_fault(page):
 
 
 @pytest.mark.parametrize(
-    "text", [b"{}", "", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": "files"}', '{"id": true, "do": "files"}',
+    "text", [b"{}", "", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": '
+                                                     '"files"}', '{"id": true, "do": "files"}',
              "[" * 100_000, '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}',
              '{"id": 9, "do": "open", "name": 3}'],
 )  # fmt: skip
@@ -446,7 +501,11 @@ def test_a_world_with_changes_comes_back_from_its_message():
 
 def test_a_world_whose_lengths_the_page_would_round_to_nothing_is_refused_in_words():
     tiny = World(
-        np.zeros((3, 3), np.bool_), Pose(1e-6, 1e-6, 0.0), Target(2e-6, 2e-6, 1e-7), cell_size=1e-6, robot_radius=1e-7
+        np.zeros((3, 3), np.bool_),
+        Pose(1e-6, 1e-6, 0.0),
+        Target(2e-6, 2e-6, 1e-7),
+        cell_size=1e-6,
+        robot_radius=1e-7,
     )
     with raises(InvalidWorld, "out-of-range"):
         message_of(tiny)
@@ -510,9 +569,21 @@ def test_port_0_is_one_that_is_free():
 @pytest.mark.gate
 @pytest.mark.parametrize("quiet", [(), ("--quiet",)])
 def test_the_command_prints_the_port_that_it_has_found(tmp_path, quiet):
-    command = [sys.executable, "-m", "worldgen", "studio", str(tmp_path), "--no-browser", "--port", "0", *quiet]
+    command = [
+        sys.executable,
+        "-m",
+        "worldgen",
+        "studio",
+        str(tmp_path),
+        "--no-browser",
+        "--port",
+        "0",
+        *quiet,
+    ]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
-        host, port, token = re.search(r"http://(.*):(\d+)/\?token=(.*)", server.stderr.readline()).groups()
+        host, port, token = re.search(
+            r"http://(.*):(\d+)/\?token=(.*)", server.stderr.readline()
+        ).groups()
         with page_of(Gate(host, int(port), token)) as page:
             assert page.begins["folder"] == str(tmp_path)
         server.send_signal(signal.SIGINT)
@@ -534,7 +605,10 @@ def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, mon
         with pytest.raises(ConnectionClosed) as closed, page_of(gate):
             pass
         assert closed.value.rcvd.code == FULL
-        assert closed.value.rcvd.reason == "2 pages are open, and the studio takes no more; close another one."
+        assert (
+            closed.value.rcvd.reason
+            == "2 pages are open, and the studio takes no more; close another one."
+        )
 
 
 def test_a_message_that_is_too_large_ends_that_connection_alone(gate):
@@ -547,8 +621,13 @@ def test_a_message_that_is_too_large_ends_that_connection_alone(gate):
 
 def test_what_is_wrong_with_a_name_is_said_without_the_path_of_the_folder(page, folder):
     message = {"world": message_of(generate("corridor", 3)), "overwrite": False}
-    for said in (page.ask("save", name="missing/w.grid", **message), page.ask("open", name="missing.grid")):
-        assert "missing" in json.dumps(said["error"]) and str(folder) not in json.dumps(said["error"])
+    for said in (
+        page.ask("save", name="missing/w.grid", **message),
+        page.ask("open", name="missing.grid"),
+    ):
+        assert "missing" in json.dumps(said["error"]) and str(folder) not in json.dumps(
+            said["error"]
+        )
 
 
 def test_a_lane_that_waits_holds_no_other_up(tmp_path, monkeypatch):
@@ -563,7 +642,7 @@ def test_a_lane_that_waits_holds_no_other_up(tmp_path, monkeypatch):
         return [said async for said in lane.ask("files", {})][-1]
 
     async def all_wait_but_one():
-        lanes = [Lane(Folder(tmp_path), ()) for _ in range(40)]
+        lanes = [Worker(Folder(tmp_path), ()) for _ in range(40)]
         tasks = [asyncio.create_task(ask(lane)) for lane in lanes]
         while len(ends) < len(lanes):
             await asyncio.sleep(0.01)
@@ -575,7 +654,7 @@ def test_a_lane_that_waits_holds_no_other_up(tmp_path, monkeypatch):
                 theirs.close()
             await asyncio.wait(tasks)
 
-    monkeypatch.setattr(Lane, "_start", start)
+    monkeypatch.setattr(Worker, "_start", start)
     assert asyncio.run(all_wait_but_one()) == ("answer", "here")
 
 
@@ -593,7 +672,10 @@ def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
         (["--controller", "{}/junk.grid:Robot"], "there is no module"),
         (["--controller", "{}/torn.py:Robot"], "is no Python"),
         (["--controller", "__main__:Robot"], "there is no module __main__"),
-        (["--controller", ":Robot"], "names no module; name it too, module:Robot or ./file.py:Robot"),
+        (
+            ["--controller", ":Robot"],
+            "names no module; name it too, module:Robot or ./file.py:Robot",
+        ),
         (["{}/words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
         (["{}/junk.grid"], "junk.grid"),
         (["{}/my --words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
@@ -614,20 +696,27 @@ def test_the_studio_does_not_start_with_arguments_that_are_wrong(tmp_path, argum
 
 def test_what_may_be_a_controller_or_a_map_is_left_to_the_page(tmp_path):
     (tmp_path / "loud.py").write_text("from os import *\n\n\nraise SystemExit\n")
-    (tmp_path / "made.py").write_text("import sys\nsys.modules[__name__].__dict__['Rob' + 'ot'] = object\n")
+    (tmp_path / "made.py").write_text(
+        "import sys\nsys.modules[__name__].__dict__['Rob' + 'ot'] = object\n"
+    )
     files = [f"{tmp_path}/{name}.py:Robot" for name in ("loud", "made")]
     for label in ("thesis-1+repaired", "cmd:./mine", "json:loads", *files):
         check_controller(label)
 
 
 def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
-    plain, noisy = (page.ask("signal", world=world(), noise=noise)["answer"]["signal"] for noise in (False, True))
+    plain, noisy = (
+        page.ask("signal", world=world(), noise=noise)["answer"]["signal"]
+        for noise in (False, True)
+    )
     assert plain != noisy
 
 
 @pytest.mark.gate
 def test_a_wished_world_is_searched_for_and_measured(page):
-    said = page.ask("generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2")
+    said = page.ask(
+        "generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2"
+    )
     metrics = page.ask("measure", world=said["answer"]["world"])["answer"]["metrics"]
     assert next(metric["value"] for metric in metrics if metric["name"] == "detour") > 1.2
     assert said["parts"][-1]["tried"] == len(said["parts"])

@@ -1,4 +1,7 @@
-"""The studio's campaigns: begun, watched, stopped and resumed; what lies in their folders; and what is not run."""
+"""The studio's campaigns: begun, watched, stopped and resumed; what lies in their folders.
+
+And what is not run.
+"""
 
 import json
 import os
@@ -65,17 +68,30 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     assert (done["worlds"], done["met"]) == (campaign.state.worlds, dict(campaign.state.met))
 
 
-MORE = {"oracles": ["turn"], "vary": ["robot_speed=1,2"], "detour": 5, "epoch": 1, "shrink": False, "examples": 3}
+MORE = {
+    "oracles": ["turn"],
+    "vary": ["robot_speed=1,2"],
+    "detour": 5,
+    "epoch": 1,
+    "shrink": False,
+    "examples": 3,
+}
 
 
 @pytest.mark.gate
 def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
     drawn = generate("trap", 1)
     write_world(drawn, folder / "drawn.grid")
-    asked = SHORT | MORE | {"lanes": [], "world": message_of(read_world(folder / "drawn.grid")), "units": 1}
+    asked = (
+        SHORT
+        | MORE
+        | {"lanes": [], "world": message_of(read_world(folder / "drawn.grid")), "units": 1}
+    )
     begin(page, "by page", **asked)
     watch(page, "by page")
-    line = page.ask("command", folder="by line", **asked, world_name="drawn.grid")["answer"]["command"]
+    line = page.ask("command", folder="by line", **asked, world_name="drawn.grid")["answer"][
+        "command"
+    ]
     program, *words = shlex.split(line)
     assert program == "worldgen" and worldgen(*words).code in (0, 1)
     assert written(folder / "by line") == written(folder / "by page") != {}
@@ -84,21 +100,35 @@ def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
 def written(out):
     """What a campaign wrote, but for times."""
     files = {path.relative_to(out).as_posix(): path for path in out.rglob("*") if path.is_file()}
-    whole = {name: path.read_bytes() for name, path in files.items() if name.endswith((".grid", "campaign.json"))}
-    units = {name: json.loads(path.read_text()) for name, path in files.items() if "/units/" in name}
+    whole = {
+        name: path.read_bytes()
+        for name, path in files.items()
+        if name.endswith((".grid", "campaign.json"))
+    }
+    units = {
+        name: json.loads(path.read_text()) for name, path in files.items() if "/units/" in name
+    }
     return whole | {name: said | {"seconds": 0, "digest": ""} for name, said in units.items()}
 
 
 @pytest.mark.gate
 def test_no_command_names_a_map_that_is_in_no_file(page):
     message = SHORT | {"lanes": [], "world": message_of(generate("trap", 2)), "units": 1}
-    assert page.ask("command", folder="x", **message, world_name=None)["error"]["code"] == "not-saved"
+    assert (
+        page.ask("command", folder="x", **message, world_name=None)["error"]["code"] == "not-saved"
+    )
 
 
 @pytest.mark.nightly
 def test_a_campaign_that_is_done_says_so(done, page):
-    assert (done["running"], done["units"], done["budget"]) == (False, 2, {"units": 2, "seconds": None})
-    (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
+    assert (done["running"], done["units"], done["budget"]) == (
+        False,
+        2,
+        {"units": 2, "seconds": None},
+    )
+    (listed,) = [
+        state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"
+    ]
     assert listed == done
 
 
@@ -118,9 +148,13 @@ def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path
     answers = Answers(Folder(here), (label,))
     failure = FailureRecord("./mine.py:Robot", "swept", 0, "loop", "0" * 16, {"steps": 10})
     write_world(replace(generate("trap", 1), failure=failure), here / "f.grid")
-    line = answers.command(SHORT | {"folder": "out", "controller": label, "units": 1}, None)["command"]
+    line = answers.command(SHORT | {"folder": "out", "controller": label, "units": 1}, None)[
+        "command"
+    ]
     for one in (line, answers.look({"name": "f.grid"}, None)["replay"]):
-        subprocess.run(f"worldgen() {{ test -f ./mine.py; }}\n{one}", shell=True, cwd="/", check=True)
+        subprocess.run(
+            f"worldgen() {{ test -f ./mine.py; }}\n{one}", shell=True, cwd="/", check=True
+        )
 
 
 @pytest.mark.gate
@@ -136,7 +170,9 @@ def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(do
     assert [one["class"] for one in failures(page, "done") if one["known"]] == [first["class"]]
     begin(page, "again", units=2, known=True)
     state = watch(page, "again")
-    assert first["class"] in state["known"] and not (folder / f"again/{first['class']}.grid").exists()
+    assert (
+        first["class"] in state["known"] and not (folder / f"again/{first['class']}.grid").exists()
+    )
     page.ask("know", name=first["name"], known=False)
     assert not any(one["known"] for one in failures(page, "done"))
 
@@ -157,7 +193,10 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         assert page.ask("campaigns")["answer"]["campaigns"][0]["running"]
         page.ask("stop", folder="long")
         stopped = watch(page, "long")
-        assert 0 < stopped["units"] < 100_000 and (stopped["error"], stopped["status"]) == (None, "stopped")
+        assert 0 < stopped["units"] < 100_000 and (stopped["error"], stopped["status"]) == (
+            None,
+            "stopped",
+        )
         assert page.ask("resume", folder="long")["answer"]["state"]["running"]
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
@@ -247,7 +286,9 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
      ({"baseline": ["../x"]}, "outside-of-folder"), ({"baseline": ["none"]}, "wrong-kind-of-file"),
      ({"vary": ["nothing=1"]}, "unknown-name")],
 )  # fmt: skip
-def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(page, folder, changes, why):
+def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(
+    page, folder, changes, why
+):
     assert begin(page, "refused", **({"units": 1} | changes))["error"]["code"] == why
     assert not (folder / "refused").exists()
 
@@ -255,7 +296,10 @@ def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(p
 @pytest.mark.parametrize("name", ["../outside", ".hidden", "", "/tmp/x", "a/../../x"])
 @pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
 def test_no_campaign_leads_out_of_the_folder(page, do, name):
-    assert page.ask(do, folder=name, **SHORT, units=1)["error"]["code"] in ("outside-of-folder", "not-a-file-name")
+    assert page.ask(do, folder=name, **SHORT, units=1)["error"]["code"] in (
+        "outside-of-folder",
+        "not-a-file-name",
+    )
 
 
 @pytest.mark.parametrize("name", ["plain.txt", "plain.txt/below", "known", "known/mine"])
@@ -284,7 +328,9 @@ def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_pat
     [{"scenario": {"controller": "./evil.py:Robot", "motion": "swept"}}, {"families": ["./evil.py:family"]},
      {"oracles": ["./evil.py:oracle"]}, {"database": "/tmp"}],
 )  # fmt: skip
-def test_a_campaign_of_elsewhere_that_asks_for_other_code_or_files_is_not_resumed(done, page, folder, changes):
+def test_a_campaign_of_elsewhere_that_asks_for_other_code_or_files_is_not_resumed(
+    done, page, folder, changes
+):
     said = json.loads((folder / "done/.campaign/campaign.json").read_text())
     said["configuration"] |= changes
     (folder / "evil/.campaign").mkdir(parents=True, exist_ok=True)
@@ -300,15 +346,23 @@ def test_a_failure_of_a_controller_that_nobody_named_is_shown_and_not_run(done, 
     record = replace(world.failure, controller=f"cmd:touch {folder}/gone")
     write_world(replace(world, failure=record), folder / "foreign/f.grid")
     seen = page.ask("look", name="foreign/f.grid")["answer"]
-    assert seen["run"] is None and seen["error"]["code"] == "not-named" and seen["world"]["width"] == world.width
+    assert (
+        seen["run"] is None
+        and seen["error"]["code"] == "not-named"
+        and seen["world"]["width"] == world.width
+    )
     assert not (folder / "gone").exists()
 
 
 @pytest.mark.gate
-def test_a_known_failure_whose_oracle_is_a_file_s_stops_the_campaign_before_it_begins(done, page, folder):
+def test_a_known_failure_whose_oracle_is_a_file_s_stops_the_campaign_before_it_begins(
+    done, page, folder
+):
     world = read_world(folder / failures(page, "done")[0]["name"])
     (folder / "known/evil").mkdir(parents=True)
-    record = replace(world.failure, evidence={**world.failure.evidence, "oracle": "./evil.py:f", "objection": {}})
+    record = replace(
+        world.failure, evidence={**world.failure.evidence, "oracle": "./evil.py:f", "objection": {}}
+    )
     write_world(replace(world, failure=record), folder / "known/evil/f.grid")
     assert begin(page, "never", units=1, known=True)["error"]["code"] == "not-registered"
     (folder / "known/evil/f.grid").unlink()
@@ -361,7 +415,13 @@ def stored(tmp_path):
 def give_up(out):
     """Has a command that writes there end with an error."""
     with raises(OutputError, "worker-died"), store.errors_recorded(out):
-        raise OutputError("worker-died", "a worker of {out} died", "give fewer --workers", at_terminal=True, out=out)
+        raise OutputError(
+            "worker-died",
+            "a worker of {out} died",
+            "give fewer --workers",
+            at_terminal=True,
+            out=out,
+        )
 
 
 def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder(stored):
@@ -378,7 +438,13 @@ def test_a_campaign_that_begins_again_has_not_given_up(stored):
 
 
 def test_what_was_refused_after_a_campaign_was_done_says_nothing_of_it(stored):
-    summary = {"version": 1, "status": "done", "controller": "turn-right", "motion": "swept", "seed": 1}
+    summary = {
+        "version": 1,
+        "status": "done",
+        "controller": "turn-right",
+        "motion": "swept",
+        "seed": 1,
+    }
     summary |= {"units": 2, "worlds": 3, "steps": 4, "seconds": 0.5}
     (stored / MEMORY / "summary.json").write_text(json.dumps(summary))
     give_up(stored)

@@ -18,7 +18,9 @@ from fuzz.studio.answers import Answers
 from fuzz.studio.messages import message_of
 
 MAZES = {"micromouse"}  # formats that hold no other worlds
-WRITTEN = [name for name in FORMATS.names() if FORMATS.get(name).write is not None and name not in MAZES]
+WRITTEN = [
+    name for name in FORMATS.names() if FORMATS.get(name).write is not None and name not in MAZES
+]
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +38,10 @@ def answers(folder):
 
 def exported(answers, folder, world, name, **asked):
     """What the page gets for an export, by name."""
-    usual = {"name": "out" + FORMATS.get(name).suffixes[0], "world": message_of(read_world(folder / world))}
+    usual = {
+        "name": "out" + FORMATS.get(name).suffixes[0],
+        "world": message_of(read_world(folder / world)),
+    }
     said = answers.export({"format": name, "keep": False, **usual, **asked}, print)
     return {file["name"]: base64.b64decode(file["data"]) for file in said["files"]}
 
@@ -53,23 +58,31 @@ def by_command(out, world, name, *words):
 @pytest.mark.parametrize("name", WRITTEN)
 def test_every_format_s_export_is_the_command_line_s(answers, folder, tmp_path, name):
     asked = {"at": 1.5, "origin": [0.5, -2], "sidecar": True}
-    wanted = by_command(tmp_path / "out", folder / "fire.grid", name, "--at", "1.5", "--origin", "0.5,-2")
+    wanted = by_command(
+        tmp_path / "out", folder / "fire.grid", name, "--at", "1.5", "--origin", "0.5,-2"
+    )
     assert exported(answers, folder, "fire.grid", name, **asked) == wanted
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", WRITTEN)
-def test_every_option_of_a_format_is_offered_and_does_what_it_does_on_the_command_line(answers, folder, tmp_path, name):
+def test_every_option_of_a_format_is_offered_and_does_what_it_does_on_the_command_line(
+    answers, folder, tmp_path, name
+):
     (offered,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
     options = {one["name"]: other_than_usual(one) for one in offered["options"]}
     words = "".join(f"+{option}={str(value).lower()}" for option, value in options.items())
     wanted = by_command(tmp_path / "out", folder / "w.grid", name + words, "--no-sidecar")
     assert exported(answers, folder, "w.grid", name, options=options, sidecar=False) == wanted
-    assert [one["name"] for one in offered["options"]] == [one.name for one in FORMATS.get(name).write_options]
+    assert [one["name"] for one in offered["options"]] == [
+        one.name for one in FORMATS.get(name).write_options
+    ]
 
 
 @pytest.mark.parametrize("name", sorted(MAZES))
-def test_a_world_that_a_format_does_not_hold_is_refused_as_on_the_command_line(answers, folder, tmp_path, name):
+def test_a_world_that_a_format_does_not_hold_is_refused_as_on_the_command_line(
+    answers, folder, tmp_path, name
+):
     done = worldgen("export", folder / "w.grid", "--to", name, "--out", tmp_path / "out.maze")
     with pytest.raises(WorldgenError) as refused:
         exported(answers, folder, "w.grid", name)
@@ -85,11 +98,18 @@ def other_than_usual(option):
 
 
 def dropped(*places):
-    return {"files": [{"name": one.name, "data": base64.b64encode(one.read_bytes()).decode()} for one in places]}
+    return {
+        "files": [
+            {"name": one.name, "data": base64.b64encode(one.read_bytes()).decode()}
+            for one in places
+        ]
+    }
 
 
 @pytest.mark.parametrize("name", ["ros", "irsim", "stage", "tiled", "thesis", "movingai"])
-def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_line(answers, folder, tmp_path, name):
+def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_line(
+    answers, folder, tmp_path, name
+):
     out = tmp_path / "out"
     by_command(out, folder / "w.grid", name)
     main = out / ("out" + FORMATS.get(name).suffixes[0])
@@ -107,8 +127,17 @@ def test_a_scenario_that_is_dropped_with_its_map_gives_start_and_target(answers,
     assert (world["start"][:2], world["target"][:2]) == ([0.15, 0.25], [0.65, 0.15])
 
 
-READ = [(known.name, option) for known in map(FORMATS.get, FORMATS.names()) for option in known.read_options]
-OTHERS = {"agent": "b", "layer": "solid", "cell_size": {"png": 0.099}, "threshold": {"irsim": 0.3, "png": 200}}
+READ = [
+    (known.name, option)
+    for known in map(FORMATS.get, FORMATS.names())
+    for option in known.read_options
+]
+OTHERS = {
+    "agent": "b",
+    "layer": "solid",
+    "cell_size": {"png": 0.099},
+    "threshold": {"irsim": 0.3, "png": 200},
+}
 
 
 def file_of(name, folder, tmp_path):
@@ -130,7 +159,9 @@ def file_of(name, folder, tmp_path):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("name", "option"), READ, ids=[f"{name}-{option.name}" for name, option in READ])
+@pytest.mark.parametrize(
+    ("name", "option"), READ, ids=[f"{name}-{option.name}" for name, option in READ]
+)
 def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_by_the_command_line(
     answers, folder, tmp_path, name, option
 ):
@@ -155,7 +186,9 @@ def scenario_in(folder):
     return folder / "a.map", folder / "a.map.scen"
 
 
-def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(answers, folder, tmp_path):
+def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(
+    answers, folder, tmp_path
+):
     pair = dropped(*scenario_in(tmp_path))
     said = [answers.bring(pair | more, print) for more in ({}, {"row": 3}, {"row": 0})]
     assert [(one["row"], one["rows"]) for one in said] == [(1, 3), (3, 3), (None, 3)]
@@ -166,7 +199,9 @@ def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(answ
     assert said[1]["world"]["start"][0] == 0.25 != said[0]["world"]["start"][0]
 
 
-def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_by_their_names(answers, tmp_path):
+def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_by_their_names(
+    answers, tmp_path
+):
     main, scenario = scenario_in(tmp_path)
     (tmp_path / "b.bin").write_bytes(b"junk")
     for files, more, code, source in (
@@ -181,7 +216,9 @@ def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_by_t
         answers.bring(dropped(main) | {"row": 1}, print)
 
 
-def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sentence(answers, folder, tmp_path):
+def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sentence(
+    answers, folder, tmp_path
+):
     by_command(tmp_path / "out", folder / "w.grid", "ros")
     with raises(WorldgenError, "no-such-file", key="image", name="'out.pgm'", map="out.yaml"):
         answers.bring(dropped(tmp_path / "out/out.yaml"), print)
@@ -189,7 +226,9 @@ def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sente
         answers.bring(dropped(folder / "fire.grid", folder / "w.grid"), print)
 
 
-def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(answers, folder, tmp_path):
+def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(
+    answers, folder, tmp_path
+):
     by_command(tmp_path / "out", folder / "w.grid", "ros")
     said = dropped(tmp_path / "out/out.pgm", tmp_path / "out/out.yaml")
     said["files"][1]["name"] = "../../Büro ☃ 1.yaml"

@@ -1,4 +1,7 @@
-"""What the studio's campaign page shows that lies in no file of its own: failures in archives, worlds of behaviours."""
+"""What the studio's campaign page shows that lies in no file of its own.
+
+Failures in archives, worlds of behaviours.
+"""
 
 import json
 import shlex
@@ -49,8 +52,12 @@ def test_archives_are_offered_beside_folders(asked):
 def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     packed, plain = failures(asked, name), failures(asked, "plain")
     assert packed["faults"] == [] and len(packed["failures"]) == len(FAILURES)
-    assert sorted(one["digest"] for one in packed["failures"]) == sorted(one["digest"] for one in plain["failures"])
-    assert {one["name"] for one in packed["failures"]} == {f"{name}/deep/{file.name}" for file in FAILURES}
+    assert sorted(one["digest"] for one in packed["failures"]) == sorted(
+        one["digest"] for one in plain["failures"]
+    )
+    assert {one["name"] for one in packed["failures"]} == {
+        f"{name}/deep/{file.name}" for file in FAILURES
+    }
 
 
 @pytest.mark.parametrize("name", PACKERS)
@@ -82,8 +89,13 @@ def test_what_cannot_be_read_in_an_archive_is_told_and_hides_nothing_else(asked,
     )
     said = failures(asked, "bad.zip")
     assert [one["name"] for one in said["failures"]] == ["bad.zip/ok.grid"]
-    assert len(said["faults"]) == 4 and "bad.zip/cut.grid" in [fault["source"] for fault in said["faults"]]
-    pack_zip(folder / "bad.zip", {"ok.grid": good, ".campaign/seen/a.grid": good, "__MACOSX/._ok.grid": b"no world"})
+    assert len(said["faults"]) == 4 and "bad.zip/cut.grid" in [
+        fault["source"] for fault in said["faults"]
+    ]
+    pack_zip(
+        folder / "bad.zip",
+        {"ok.grid": good, ".campaign/seen/a.grid": good, "__MACOSX/._ok.grid": b"no world"},
+    )
     said = failures(asked, "bad.zip")
     assert [one["name"] for one in said["failures"]] == ["bad.zip/ok.grid"] and not said["faults"]
     (folder / "bad.zip").write_bytes((folder / "old.zip").read_bytes()[:500])
@@ -97,7 +109,9 @@ def test_each_kind_of_the_archive_opens_the_world_that_it_tells_of(asked, folder
     assert len(cells) > 5
     for i, j, quality, verdict in cells[:: len(cells) // 5]:
         answer = asked.ask("elite", folder="kinds", i=i, j=j)["answer"]
-        saved = asked.ask("save", name="elite.grid", world=answer["world"], overwrite=True)["answer"]
+        saved = asked.ask("save", name="elite.grid", world=answer["world"], overwrite=True)[
+            "answer"
+        ]
         world: World = read_world(folder / saved["name"])
         assert world.solid_cells == -quality
         runs = answer["runs"]

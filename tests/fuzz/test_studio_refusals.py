@@ -1,4 +1,7 @@
-"""What the studio's page is told when something cannot be done: data, and ways out that its user has."""
+"""What the studio's page is told when something cannot be done.
+
+Data, and ways out that its user has.
+"""
 
 import json
 import re
@@ -7,7 +10,7 @@ import string
 import pytest
 
 from fuzz.studio.folder import Folder
-from fuzz.studio.refusals import IMPORT_OPTIONS, REMEDIES, note_in_words, refusal
+from fuzz.studio.refusals import IMPORT_OPTIONS, REMEDIES, describe_note, refusal
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
@@ -19,14 +22,17 @@ from worldgen.files.grid import write_world
 AT_TERMINAL = {
     (str(call.args[0].value), place): {str(keyword.arg) for keyword in call.keywords}
     for place, call in MESSAGES
-    if any(keyword.arg == "at_terminal" for keyword in call.keywords) and hasattr(call.args[0], "value")
+    if any(keyword.arg == "at_terminal" for keyword in call.keywords)
+    and hasattr(call.args[0], "value")
 }
 """By code and place of each error whose way out needs a terminal, the names of its facts."""
 
 
 def test_each_way_out_of_the_page_fills_from_the_facts_of_the_errors_that_it_is_for():
     for (code, place), facts in AT_TERMINAL.items():
-        wanted = {field for _, field, _, _ in string.Formatter().parse(REMEDIES.get(code, "")) if field}
+        wanted = {
+            field for _, field, _, _ in string.Formatter().parse(REMEDIES.get(code, "")) if field
+        }
         assert wanted <= facts, place
 
 
@@ -41,16 +47,31 @@ def test_no_way_out_of_the_page_names_an_option_of_the_command_line():
 
 
 def test_an_error_keeps_its_code_facts_and_place():
-    told = refusal(FormatError("below-minimum", "size={size} is below 3", "give more", size=2, line=7, source="w.grid"))
+    told = refusal(
+        FormatError(
+            "below-minimum", "size={size} is below 3", "give more", size=2, line=7, source="w.grid"
+        )
+    )
     assert told == {
-        "code": "below-minimum", "problem": "size=2 is below 3", "remedy": "give more", "terminal": False, "opens": "",
-        "facts": {"size": 2}, "line": 7, "source": "w.grid",
-    }  # fmt: skip
+        "code": "below-minimum",
+        "problem": "size=2 is below 3",
+        "remedy": "give more",
+        "terminal": False,
+        "opens": "",
+        "facts": {"size": 2},
+        "line": 7,
+        "source": "w.grid",
+    }
 
 
 def test_a_way_out_that_the_page_has_takes_the_place_of_one_by_options():
-    error = InvalidParameter("file-exists", "{path} is there", "give --force", at_terminal=True, path="w.grid")
-    assert (refusal(error)["remedy"], refusal(error)["terminal"]) == (REMEDIES["file-exists"], False)
+    error = InvalidParameter(
+        "file-exists", "{path} is there", "give --force", at_terminal=True, path="w.grid"
+    )
+    assert (refusal(error)["remedy"], refusal(error)["terminal"]) == (
+        REMEDIES["file-exists"],
+        False,
+    )
 
 
 def test_a_way_out_that_only_a_terminal_has_is_marked():
@@ -61,21 +82,32 @@ def test_a_way_out_that_only_a_terminal_has_is_marked():
 def test_a_note_of_an_import_names_the_page_s_field():
     note = Note("no-scale", "the map has no scale", "--cell-size says another", at_terminal=True)
     assert note == "the map has no scale; --cell-size says another"
-    assert note_in_words(note) == "the map has no scale; Cell size, under World, says another"
+    assert describe_note(note) == "the map has no scale; Cell size, under World, says another"
 
 
 @pytest.mark.parametrize(
     ("fact", "shown"),
-    [("{}/w.grid", "w.grid"), ("{}", "the opened folder"), ("{}.old/w.grid", "{}.old/w.grid"), ("{}-2", "{}-2")],
+    [
+        ("{}/w.grid", "w.grid"),
+        ("{}", "the opened folder"),
+        ("{}.old/w.grid", "{}.old/w.grid"),
+        ("{}-2", "{}-2"),
+    ],
 )
 def test_a_path_in_the_opened_folder_goes_by_its_name(fact, shown, tmp_path):
     folder = Folder(tmp_path)
     fact, shown = (text.replace("{}", str(folder.root)) for text in (fact, shown))
     told = folder.refusal(FormatError("x", "{path}: no", path=fact, source=fact))
-    assert (told["facts"]["path"], told["problem"], told["source"]) == (shown, f"{shown}: no", shown)
+    assert (told["facts"]["path"], told["problem"], told["source"]) == (
+        shown,
+        f"{shown}: no",
+        shown,
+    )
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), object(), "x" * 50_000, ["a", float("nan")], {1: {2}}])
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("inf"), object(), "x" * 50_000, ["a", float("nan")], {1: {2}}]
+)
 def test_whatever_a_fact_is_a_browser_can_read_it(value):
     told = json.dumps(refusal(Message("odd", "{value!r:.20}", value=value)), allow_nan=False)
     assert len(told) < 5_000
@@ -86,11 +118,17 @@ def test_a_file_of_no_known_format_is_opened_by_naming_its_format(tmp_path):
     (tmp_path / "map.odd").write_text("import this\n")
     with studio_of(tmp_path) as gate, page_of(gate) as page:
         error = page.ask("bring", name="map.odd")["error"]
-    assert (error["code"], error["opens"], error["source"]) == ("unknown-format", "import", "map.odd")
+    assert (error["code"], error["opens"], error["source"]) == (
+        "unknown-format",
+        "import",
+        "map.odd",
+    )
 
 
 @pytest.mark.nightly
-def test_a_folder_with_another_campaign_and_one_with_worlds_are_refused_by_what_the_page_has(tmp_path):
+def test_a_folder_with_another_campaign_and_one_with_worlds_are_refused_by_what_the_page_has(
+    tmp_path,
+):
     (tmp_path / "mine").mkdir()
     write_world(generate("corridor", 1), tmp_path / "mine/w.grid")
     with studio_of(tmp_path) as gate, page_of(gate) as page:
@@ -99,7 +137,11 @@ def test_a_folder_with_another_campaign_and_one_with_worlds_are_refused_by_what_
         watch(page, "begun")
         another = begin(page, "begun", units=1, seed="2")["error"]
     assert (holds_worlds["code"], holds_worlds["terminal"]) == ("folder-holds-worlds", False)
-    assert (another["code"], another["facts"]["out"], another["terminal"]) == ("another-campaign", "begun", False)
+    assert (another["code"], another["facts"]["out"], another["terminal"]) == (
+        "another-campaign",
+        "begun",
+        False,
+    )
 
 
 def test_a_program_in_place_of_a_world_is_told_how_its_robot_runs(tmp_path):

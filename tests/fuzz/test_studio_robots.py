@@ -28,7 +28,12 @@ def gate(folder):
 
 
 def run(page, controllers, **changes):
-    message = {"world": message_of(read_world(CONFIG_5)), "motion": "stepped", "time_step": 0.015, "seed": 0}
+    message = {
+        "world": message_of(read_world(CONFIG_5)),
+        "motion": "stepped",
+        "time_step": 0.015,
+        "seed": 0,
+    }
     message |= {"controllers": controllers, "steps": 500, "options": {}}
     return page.ask("run", **(message | changes))["parts"][1:]
 
@@ -50,7 +55,10 @@ def test_robots_with_and_without_options_of_their_own_drive_at_once(gate):
 def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
     with page_of(gate) as page:
         parts = run(page, ["thesis-1", "thesis-1+slip=0.3"], options={"slip": 0.2})
-    assert [part["digest"] for part in parts] == [digest("thesis-1+slip=0.2"), digest("thesis-1+slip=0.3")]
+    assert [part["digest"] for part in parts] == [
+        digest("thesis-1+slip=0.2"),
+        digest("thesis-1+slip=0.3"),
+    ]
 
 
 def test_what_is_wrong_with_one_robot_s_options_is_told_and_the_others_drive(gate):
@@ -70,10 +78,17 @@ def test_options_bring_no_code_of_a_file_along(gate, folder, name):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("wrong", ["nope", "thesis-1+foo=3", "./evil.py:X", "thesis-1+motion=./evil.py:X"])
+@pytest.mark.parametrize(
+    "wrong", ["nope", "thesis-1+foo=3", "./evil.py:X", "thesis-1+motion=./evil.py:X"]
+)
 def test_what_is_no_robot_is_refused_when_it_is_added(gate, wrong):
     ask = {"motion": "stepped", "time_step": 0.015, "seed": 0, "options": {}}
     with page_of(gate) as page:
         assert "error" in page.ask("check", controller=wrong, **ask)
         assert page.ask("check", controller="thesis-1+repaired", **ask)["answer"] == {}
-        assert page.ask("check", controller="turn-right+slip=0.1", **ask | {"motion": "swept"})["answer"] == {}
+        assert (
+            page.ask("check", controller="turn-right+slip=0.1", **ask | {"motion": "swept"})[
+                "answer"
+            ]
+            == {}
+        )

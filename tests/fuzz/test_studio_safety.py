@@ -1,4 +1,7 @@
-"""What nobody can make the studio do: run other code, leave its folder, hang, or leave a question without an answer."""
+"""What nobody can make the studio do.
+
+Run other code, leave its folder, hang, or leave a question without an answer.
+"""
 
 import base64
 import contextlib
@@ -90,8 +93,17 @@ def page(gate):
 
 
 def run_message(**changes):
-    usual = {"world": message_of(generate("corridor", 3)), "motion": "swept", "time_step": 0.015, "seed": 0}
-    return usual | {"options": {}, "controllers": ["turn-left"], "steps": 300, "title": "t", "looked": 0} | changes
+    usual = {
+        "world": message_of(generate("corridor", 3)),
+        "motion": "swept",
+        "time_step": 0.015,
+        "seed": 0,
+    }
+    return (
+        usual
+        | {"options": {}, "controllers": ["turn-left"], "steps": 300, "title": "t", "looked": 0}
+        | changes
+    )
 
 
 def until(condition):
@@ -174,11 +186,16 @@ def test_an_export_s_companions_lead_no_further_than_itself(page, folder):
 @pytest.mark.parametrize("beside", ["plan.map.worldgen.toml", "plan.map.scen", "plan.scen"])
 def test_a_map_s_companions_lead_no_further_than_itself(page, folder, beside):
     (folder.parent / "secret.toml").write_text("secret = 1")
-    (folder / "plan.map").write_bytes(export_world(generate("corridor", 3), "movingai", file="plan.map").data)
+    (folder / "plan.map").write_bytes(
+        export_world(generate("corridor", 3), "movingai", file="plan.map").data
+    )
     (folder / beside).symlink_to(folder.parent / "secret.toml")
     said = page.ask("bring", name="plan.map")
     (folder / beside).unlink()
-    assert (said["error"]["code"], said["error"]["facts"]) == ("outside-of-folder", {"name": beside})
+    assert (said["error"]["code"], said["error"]["facts"]) == (
+        "outside-of-folder",
+        {"name": beside},
+    )
 
 
 def test_data_that_are_no_base64_are_the_message_s_fault(page):
@@ -192,15 +209,24 @@ def png_of(side):
     """A picture of that many pixels a side, in a few bytes."""
 
     def part(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     head = struct.pack(">IIBBBBB", side, side, 1, 0, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + part(b"IHDR", head) + part(b"IDAT", zlib.compress(bytes(side))) + part(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + part(b"IHDR", head)
+        + part(b"IDAT", zlib.compress(bytes(side)))
+        + part(b"IEND", b"")
+    )
 
 
 HUGE = {
     "zeros.grid.gz": gzip.compress(bytes(100 << 20)),
-    "cells.grid.gz": gzip.compress(b"%worldgen-grid 1\ncell_size = 0.1\n%cells\n" + b"#" * (60 << 20)),
+    "cells.grid.gz": gzip.compress(
+        b"%worldgen-grid 1\ncell_size = 0.1\n%cells\n" + b"#" * (60 << 20)
+    ),
     "a.png": png_of(40_000),
     "a.pgm": b"P5\n100000 100000\n255\n\0\0",
     "a.npy": b"\x93NUMPY\1\0v\0"
@@ -208,7 +234,8 @@ HUGE = {
     + b"\n",
     "a.json": b"[" * 1_000_000,
     "a.map": b"type octile\nheight 50000\nwidth 50000\nmap\n....",
-    "a.world": b'<!DOCTYPE sdf [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]><sdf>&b;</sdf>',
+    "a.world": b'<!DOCTYPE sdf [<!ENTITY a "aaaaaaaaaa"><!ENTITY b '
+    b'"&a;&a;&a;&a;&a;&a;&a;&a;">]><sdf>&b;</sdf>',
 }
 
 
@@ -217,7 +244,9 @@ HUGE = {
 @pytest.mark.parametrize("name", HUGE)
 def test_a_small_file_that_says_it_is_huge_is_refused_in_little_memory(page, folder, name, dropped):
     if dropped:
-        said = page.ask("bring", files=[{"name": name, "data": base64.b64encode(HUGE[name]).decode()}])
+        said = page.ask(
+            "bring", files=[{"name": name, "data": base64.b64encode(HUGE[name]).decode()}]
+        )
     else:
         (folder / name).write_bytes(HUGE[name])
         said = page.ask("open" if ".grid" in name else "bring", name=name)
@@ -228,7 +257,9 @@ def test_a_small_file_that_says_it_is_huge_is_refused_in_little_memory(page, fol
 
 def most_memory():
     """Of any process of the studio, at any time, in bytes."""
-    told = [Path(f"/proc/{lane.pid}/status").read_text() for lane in multiprocessing.active_children()]
+    told = [
+        Path(f"/proc/{lane.pid}/status").read_text() for lane in multiprocessing.active_children()
+    ]
     return max(1024 * int(re.search(r"VmHWM:\s+(\d+)", one)[1]) for one in told)
 
 
@@ -241,7 +272,9 @@ def no_room(bytes_left):
         yield
     finally:
         for lane in multiprocessing.active_children():
-            resource.prlimit(lane.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+            resource.prlimit(
+                lane.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
+            )
 
 
 @pytest.mark.parametrize("do", ["save", "export", "bring"])
@@ -266,7 +299,9 @@ def read_only(folder):
     """A folder into which nobody can write."""
     if os.geteuid() != 0:
         folder.chmod(0o555)
-    elif subprocess.run(["mount", "--bind", "-o", "ro", folder, folder], check=False, capture_output=True).returncode:
+    elif subprocess.run(
+        ["mount", "--bind", "-o", "ro", folder, folder], check=False, capture_output=True
+    ).returncode:
         pytest.skip("root writes everywhere here")
     try:
         yield
@@ -281,8 +316,19 @@ def read_only(folder):
 @pytest.mark.parametrize("do", ["save", "export", "begin", "know"])
 def test_a_folder_that_nobody_can_write_is_read_and_what_is_written_is_refused(do, tmp_path):
     shutil.copy(FAILURE, tmp_path / "f.grid")
-    message = {"name": "f.grid", "world": message_of(generate("corridor", 3)), "overwrite": True, "known": True}
-    message |= {"format": "thesis", "keep": True, "folder": "c", "controller": "turn-left", "motion": "swept"}
+    message = {
+        "name": "f.grid",
+        "world": message_of(generate("corridor", 3)),
+        "overwrite": True,
+        "known": True,
+    }
+    message |= {
+        "format": "thesis",
+        "keep": True,
+        "folder": "c",
+        "controller": "turn-left",
+        "motion": "swept",
+    }
     with read_only(tmp_path), studio_of(tmp_path) as gate, page_of(gate) as page:
         assert page.ask("open", name="f.grid")["answer"]["world"]["cells"]
         said = page.ask(do, lanes=[], units=1, **message)
@@ -331,7 +377,9 @@ def test_a_picture_of_a_controller_that_hangs_is_ended_with_its_page(gate, folde
 @pytest.mark.nightly
 def test_a_campaign_runs_no_code_of_files_that_lie_in_its_folder(page, folder):
     (folder / "pwned").unlink(missing_ok=True)
-    record = FailureRecord("turn-right", f"{folder}/evil.py:Motion", 0, "loop", "0" * 16, {"steps": 10})
+    record = FailureRecord(
+        "turn-right", f"{folder}/evil.py:Motion", 0, "loop", "0" * 16, {"steps": 10}
+    )
     (folder / "found").mkdir()
     for name in ("found/f.grid", "known/g.grid"):
         (folder / name).parent.mkdir(exist_ok=True)
@@ -360,7 +408,16 @@ def test_a_campaign_s_memory_is_neither_a_link_nor_does_it_hold_a_pipe(page, fol
 @pytest.mark.nightly
 def test_a_controller_that_hangs_is_gone_with_a_server_that_was_killed(folder):
     port = free_port()
-    command = [sys.executable, "-m", "worldgen", "studio", str(folder), "--no-browser", "--port", str(port)]
+    command = [
+        sys.executable,
+        "-m",
+        "worldgen",
+        "studio",
+        str(folder),
+        "--no-browser",
+        "--port",
+        str(port),
+    ]
     (folder / "hanging").unlink(missing_ok=True)
     command += ["--controller", f"{folder}/hangs.py:Robot"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
@@ -374,8 +431,19 @@ def test_a_controller_that_hangs_is_gone_with_a_server_that_was_killed(folder):
 
 @pytest.mark.gate
 def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
-    command = [sys.executable, "-m", "worldgen", "studio", str(folder), "--no-browser", "--port", "0"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as server:
+    command = [
+        sys.executable,
+        "-m",
+        "worldgen",
+        "studio",
+        str(folder),
+        "--no-browser",
+        "--port",
+        "0",
+    ]
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as server:
         port, token = re.search(r":(\d+)/\?token=(.*)", server.stderr.readline()).groups()
         with page_of(Gate("127.0.0.1", int(port), token)) as page:
             for do in ("files", "decide", "run", "campaigns", "failures", "picture"):
@@ -383,5 +451,7 @@ def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
             page.ask("nothing")  # the others are being begun
             os.killpg(server.pid, signal.SIGINT)  # as a terminal does
             _, said = server.communicate(timeout=60)
-    said = said.replace("Ctrl-C ends it; what you have saved stays.\n", "")  # it may have been read with the address
+    said = said.replace(
+        "Ctrl-C ends it; what you have saved stays.\n", ""
+    )  # it may have been read with the address
     assert (server.returncode, said) == (0, "")

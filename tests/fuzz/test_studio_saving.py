@@ -22,15 +22,29 @@ def gate(tmp_path_factory):
 
 
 def ask(page, **changes):
-    message = {"world": message_of(read_world(CONFIG_5)), "motion": "stepped", "time_step": 0.015, "seed": 0}
-    message |= {"controllers": ["thesis-1", "thesis-2"], "steps": 900, "options": {}, "title": "five", "looked": 0}
+    message = {
+        "world": message_of(read_world(CONFIG_5)),
+        "motion": "stepped",
+        "time_step": 0.015,
+        "seed": 0,
+    }
+    message |= {
+        "controllers": ["thesis-1", "thesis-2"],
+        "steps": 900,
+        "options": {},
+        "title": "five",
+        "looked": 0,
+    }
     return page.ask("picture", **(message | changes))
 
 
 @pytest.mark.nightly
 def test_runs_are_saved_as_animation_drawing_and_page(gate):
     with page_of(gate) as page:
-        gif, svg, html = (base64.b64decode(ask(page, kind=kind)["answer"]["data"]) for kind in ("gif", "svg", "html"))
+        gif, svg, html = (
+            base64.b64decode(ask(page, kind=kind)["answer"]["data"])
+            for kind in ("gif", "svg", "html")
+        )
         assert base64.b64decode(ask(page, kind="gif")["answer"]["data"]) == gif
     assert Image.open(io.BytesIO(gif)).n_frames == 120
     assert svg.startswith(b"<?xml") and b"five: thesis-1, stepped: " in svg
@@ -38,7 +52,9 @@ def test_runs_are_saved_as_animation_drawing_and_page(gate):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("changes", [{"kind": "exe"}, {"kind": "svg", "looked": 2}, {"kind": "gif", "looked": -1}])
+@pytest.mark.parametrize(
+    "changes", [{"kind": "exe"}, {"kind": "svg", "looked": 2}, {"kind": "gif", "looked": -1}]
+)
 def test_a_picture_of_another_kind_or_of_nobody_is_refused(gate, changes):
     with page_of(gate) as page:
         assert ask(page, **changes)["error"]["code"] == "unknown-name"
@@ -46,8 +62,19 @@ def test_a_picture_of_another_kind_or_of_nobody_is_refused(gate, changes):
 
 def test_a_picture_that_nobody_wants_is_ended(gate):
     with page_of(gate) as page:
-        message = {"world": message_of(read_world(CONFIG_5)), "motion": "stepped", "time_step": 0.015, "seed": 0}
-        message |= {"controllers": ["thesis-3"] * 6, "steps": 1_000_000, "options": {}, "title": "-", "looked": 0}
+        message = {
+            "world": message_of(read_world(CONFIG_5)),
+            "motion": "stepped",
+            "time_step": 0.015,
+            "seed": 0,
+        }
+        message |= {
+            "controllers": ["thesis-3"] * 6,
+            "steps": 1_000_000,
+            "options": {},
+            "title": "-",
+            "looked": 0,
+        }
         long = page.send("picture", **message, kind="gif")
         page.send("cancel", of=long)
         said = [page.hear() for _ in range(2)]
@@ -56,7 +83,9 @@ def test_a_picture_that_nobody_wants_is_ended(gate):
 
 
 def test_a_replay_page_holds_no_markup_of_names():
-    page = replay_page("</title><script>alert(1)</script>", None, [{"name": "<img src=x>", "run": None}]).decode()
+    page = replay_page(
+        "</title><script>alert(1)</script>", None, [{"name": "<img src=x>", "run": None}]
+    ).decode()
     assert "<script>alert" not in page and "<img" not in page
 
 
@@ -78,7 +107,11 @@ def test_what_was_before_is_not_run_by_a_controller_that_nobody_has_named(campai
     shutil.copytree(campaign, tmp_path / "copy")
     (original,) = (tmp_path / "copy/.campaign/failures").glob("*.grid")
     world = read_world(original)
-    write_world(replace(world, failure=replace(world.failure, controller="./evil.py:Robot")), original, force=True)
+    write_world(
+        replace(world, failure=replace(world.failure, controller="./evil.py:Robot")),
+        original,
+        force=True,
+    )
     (tmp_path / "copy/evil.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
     with studio_of(tmp_path / "copy") as gate, page_of(gate) as page:
         assert page.ask("before", name=LOOP)["answer"]["before"] is None

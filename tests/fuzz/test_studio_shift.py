@@ -25,17 +25,24 @@ def gate(tmp_path_factory):
 @pytest.mark.parametrize("seed", ["-1", "x", "9" * 5000, "0" * 5000])
 def test_a_seed_that_is_none_is_refused(gate, seed):
     with page_of(gate) as page:
-        assert page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]["code"] == "not-a-seed"
+        assert (
+            page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]["code"]
+            == "not-a-seed"
+        )
 
 
 @pytest.mark.gate
 def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
     still = read_world(CONFIG_5)
     with page_of(gate) as page:
-        flat = message_of(replace(still, walls=still.walls[:, :-1], certificate=None, provenance=None))
+        flat = message_of(
+            replace(still, walls=still.walls[:, :-1], certificate=None, provenance=None)
+        )
         assert "no mirror image" in page.ask("shift", world=flat, seed="0")["error"]["problem"]
         moving = page.ask("shift", world=message_of(still), seed="7")["answer"]["world"]
         assert world_of(moving) == shifted(still, 7)
         assert "changes already" in page.ask("shift", world=moving, seed="0")["error"]["problem"]
-        empty = message_of(replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None))
+        empty = message_of(
+            replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None)
+        )
         assert "free mirror image" in page.ask("shift", world=empty, seed="0")["error"]["problem"]

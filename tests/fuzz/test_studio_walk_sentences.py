@@ -1,4 +1,7 @@
-"""The reader of docs/studio-walk.md: it performs every sentence of a step, and refuses those it does not know."""
+"""The reader of docs/studio-walk.md.
+
+It performs every sentence of a step, and refuses those it does not know.
+"""
 
 import pytest
 

@@ -6,12 +6,14 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.executors import InlineExecutor
 from fuzz.campaign.run import Campaign, CampaignState, UnitDone
 from fuzz.campaign.store import Budget, begin, read_summary, resume
-from fuzz.campaign.summary import controller_share, share_in_words, summary_of, time_in_words
+from fuzz.campaign.summary import controller_share, describe_share, describe_time, summary_of
 from sim.scenario import Scenario
 
 
 def campaign_of(controller):
-    config = CampaignConfig(Scenario(controller), seed=1, examples=1, families=("native",), shrink=False)
+    config = CampaignConfig(
+        Scenario(controller), seed=1, examples=1, families=("native",), shrink=False
+    )
     campaign = Campaign(config, units=1)
     for _ in campaign.run():
         pass
@@ -33,12 +35,12 @@ def test_the_share_of_a_python_class_is_in_the_summary(of_a_class, tmp_path):
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
-    assert share_in_words(*of_a_class).endswith(" % of the work was your controller's own code")
+    assert describe_share(*of_a_class).endswith(" % of the work was your controller's own code")
 
 
 def test_a_compiled_controller_has_no_share(of_a_compiled_one, tmp_path):
     assert "controller_share" not in summary_of(*of_a_compiled_one, "done", tmp_path).table()
-    assert share_in_words(*of_a_compiled_one) is None
+    assert describe_share(*of_a_compiled_one) is None
 
 
 def test_a_sitting_that_did_nothing_has_no_share(of_a_class):
@@ -48,16 +50,18 @@ def test_a_sitting_that_did_nothing_has_no_share(of_a_class):
 
 def test_the_time_of_a_run_is_told_by_its_parts():
     state = CampaignState(seconds=28.0, times={"start-up": 2.0, "search": 1.3, "shrinking": 26.7})
-    assert time_in_words(state) == "30.0 s: start-up 2.0 s, search 1.3 s, shrinking 26.7 s"
+    assert describe_time(state) == "30.0 s: start-up 2.0 s, search 1.3 s, shrinking 26.7 s"
 
 
 def test_a_run_that_had_nothing_to_do_reports_the_time_of_the_runs_before_it():
     nothing = dict.fromkeys(("start-up", "search", "shrinking"), 0.0)
-    assert time_in_words(CampaignState(seconds=28.0, times=nothing)) == "28.0 s"
+    assert describe_time(CampaignState(seconds=28.0, times=nothing)) == "28.0 s"
 
 
 def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch):
-    config = CampaignConfig(Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False)
+    config = CampaignConfig(
+        Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False
+    )
     campaign = Campaign(config, units=2)
     events = campaign.run()
     assert isinstance(next(events), UnitDone)
@@ -68,7 +72,9 @@ def test_time_goes_on_until_ctrl_c_and_not_only_until_the_last_unit(monkeypatch)
 
 
 def test_a_resumed_run_counts_what_earlier_runs_spent_after_their_last_unit(tmp_path):
-    config = CampaignConfig(Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False)
+    config = CampaignConfig(
+        Scenario("turn-right"), seed=1, examples=1, families=("features",), shrink=False
+    )
     campaign_run = begin(config, tmp_path, Budget(units=1))
     list(Campaign(config, units=1, executor=InlineExecutor(), store=campaign_run.store).run())
     campaign_run.store.save_summary({"seconds": 1_000.0})

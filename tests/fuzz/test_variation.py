@@ -47,7 +47,10 @@ def test_values_are_read_in_their_own_type(text, values):
         ("robot_radius=-1", {"code": "out-of-range", "option": "--vary", "name": "robot_radius"}),
         ("robot_speed=fast", {"code": "not-a-number", "option": "--vary", "name": "robot_speed"}),
         ("time_step=99", {"code": "out-of-range", "low": 0.001, "high": 10}),
-        ("keep_going=true", {"code": "unknown-name", "option": "--vary", "name": "keep_going", "motion": "swept"}),
+        (
+            "keep_going=true",
+            {"code": "unknown-name", "option": "--vary", "name": "keep_going", "motion": "swept"},
+        ),
     ],
 )
 def test_what_cannot_be_varied_is_refused_with_the_way_out(text, expected):
@@ -56,7 +59,17 @@ def test_what_cannot_be_varied_is_refused_with_the_way_out(text, expected):
 
 
 def test_a_quantity_given_twice_is_refused(tmp_path):
-    ended = worldgen("fuzz", "--controller", "turn-right", "--vary", "slip=0", "--vary", "slip=0.1", "--out", tmp_path)
+    ended = worldgen(
+        "fuzz",
+        "--controller",
+        "turn-right",
+        "--vary",
+        "slip=0",
+        "--vary",
+        "slip=0.1",
+        "--out",
+        tmp_path,
+    )
     assert ended.code == 2 and ended.error_code == "twice"
 
 
@@ -75,7 +88,9 @@ def test_a_campaign_that_varies_nothing_draws_what_it_always_drew():
 
 @pytest.mark.nightly
 def test_failures_store_what_was_drawn_and_replay():
-    config = CampaignConfig(SCENARIO, seed=5, vary=(NOISE, Variation("robot_radius", (0.07, 0.05))), examples=60)
+    config = CampaignConfig(
+        SCENARIO, seed=5, vary=(NOISE, Variation("robot_radius", (0.07, 0.05))), examples=60
+    )
     campaign = Campaign(config, units=1)
     for _ in campaign.run():
         pass
@@ -84,7 +99,11 @@ def test_failures_store_what_was_drawn_and_replay():
     assert any("sensor_noise" in failure.record.parameters for failure in found)
 
 
-@given(scenarios("turn-right", family="trap", vary={"robot_radius": [0.07, 0.04], "sensor_noise": [0.0, 0.1]}))
+@given(
+    scenarios(
+        "turn-right", family="trap", vary={"robot_radius": [0.07, 0.04], "sensor_noise": [0.0, 0.1]}
+    )
+)
 def test_scenarios_are_reachable_for_the_drawn_robot(drawn):
     world, scenario = drawn
     assert check_certificate(world).valid
@@ -94,7 +113,20 @@ def test_scenarios_are_reachable_for_the_drawn_robot(drawn):
 @pytest.mark.nightly
 def test_the_command_line_varies_and_its_failures_replay(tmp_path):
     varied = ("--controller", "turn-right", "--vary", "robot_speed=2,0.7", "--vary", "slip=0,0.1")
-    found = worldgen("fuzz", *varied, "--units", 1, "--examples", 60, "--seed", 4, "--workers", 1, "--out", tmp_path)
+    found = worldgen(
+        "fuzz",
+        *varied,
+        "--units",
+        1,
+        "--examples",
+        60,
+        "--seed",
+        4,
+        "--workers",
+        1,
+        "--out",
+        tmp_path,
+    )
     assert found.code == 1
     assert worldgen("replay", tmp_path).code == 0
 

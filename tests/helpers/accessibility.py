@@ -14,7 +14,8 @@ def complaints(page, *, least=FINE):
     """All that can be seen in the page as it stands: sentences, none if nothing is wrong."""
     page.evaluate(SCRIPT)
     said = page.evaluate(
-        "least => ({twice: accessibility.twice(), text: accessibility.text(), edges: accessibility.edges(),"
+        "least => ({twice: accessibility.twice(), text: accessibility.text(), edges: "
+        "accessibility.edges(),"
         " targets: accessibility.targets(least), overflow: accessibility.overflow()})",
         least,
     )
@@ -26,11 +27,18 @@ def nameless(page):
     tree = page.context.new_cdp_session(page).send("Accessibility.getFullAXTree")["nodes"]
     shown = [node for node in tree if not node["ignored"] and node["role"]["value"] in NAMED]
     assert shown
-    return [f"no name: {node['role']['value']}" for node in shown if not node.get("name", {}).get("value", "").strip()]
+    return [
+        f"no name: {node['role']['value']}"
+        for node in shown
+        if not node.get("name", {}).get("value", "").strip()
+    ]
 
 
 def tab_through(page):
-    """Presses Tab until all stops have been met; gives those that were not, or do not show the focus."""
+    """Presses Tab until all stops have been met.
+
+    Gives those that were not, or do not show the focus.
+    """
     page.evaluate(SCRIPT)
     page.evaluate("document.activeElement.blur()")
     page.evaluate("globalThis.left = new Set(accessibility.stops())")
@@ -39,9 +47,12 @@ def tab_through(page):
         page.keyboard.press("Tab")
         here = page.evaluate(
             "() => { const one = document.activeElement; left.delete(one);"
-            " return [one === document.body || accessibility.focus(), accessibility.name(one), left.size] }"
+            " return [one === document.body || accessibility.focus(), accessibility.name(one), "
+            "left.size] }"
         )
         unseen += [] if here[0] else [f"no focus seen: {here[1]}"]
         if here[2] == 0:
             break
-    return unseen + page.evaluate("[...left].map((one) => `not reached by Tab: ${accessibility.name(one)}`)")
+    return unseen + page.evaluate(
+        "[...left].map((one) => `not reached by Tab: ${accessibility.name(one)}`)"
+    )

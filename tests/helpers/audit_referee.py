@@ -17,7 +17,10 @@ FAR = 100.0  # m; so far the outside reaches
 
 @dataclass
 class Opinion:
-    """Clearance and depths in m; the moves, from 0, whose centre line is inside a wall or outside the grid."""
+    """Clearance and depths in m.
+
+    The moves, from 0, whose centre line is inside a wall or outside the grid.
+    """
 
     clearance: float = math.inf
     depth: dict = field(default_factory=lambda: {"overlap": 0.0, "burned": 0.0})
@@ -48,7 +51,12 @@ def obstacles(world):
     for iy in range(world.height):
         for ix in range(world.width):
             for since, until, state in states_of(world, ix, iy):
-                yield shapely.box(ix * side, iy * side, (ix + 1) * side, (iy + 1) * side), since, until, state
+                yield (
+                    shapely.box(ix * side, iy * side, (ix + 1) * side, (iy + 1) * side),
+                    since,
+                    until,
+                    state,
+                )
 
 
 def driven(trajectory, move, since, until):
@@ -57,13 +65,20 @@ def driven(trajectory, move, since, until):
     if since > end or until <= begin:
         return None
     a, b = (np.array([trajectory.x[k], trajectory.y[k]]) for k in (move, move + 1))
-    low, high = (0.0, 1.0) if end == begin else np.clip((np.array([since, until]) - begin) / (end - begin), 0.0, 1.0)
+    low, high = (
+        (0.0, 1.0)
+        if end == begin
+        else np.clip((np.array([since, until]) - begin) / (end - begin), 0.0, 1.0)
+    )
     p, q = a + low * (b - a), a + high * (b - a)
     return shapely.LineString([p, q]) if np.abs(p - q).max() > 1e-12 else shapely.Point(p)
 
 
 def second_opinion(world, trajectory):
-    """What shapely thinks of a trajectory; the inside of a cell begins 1e-7 of a cell behind its face."""
+    """What shapely thinks of a trajectory.
+
+    The inside of a cell begins 1e-7 of a cell behind its face.
+    """
     found = Opinion()
     for box, since, until, state in obstacles(world):
         core = box.buffer(-1e-7 * world.cell_size, join_style="mitre")

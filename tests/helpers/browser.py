@@ -29,7 +29,9 @@ def chromium_browser():
     from playwright.sync_api import sync_playwright  # other tests run without it
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox", "--disable-gpu"])
+        browser = playwright.chromium.launch(
+            executable_path=chromium(), args=["--no-sandbox", "--disable-gpu"]
+        )
         yield browser
         browser.close()
 
@@ -38,7 +40,8 @@ def chromium_browser():
 def page_in(browser, **how):
     """Open an empty page in a fresh profile.
 
-    The page collects what it writes to the console as ``complaints`` and the addresses it asks for as ``requested``.
+    The page collects what it writes to the console as ``complaints`` and the addresses it asks for
+    as ``requested``.
     """
     with browser.new_context(**(_WINDOW | how)) as context:
         page = context.new_page()

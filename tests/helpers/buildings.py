@@ -38,7 +38,9 @@ def building(boxes=BUILDING_BOXES):
 def turned_y_up(mesh):
     """The same mesh with y up, as glTF has it."""
     mesh = mesh.copy()
-    mesh.vertices = np.stack([mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1)
+    mesh.vertices = np.stack(
+        [mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1
+    )
     return mesh
 
 

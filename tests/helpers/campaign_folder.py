@@ -1,4 +1,7 @@
-"""A campaign's folder in small: three failures of the thesis's robots, one as it was found, and a summary."""
+"""A campaign's folder in small.
+
+Three failures of the thesis's robots, one as it was found, and a summary.
+"""
 
 import json
 from dataclasses import replace
@@ -40,7 +43,12 @@ def campaign_folder(folder, **summary):
     original = replace(loop, provenance=None)
     name = world_digest(original)[:16]
     write_world(original, memory / "failures" / f"{name}.grid")
-    details = {**loop.failure.details, "original": name, "found_by": "native", "failing_seeds": [39, 40]}
+    details = {
+        **loop.failure.details,
+        "original": name,
+        "found_by": "native",
+        "failing_seeds": [39, 40],
+    }
     write_world(replace(loop, failure=replace(loop.failure, details=details)), folder / LOOP)
     (memory / "summary.json").write_text(json.dumps(SUMMARY | summary))
     return folder
@@ -48,4 +56,6 @@ def campaign_folder(folder, **summary):
 
 def renamed(world, kind):
     """The failure as one of another class."""
-    return replace(world, failure=replace(world.failure, details={**world.failure.details, "class": kind}))
+    return replace(
+        world, failure=replace(world.failure, details={**world.failure.details, "class": kind})
+    )

@@ -1,4 +1,7 @@
-"""Independent readers of the reports for CI: each holds a report against the rules of its format and returns it."""
+"""Independent readers of the reports for CI.
+
+Each holds a report against the rules of its format and returns it.
+"""
 
 import json
 import re
@@ -9,12 +12,18 @@ IN_A_CASE = ("properties", "skipped", "failure", "error", "system-out", "system-
 
 
 def read_junit(data):
-    """JUnit's XML as an element: children in the order that schemas ask for, and counts that are right."""
+    """JUnit's XML as an element.
+
+    Children in the order that schemas ask for, and counts that are right.
+    """
     suites = ElementTree.fromstring(data)
     assert suites.tag == "testsuites" and [suite.tag for suite in suites] == ["testsuite"]
     suite = suites[0]
     cases = suite.findall("testcase")
-    assert [child.tag for child in suite if child.tag != "testcase"] in ([], ["properties"]) and cases
+    assert [child.tag for child in suite if child.tag != "testcase"] in (
+        [],
+        ["properties"],
+    ) and cases
     assert len({case.attrib["name"] for case in cases}) == len(cases) and all(
         case.attrib["classname"] for case in cases
     )
@@ -23,12 +32,20 @@ def read_junit(data):
         assert places == sorted(set(places))
     for element in (suites, suite):
         counts = [int(element.attrib[name]) for name in ("tests", "failures", "skipped", "errors")]
-        assert counts == [len(cases), len(suite.findall("*/failure")), len(suite.findall("*/skipped")), 0]
+        assert counts == [
+            len(cases),
+            len(suite.findall("*/failure")),
+            len(suite.findall("*/skipped")),
+            0,
+        ]
     return suite
 
 
 def read_sarif(data):
-    """The only run of a SARIF log, as GitHub takes it: rules that exist, places within the repository."""
+    """The only run of a SARIF log, as GitHub takes it.
+
+    Rules that exist, places within the repository.
+    """
     log = json.loads(data)
     assert log["version"] == "2.1.0" and len(log["runs"]) == 1
     run = log["runs"][0]
@@ -36,21 +53,40 @@ def read_sarif(data):
     assert len({rule["id"] for rule in rules}) == len(rules)
     assert all(rule["help"]["text"] and rule["shortDescription"]["text"] for rule in rules)
     for result in run["results"]:
-        assert rules[result["ruleIndex"]]["id"] == result["ruleId"] and result["level"] in ("error", "warning", "note")
+        assert rules[result["ruleIndex"]]["id"] == result["ruleId"] and result["level"] in (
+            "error",
+            "warning",
+            "note",
+        )
         assert result["message"]["text"] and "](" not in result["message"]["text"]
-        assert re.fullmatch("[0-9a-f]{16}:1", result["partialFingerprints"]["primaryLocationLineHash"])
+        assert re.fullmatch(
+            "[0-9a-f]{16}:1", result["partialFingerprints"]["primaryLocationLineHash"]
+        )
         for place in (*result["locations"], *result["relatedLocations"]):
-            artifact, region = (place["physicalLocation"][name] for name in ("artifactLocation", "region"))
+            artifact, region = (
+                place["physicalLocation"][name] for name in ("artifactLocation", "region")
+            )
             assert artifact["uriBaseId"] == "%SRCROOT%" and region["startLine"] >= 1
             uri = urlparse(artifact["uri"])
-            assert not uri.scheme and not uri.netloc and uri.path and not uri.path.startswith(("/", ".."))
+            assert (
+                not uri.scheme
+                and not uri.netloc
+                and uri.path
+                and not uri.path.startswith(("/", ".."))
+            )
     return run
 
 
 def read_markdown(text):
-    """The rows of a summary's table, each a list of cells, and its folds; markup of strangers would break either."""
+    """The rows of a summary's table, each a list of cells, and its folds.
+
+    Markup of strangers would break either.
+    """
     rows = [line.strip("|").split("|") for line in text.splitlines() if line.startswith("|")]
     assert len({len(row) for row in rows}) <= 1
-    folds = re.findall(r"<details(?: open)?><summary>[^<>]*</summary>\n\n<pre>\n([^<>]*)\n</pre>\n\n</details>", text)
+    folds = re.findall(
+        r"<details(?: open)?><summary>[^<>]*</summary>\n\n<pre>\n([^<>]*)\n</pre>\n\n</details>",
+        text,
+    )
     assert len(folds) == text.count("<") // 6  # no other tag
     return [[cell.strip() for cell in row] for row in rows[2:]], folds

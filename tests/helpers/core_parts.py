@@ -1,4 +1,7 @@
-"""Parts of a step of the simulator's core, as functions of arrays and numbers: what ``wg_parts.h`` declares."""
+"""Parts of a step of the simulator's core, as functions of arrays and numbers.
+
+What ``wg_parts.h`` declares.
+"""
 
 from typing import Any
 
@@ -6,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.runners.core_calls import MOST_CORNERS, Arena, beam_tables, grid_of, headings
+from sim.runners.core_calls import MOST_CORNERS, CoreArena, beam_tables, grid_of, headings
 from worldgen.support.ccall import pointer, writable
 
 Cells = npt.NDArray[np.uint8]
@@ -14,7 +17,9 @@ Chain = npt.NDArray[np.int64]
 
 
 def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y: int) -> bool:
-    """Return True if the disc at (x, y) is clear of every cell in ``state``; cells outside the grid are solid.
+    """Return True if the disc at (x, y) is clear of every cell in ``state``.
+
+    Cells outside the grid are solid.
 
     Args:
         cells: (height, width) cell states.
@@ -24,7 +29,9 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
         x: Lattice units.
         y: Lattice units.
     """
-    return bool(lib.wg_disc_is_clear(grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, x, y))
+    return bool(
+        lib.wg_disc_is_clear(grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, x, y)
+    )
 
 
 def segment_first_not_clear(
@@ -42,7 +49,9 @@ def segment_first_not_clear(
     Returns:
         Whether a cell is cut, and its ix and iy.
     """
-    found = lib.wg_first_not_clear(grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, ends)
+    found = lib.wg_first_not_clear(
+        grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, ends
+    )
     return bool(found.found), int(found.ix), int(found.iy)
 
 
@@ -65,8 +74,8 @@ def swept_move(
         ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
         during: When the move begins and ends, in shares of the step.
         wall_friction: Share of a slide that the wall takes, 0 to 1.
-        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of the path
-            after the start.
+        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of
+            the path after the start.
         count: Rows that are already filled; at most ``MOST_CORNERS`` follow.
 
     Returns:
@@ -76,7 +85,9 @@ def swept_move(
         ValueError: If the chain has too few rows.
     """
     if len(chain) < count + MOST_CORNERS:
-        raise ValueError(f"a chain of {len(chain)} rows has no room for {MOST_CORNERS} corners after {count}")
+        raise ValueError(
+            f"a chain of {len(chain)} rows has no room for {MOST_CORNERS} corners after {count}"
+        )
     x, y, dx, dy = ends
     corners = ffi.cast("WgCorner *", writable(ffi, chain, np.int64))
     disc = {"clear_sq": clear_sq, "reach": reach}
@@ -103,12 +114,16 @@ def _chain_of(chain):
 
 def endpoint_move(cells, clear_sq, reach, ends, chain, count):
     x, y, dx, dy = ends
-    moved = lib.wg_endpoint_move(grid_of(cells), (clear_sq, reach), (x, y, x + dx, y + dy), _chain_of(chain), count)
+    moved = lib.wg_endpoint_move(
+        grid_of(cells), (clear_sq, reach), (x, y, x + dx, y + dy), _chain_of(chain), count
+    )
     return moved.count, moved.contact.x, moved.contact.y
 
 
 def ray_distance(cells, table, x, y, heading, longest):
-    return lib.wg_ray_distance(grid_of(cells), pointer(ffi, table, np.int64), x, y, heading, longest)
+    return lib.wg_ray_distance(
+        grid_of(cells), pointer(ffi, table, np.int64), x, y, heading, longest
+    )
 
 
 def walls_on_the_way(cells, x, y, to_x, to_y):
@@ -156,13 +171,15 @@ def window_is_free(near, reach, ends):
 
 def beams_with_tables(cells, pose, beams, field, longest):
     """Return what beams measure that look up how far cells are free, lattice units."""
-    settings = ffi.new("WgSettings *", {"beams": beams, "beam_field": field, "beam_range": longest, "metres": 1.0})
+    settings = ffi.new(
+        "WgSettings *", {"beams": beams, "beam_field": field, "beam_range": longest, "metres": 1.0}
+    )
     settings.senses = lib.WG_SENSE_BEAMS
     near = np.zeros(cells.shape, np.int32)
     nothing = np.zeros((0, 0), np.int32)
     events = np.zeros((0, 5), np.int64)
     visited = np.zeros_like(cells)
-    arena = Arena(cells, near, nothing, events, visited, beam_tables(cells, settings))
+    arena = CoreArena(cells, near, nothing, events, visited, beam_tables(cells, settings))
     state = ffi.new("WgState *", pose)
     found = np.zeros(beams)
     observation = ffi.new("WgObservation *")

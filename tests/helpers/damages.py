@@ -2,11 +2,13 @@
 
 from hypothesis import strategies as st
 
-# Words that formats trip over: numbers too large, negative or none, ends of text, ways out of a folder, bombs.
+# Words that formats trip over: numbers too large, negative or none, ends of text, ways out of a
+# folder, bombs.
 WORDS = (
     b"", b"\0", b"-1", b"0", b"1e999", b"nan", b"99999999999999999999", b"4294967296", b"0x10", b"1_0", b"\xff\xfe",
     b"\xef\xbb\xbf", b"\r", b"\r\n", b"\n\n\n", b"\t", b"[[[[[[[[", b"{{{{{{{{", b"]", b"}", b'"', b"'", b"&a [", b"*a",
-    b"<<: *a", b"!!python/object:os.system", b"<!DOCTYPE a [<!ENTITY b SYSTEM 'file:///etc/hostname'>]>", b"&b;", b"<",
+    b"<<: *a", b"!!python/object:os.system", b"<!DOCTYPE a [<!ENTITY b SYSTEM "
+                                             b"'file:///etc/hostname'>]>", b"&b;", b"<",
     b"</world>", b"<!--", b"../../../etc/hostname", b"/dev/zero", b"\xc3\xa9", b"#", b"%", b"null", b"true", b"1/0",
 )  # fmt: skip
 

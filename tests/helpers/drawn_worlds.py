@@ -12,7 +12,8 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["RADII", "changing_worlds", "drawn", "still_worlds", "tight_worlds"]
 
-# In cells: below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3, sqrt(10) and 5.
+# In cells: below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3, sqrt(10)
+# and 5.
 RADII = (0.3, 0.5, 0.51, 0.7, 0.707, 0.71, 1.0, 1.01, 1.1, 1.118, 1.119, 1.41, 1.42, 1.5, 1.58, 2.5)
 
 
@@ -55,7 +56,10 @@ def still_worlds(draw):
 
 @st.composite
 def tight_worlds(draw):
-    """Worlds whose disc is a hair wider or narrower than a gap; start and target anywhere, targets of any size."""
+    """Worlds whose disc is a hair wider or narrower than a gap.
+
+    Start and target anywhere, targets of any size.
+    """
     width, height = draw(st.integers(3, 9)), draw(st.integers(3, 9))
     solid = draw(st.sets(st.integers(0, width * height - 1), max_size=width * height // 3))
     walls = np.isin(np.arange(width * height), list(solid)).reshape(height, width)
@@ -66,7 +70,9 @@ def tight_worlds(draw):
     radius = (math.isqrt(gap * 100**digits // 4) + draw(st.integers(0, 1))) / 10**digits
 
     def place(side):
-        halves, thousandths = (st.integers(0, n * side).map(lambda value, n=n: value / n) for n in (2, 1000))
+        halves, thousandths = (
+            st.integers(0, n * side).map(lambda value, n=n: value / n) for n in (2, 1000)
+        )
         return draw(halves | thousandths | st.just(min(radius, side)))
 
     reach = draw(st.sampled_from([0.01, 0.5, 1.0, 2.5, radius, round(2 * radius, 15)]))
@@ -91,7 +97,9 @@ def changing_worlds(draw):
     start, target = draw(ends), draw(ends)
     walls[start[1], start[0]] = False
     times = st.integers(0, 2000).map(lambda n: n / 1000)
-    events = st.builds(lambda t, c, s: Event(t, c[0], c[1], s), times, cells, st.sampled_from(CellState))
+    events = st.builds(
+        lambda t, c, s: Event(t, c[0], c[1], s), times, cells, st.sampled_from(CellState)
+    )
     return World(
         walls,
         Pose(*[round(0.1 * c + 0.05, 3) for c in start]),

@@ -1,4 +1,7 @@
-"""Range beams through a world, as the simulator's own sensor measures them, for clients to agree with."""
+"""Range beams through a world.
+
+As the simulator's own sensor measures them, for clients to agree with.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ _HEADINGS = heading_table()
 
 
 class Beam(NamedTuple):
-    """Where a beam begins, its direction as a unit vector, and its length at every time asked for; m, file's frame."""
+    """Where a beam begins, its direction as a unit vector, and its length at every time asked for.
+
+    M, file's frame.
+    """
 
     x: float
     y: float
@@ -49,7 +55,9 @@ def beams(world, count, *, times=(0.0,), origin=(0.0, 0.0)):
     for iy, ix in places[random.integers(len(places), size=count)].tolist():
         heading = 2 * int(random.integers(TURN // 2)) + 1
         x, y = ix * UNIT + UNIT // 2, iy * UNIT + UNIT // 2
-        lengths = [ray_distance(at, _HEADINGS, x, y, heading, 1e9) / UNIT * world.cell_size for at in cells]
+        lengths = [
+            ray_distance(at, _HEADINGS, x, y, heading, 1e9) / UNIT * world.cell_size for at in cells
+        ]
         place = (x / UNIT * world.cell_size + origin[0], y / UNIT * world.cell_size + origin[1])
         found.append(Beam(*place, _cosine(heading), _cosine(heading - TURN // 4), lengths))
     return found
@@ -57,4 +65,6 @@ def beams(world, count, *, times=(0.0,), origin=(0.0, 0.0)):
 
 def _cosine(heading):
     """As the sensor has it."""
-    return float(_HEADINGS[heading % TURN]) / (1 << 30) + float(_HEADINGS[TURN + heading % TURN]) / (1 << 60)
+    return float(_HEADINGS[heading % TURN]) / (1 << 30) + float(
+        _HEADINGS[TURN + heading % TURN]
+    ) / (1 << 60)

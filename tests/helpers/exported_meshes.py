@@ -10,7 +10,15 @@ from hypothesis.extra import numpy as hnp
 from worldgen.interop.geometry.boxes import closing_boxes
 from worldgen.world import Pose, Target, World
 
-__all__ = ["TINY", "any_worlds", "covered_cells", "glb_parts", "solid_volume", "stl_triangles", "volume"]
+__all__ = [
+    "TINY",
+    "any_worlds",
+    "covered_cells",
+    "glb_parts",
+    "solid_volume",
+    "stl_triangles",
+    "volume",
+]
 
 SHAPES = st.tuples(st.integers(1, 7), st.integers(1, 7))
 TINY = World(
@@ -25,7 +33,9 @@ def any_worlds(draw):
     walls = draw(hnp.arrays(np.bool_, SHAPES, fill=st.nothing()))
     cell = draw(st.sampled_from([0.1, 0.05, 0.3, 1.0]))
     origin = draw(st.tuples(*[st.sampled_from([0.0, -3.7, 12.125])] * 2))
-    return World(walls, Pose(cell / 2, cell / 2), Target(cell / 2, cell / 2, cell), cell_size=cell), origin
+    return World(
+        walls, Pose(cell / 2, cell / 2), Target(cell / 2, cell / 2, cell), cell_size=cell
+    ), origin
 
 
 def volume(triangles):

@@ -1,4 +1,7 @@
-"""What exported files say of the plane, read with nothing of ours: solid or free at a point, and where the start is."""
+"""What exported files say of the plane, read with nothing of ours.
+
+Solid or free at a point, and where the start is.
+"""
 
 import io
 import json
@@ -47,7 +50,9 @@ def pixels(dark, left, bottom, right, top):
     rows, columns = np.nonzero(dark)
     side_x, side_y = (right - left) / dark.shape[1], (top - bottom) / dark.shape[0]
     middles = (left + (columns + 0.5) * side_x, top - (rows + 0.5) * side_y)
-    return rectangles(np.stack([*middles, *np.broadcast_arrays(side_x, side_y, columns)[:2]], axis=1))
+    return rectangles(
+        np.stack([*middles, *np.broadcast_arrays(side_x, side_y, columns)[:2]], axis=1)
+    )
 
 
 def numbers(text):
@@ -60,17 +65,24 @@ def sdf(files):
         (*numbers(one.find("pose").text)[:2], *numbers(one.find("geometry/box/size").text)[:2])
         for one in root.iterfind(".//model[@name='walls']/link/collision")
     ]
-    return Plan(rectangles(boxes), tuple(numbers(root.find(".//model[@name='start']/pose").text)[:2]))
+    return Plan(
+        rectangles(boxes), tuple(numbers(root.find(".//model[@name='start']/pose").text)[:2])
+    )
 
 
 def barn(files):
     root = ElementTree.fromstring(next(iter(files.values())))
     posts = [
-        shapely.Point(numbers(model.find("pose").text)[:2]).buffer(float(model.find(".//collision//radius").text))
+        shapely.Point(numbers(model.find("pose").text)[:2]).buffer(
+            float(model.find(".//collision//radius").text)
+        )
         for model in root.iterfind(".//model")
         if model.find(".//collision//radius") is not None
     ]
-    return Plan(shapely.GeometryCollection(posts), tuple(numbers(root.find(".//model[@name='start']/pose").text)[:2]))
+    return Plan(
+        shapely.GeometryCollection(posts),
+        tuple(numbers(root.find(".//model[@name='start']/pose").text)[:2]),
+    )
 
 
 def mjcf(files):
@@ -79,7 +91,9 @@ def mjcf(files):
         (*numbers(geom.get("pos"))[:2], *(2 * half for half in numbers(geom.get("size"))[:2]))
         for geom in root.iterfind("worldbody/geom[@type='box']")
     ]
-    return Plan(rectangles(boxes), tuple(numbers(root.find(".//site[@name='start']").get("pos"))[:2]))
+    return Plan(
+        rectangles(boxes), tuple(numbers(root.find(".//site[@name='start']").get("pos"))[:2])
+    )
 
 
 def footprints(corners):
@@ -94,7 +108,11 @@ def stl(files):
 
 
 def obj(files):
-    corners = [numbers(line) for line in next(iter(files.values())).decode().splitlines() if line.startswith("v ")]
+    corners = [
+        numbers(line)
+        for line in next(iter(files.values())).decode().splitlines()
+        if line.startswith("v ")
+    ]
     return Plan(footprints(np.array(corners).reshape(-1, 8, 3)))
 
 
@@ -107,7 +125,9 @@ def threemf(files):
     with zipfile.ZipFile(io.BytesIO(next(iter(files.values())))) as archive:
         root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
     placed = [numbers(item.get("transform")) for item in root.findall(".//{*}item")]
-    return Plan(rectangles([(row[9] + row[0] / 2, row[10] + row[4] / 2, row[0], row[4]) for row in placed]))
+    return Plan(
+        rectangles([(row[9] + row[0] / 2, row[10] + row[4] / 2, row[0], row[4]) for row in placed])
+    )
 
 
 def glb(files):
@@ -130,7 +150,10 @@ def usd(files):
 
 def geojson(files):
     features = json.loads(next(iter(files.values())))["features"]
-    parts = {feature["properties"]["kind"]: shapely.geometry.shape(feature["geometry"]) for feature in features}
+    parts = {
+        feature["properties"]["kind"]: shapely.geometry.shape(feature["geometry"])
+        for feature in features
+    }
     walls = [parts[kind] for kind in ("walls", "border") if kind in parts]
     return Plan(shapely.GeometryCollection(walls), (parts["start"].x, parts["start"].y))
 
@@ -180,11 +203,16 @@ def picture(data):
 
 def ros(files):
     document = yaml.safe_load(next(iter(files.values())))
-    grey, side, (x, y, yaw) = picture(files[document["image"]]), document["resolution"], document["origin"]
+    grey, side, (x, y, yaw) = (
+        picture(files[document["image"]]),
+        document["resolution"],
+        document["origin"],
+    )
     assert yaw == 0
     dark = (255 - grey.astype(float)) / 255 >= document["occupied_thresh"]
     return Plan(
-        pixels(dark, x, y, x + grey.shape[1] * side, y + grey.shape[0] * side), tuple(document["worldgen"]["start"][:2])
+        pixels(dark, x, y, x + grey.shape[1] * side, y + grey.shape[0] * side),
+        tuple(document["worldgen"]["start"][:2]),
     )
 
 
@@ -210,7 +238,10 @@ def tiled(files):
     x, y, side = said["origin_x"], said["origin_y"], said["cell_size"]
     top = y + document["height"] * side
     start = next(one for one in places["objects"] if one["name"] == "start")
-    at = (x + start["x"] / document["tilewidth"] * side, top - start["y"] / document["tileheight"] * side)
+    at = (
+        x + start["x"] / document["tilewidth"] * side,
+        top - start["y"] / document["tileheight"] * side,
+    )
     return Plan(pixels(dark, x, y, x + document["width"] * side, top), at)
 
 
@@ -222,5 +253,15 @@ PLANS = {
 }  # fmt: skip
 """Readers of files that have coordinates, by what is exported."""
 
-CELLS_ONLY = {"micromouse", "minigrid", "movingai", "npy", "pogema", "pointmaze", "png", "text", "thesis"}
+CELLS_ONLY = {
+    "micromouse",
+    "minigrid",
+    "movingai",
+    "npy",
+    "pogema",
+    "pointmaze",
+    "png",
+    "text",
+    "thesis",
+}
 """Formats whose files are cells without coordinates; other tests compare these."""

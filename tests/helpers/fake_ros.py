@@ -1,4 +1,7 @@
-"""A rclpy that keeps what is published and answers each scan with one command: enough for a bridge, and no more."""
+"""A rclpy that keeps what is published and answers each scan with one command.
+
+Enough for a bridge, and no more.
+"""
 
 from __future__ import annotations
 
@@ -51,8 +54,14 @@ class Node:
 
 
 def modules(commands: list[Any]) -> dict[str, ModuleType]:
-    """What ``sys.modules`` needs: a spin for some time hears the next command, one for no time none."""
-    made = {name: ModuleType(name) for name in [*MESSAGES, "rclpy", "rclpy.node", "rclpy.qos", "tf2_ros"]}
+    """What ``sys.modules`` needs.
+
+    A spin for some time hears the next command, one for no time none.
+    """
+    made = {
+        name: ModuleType(name)
+        for name in [*MESSAGES, "rclpy", "rclpy.node", "rclpy.qos", "tf2_ros"]
+    }
     for name, types in MESSAGES.items():
         for kind in types:
             setattr(made[name], kind, type(kind, (Message,), {}))
@@ -78,4 +87,7 @@ def modules(commands: list[Any]) -> dict[str, ModuleType]:
     )
     vars(made["tf2_ros"])["TransformBroadcaster"] = Broadcaster
     parents = {name.partition(".")[0] for name in made}
-    return {**{name: ModuleType(name) for name in parents - sys.modules.keys() - made.keys()}, **made}
+    return {
+        **{name: ModuleType(name) for name in parents - sys.modules.keys() - made.keys()},
+        **made,
+    }

@@ -50,7 +50,9 @@ def write_ros(folder, name, rows=GAP, cell_size=0.05):
     header = f"P5\n{grey.shape[1]} {grey.shape[0]}\n255\n".encode()
     (folder / f"{name}.pgm").write_bytes(header + grey.tobytes())
     lines = [f"image: {name}.pgm", f"resolution: {cell_size}", "origin: [0, 0, 0]", "negate: 0"]
-    (folder / f"{name}.yaml").write_text("\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196"]) + "\n")
+    (folder / f"{name}.yaml").write_text(
+        "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196"]) + "\n"
+    )
 
 
 def gap_world(rows=GAP):
@@ -61,7 +63,10 @@ def gap_world(rows=GAP):
 
 
 def write_each_kind(folder):
-    """Five maps of the gap: drawing, MovingAI with a scenario, NumPy, ROS, ``.grid``; three of them name their ends."""
+    """Five maps of the gap: drawing, MovingAI with a scenario, NumPy, ROS, ``.grid``.
+
+    Three of them name their ends.
+    """
     write_text(folder / "drawn.txt", with_places())
     write_octile(folder / "octile.map")
     write_scenario(folder / "octile.map.scen", "octile.map")

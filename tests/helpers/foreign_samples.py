@@ -1,4 +1,7 @@
-"""Small files of every format that is read: by its own writer where there is one, and as other programs write them."""
+"""Small files of every format that is read.
+
+By its own writer where there is one, and as other programs write them.
+"""
 
 import io
 from dataclasses import replace
@@ -17,7 +20,8 @@ READABLE = [name for name in FORMATS if FORMATS.get(name).read is not None]
 _WALLS = np.ones((5, 7), np.bool_)
 _WALLS[1:-1, 1:-1] = _WALLS[0, 0] = False
 _YAML = (
-    b"image: %b\nresolution: 0.25\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    b"image: %b\nresolution: 0.25\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: "
+    b"0.65\nfree_thresh: 0.196\n"
 )
 
 
@@ -39,13 +43,18 @@ _ROWS = b"\n".join(b" ".join(b"%d" % value for value in row) for row in _GREY)
 _PLAIN = b"P2\n# made by hand\n7 5 # sides\n255\n" + _ROWS + b"\n"
 # Each sample is contents by file name, the map first. Readers without a writer need one here.
 AS_OTHERS_WRITE = {
-    "movingai": [{"m.map": b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n@@TWO\r\n..S.T\r\n...G@\r\n"}],
+    "movingai": [
+        {"m.map": b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n@@TWO\r\n..S.T\r\n...G@\r\n"}
+    ],
     "npy": [{"a.npy": _npy(_WALLS)}, {"b.npy": _npy(np.asfortranarray(_WALLS.astype(np.int64)))}],
     "ros": [
         {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},
         {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
     ],
-    **{kind: [{f"b.{kind}": building_file(kind)}] for kind in ("3mf", "glb", "gltf", "obj", "ply", "stl")},
+    **{
+        kind: [{f"b.{kind}": building_file(kind)}]
+        for kind in ("3mf", "glb", "gltf", "obj", "ply", "stl")
+    },
     "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
 }
 
@@ -68,9 +77,12 @@ def samples(name):
     """What a format's files look like: dicts of contents by file name, the map first."""
     found = list(AS_OTHERS_WRITE.get(name, ()))
     if name == "grid":
-        found += [{"world.grid": dumps(world)} for world in (_room(), generate("shift", 1, size=16))]
+        found += [
+            {"world.grid": dumps(world)} for world in (_room(), generate("shift", 1, size=16))
+        ]
     mazes = [
-        replace(generate("maze", 1, size=13, robot_radius=radius), certificate=None) for radius in (0.07, 0.04)
+        replace(generate("maze", 1, size=13, robot_radius=radius), certificate=None)
+        for radius in (0.07, 0.04)
     ]  # the second has corridors of one cell
     for world in (_room(), _square(), *mazes):
         try:

@@ -1,6 +1,7 @@
 """Hypothesis strategies for worlds with every optional part, and for damaged ``.grid`` text.
 
-The worlds are legal, not sensible: a start may lie in a wall and a witness may prove nothing. Use them
+The worlds are legal, not sensible: a start may lie in a wall and a witness may prove nothing. Use
+    them
 for what must hold for any world at all.
 """
 
@@ -27,7 +28,9 @@ def values():
     leaves = st.booleans() | _integers | _finite | st.text(max_size=8)
     return st.recursive(
         leaves,
-        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+        lambda inner: (
+            st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+        ),
         max_leaves=8,
     )
 
@@ -78,7 +81,9 @@ def worlds_with_everything(draw):
     names = st.text(max_size=6)
     metrics = st.dictionaries(st.text(max_size=5), _finite | _integers, max_size=3)
     provenances = st.builds(Provenance, names, _integers, _integers, _tables(), metrics)
-    failures = st.builds(FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables())
+    failures = st.builds(
+        FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables()
+    )
     return World(
         np.array(cells).reshape(height, width),
         draw(st.builds(Pose, across, up, _finite)),

@@ -6,7 +6,10 @@ from worldgen import Pose, Target, World
 
 
 def hall(*blocks, side=30, start=(0.5, 0.5, 0.0), target=(2.5, 2.5), speed=2.0):
-    """A square hall of 0.1 m cells; each block is (first column, first row, columns, rows) of walls."""
+    """A square hall of 0.1 m cells.
+
+    Each block is (first column, first row, columns, rows) of walls.
+    """
     walls = np.zeros((side, side), bool)
     walls[[0, -1], :] = walls[:, [0, -1]] = True
     for ix, iy, width, height in blocks:

@@ -1,6 +1,7 @@
-"""Reads files that were made to harm, as every format, in a process with bounds; prints what came of them as JSON.
+"""Reads files that were made to harm, as every format, in a process with bounds.
 
-``python hostile_files.py FOLDER KIB``: the folder to write them into, and the size of those that are merely large;
+Prints what came of them as JSON. ``python hostile_files.py FOLDER KIB``: the folder to write them
+    into, and the size of those that are merely large;
 what grows when it is unpacked grows to 256 times that.
 """
 
@@ -26,11 +27,18 @@ def png(width, height, data=b"", extra=()):
     """A PNG of one-bit grey whose header says so; its pixels are what is given, or all zeros."""
 
     def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        return (
+            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        )
 
     head = struct.pack(">IIBBBBB", width, height, 1, 0, 0, 0, 0)
     pixels = data or zlib.compress(b"\0" * min((width // 8 + 1) * height, UNPACKED), 1)
-    chunks = [chunk(b"IHDR", head), *(chunk(*one) for one in extra), chunk(b"IDAT", pixels), chunk(b"IEND", b"")]
+    chunks = [
+        chunk(b"IHDR", head),
+        *(chunk(*one) for one in extra),
+        chunk(b"IDAT", pixels),
+        chunk(b"IEND", b""),
+    ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
 
 
@@ -43,8 +51,15 @@ def npy(header, body=b""):
 KEYS = "resolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 LAUGHS = "a0: &a0 [x, x]\n" + "".join(f"a{n}: &a{n} [{f'*a{n - 1}, ' * 9}]\n" for n in range(1, 12))
 ENTITIES = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 12))
-XML = f'<?xml version="1.0"?><!DOCTYPE sdf [<!ENTITY e0 "ha">{ENTITIES}]><sdf version="1.6"><world name="&e11;"/></sdf>'
-OUTSIDE = '<?xml version="1.0"?><!DOCTYPE sdf [<!ENTITY e SYSTEM "file:///etc/hostname">]><sdf version="1.6">&e;</sdf>'
+XML = (
+    f'<?xml version="1.0"?><!DOCTYPE sdf [<!ENTITY e0 "ha">{ENTITIES}]><sdf '
+    f'version="1.6"><world '
+    f'name="&e11;"/></sdf>'
+)
+OUTSIDE = (
+    '<?xml version="1.0"?><!DOCTYPE sdf [<!ENTITY e SYSTEM "file:///etc/hostname">]><sdf '
+    'version="1.6">&e;</sdf>'
+)
 SAME_FOR_ALL = {
     "empty": b"",
     "zeros": b"\0" * LARGE,
@@ -81,7 +96,9 @@ OF_ONE = {
     "npy": {
         "huge": npy("{'descr': '|b1', 'fortran_order': False, 'shape': (99999999, 99999999), }"),
         "negative": npy("{'descr': '|b1', 'fortran_order': False, 'shape': (-1, 4), }"),
-        "objects": npy("{'descr': '|O', 'fortran_order': False, 'shape': (1, 1), }", b"cos\nsystem\n(S'x'\ntR."),
+        "objects": npy(
+            "{'descr': '|O', 'fortran_order': False, 'shape': (1, 1), }", b"cos\nsystem\n(S'x'\ntR."
+        ),
         "deep": npy("(" * 100_000),
         "header": b"\x93NUMPY\x02\x00" + b"\xff" * 4 + b"{",
         "wide-type": npy("{'descr': '|V1000000000', 'fortran_order': False, 'shape': (1, 1), }"),
@@ -89,15 +106,19 @@ OF_ONE = {
     "ros": {f"image-{name}": f"image: {name}\n{KEYS}".encode() for name in PICTURES}
     | {
         f"leads-out-{number}": f"image: {name}\n{KEYS}".encode()
-        for number, name in enumerate(["/dev/zero", "../../../../etc/hostname", "pipe", "zero", "folder", "~/x.pgm"])
+        for number, name in enumerate(
+            ["/dev/zero", "../../../../etc/hostname", "pipe", "zero", "folder", "~/x.pgm"]
+        )
     }
     | {
         "laughs": f"image: more.png\n{KEYS}{LAUGHS}".encode(),
         "deep": f"image: a\n{KEYS}b: {'[' * 50_000}".encode(),
     },
     "irsim": {
-        "many": b"world: {height: 10, width: 10}\nobstacle:\n  - {number: 1000000000, shape: {name: circle}}\n",
-        "wide": b"world: {height: 1.0e+9, width: 1.0e+9}\nobstacle:\n  - {shape: {name: circle, radius: 1.0e+9}}\n",
+        "many": b"world: {height: 10, width: 10}\nobstacle:\n  - {number: 1000000000, shape: "
+        b"{name: circle}}\n",
+        "wide": b"world: {height: 1.0e+9, width: 1.0e+9}\nobstacle:\n  - {shape: {name: circle, "
+        b"radius: 1.0e+9}}\n",
         "device": b"world: {height: 10, width: 10, obstacle_map: /dev/zero}\n",
         "pipe": b"world: {height: 10, width: 10, obstacle_map: pipe}\n",
         "bomb": b"world: {height: 10, width: 10, obstacle_map: wide.png}\n",
@@ -107,7 +128,8 @@ OF_ONE = {
         "itself": b'include "stage-itself"\n' * 1000,
         "device": b'include "/dev/zero"\nmodel ( bitmap "/dev/zero" size [1 1 1] )\n',
         "pipe": b'floorplan ( bitmap "pipe" size [8 8 1] pose [0 0 0 0] )\n',
-        "bomb": b'define floorplan model ()\nfloorplan ( bitmap "wide.png" size [8 8 1] pose [0 0 0 0] )\n',
+        "bomb": b'define floorplan model ()\nfloorplan ( bitmap "wide.png" size [8 8 1] pose [0 0 '
+        b"0 0] )\n",
         "deep": b"define a model ( " * 20_000,
     },
     "tiled": {
@@ -123,7 +145,10 @@ def bombs_of_tiled():
     """Layers whose compressed data grow a thousandfold, or are none."""
     import base64
 
-    for name, packed in (("bomb", zlib.compress(b"\0" * UNPACKED, 1)), ("broken", b"\x78\x9c" + b"\xff" * 64)):
+    for name, packed in (
+        ("bomb", zlib.compress(b"\0" * UNPACKED, 1)),
+        ("broken", b"\x78\x9c" + b"\xff" * 64),
+    ):
         layer = {
             "type": "tilelayer", "width": 8, "height": 8, "encoding": "base64", "compression": "zlib",
             "data": base64.b64encode(packed).decode(), "name": "walls", "x": 0, "y": 0,
@@ -141,12 +166,21 @@ def main(folder):
         (folder / name).write_bytes(data)
     outcomes = []
     for name in [name for name in FORMATS if FORMATS.get(name).read is not None]:
-        contents = {**SAME_FOR_ALL, **OF_ONE.get(name, {}), **(dict(bombs_of_tiled()) if name == "tiled" else {})}
+        contents = {
+            **SAME_FOR_ALL,
+            **OF_ONE.get(name, {}),
+            **(dict(bombs_of_tiled()) if name == "tiled" else {}),
+        }
         for kind, data in contents.items():
-            path = folder / (kind if kind in PICTURES else f"{name}-{kind}{FORMATS.get(name).suffixes[0]}")
+            path = folder / (
+                kind if kind in PICTURES else f"{name}-{kind}{FORMATS.get(name).suffixes[0]}"
+            )
             path.write_bytes(data)
             outcomes.append((name, kind, _outcome(path, name)))
-        outcomes += [(name, kind, _outcome(folder / kind, name)) for kind in ("pipe", "zero", "folder", "missing")]
+        outcomes += [
+            (name, kind, _outcome(folder / kind, name))
+            for kind in ("pipe", "zero", "folder", "missing")
+        ]
     print(json.dumps(outcomes))
 
 

@@ -1,4 +1,7 @@
-"""What ROS map_server publishes for a pair of files, by its documentation; shares nothing with the product's reader."""
+"""What ROS map_server publishes for a pair of files, by its documentation.
+
+Shares nothing with the product's reader.
+"""
 
 import numpy as np
 import yaml
@@ -14,7 +17,9 @@ def published(greys, *, negate, occupied_thresh, free_thresh, mode):
     filled = greys / 255.0 if negate else (255.0 - greys) / 255.0
     between = np.full(greys.shape, -1)
     if mode == "scale":
-        between = np.rint(100 * (filled - free_thresh) / (occupied_thresh - free_thresh)).astype(int)
+        between = np.rint(100 * (filled - free_thresh) / (occupied_thresh - free_thresh)).astype(
+            int
+        )
     return np.select([filled >= occupied_thresh, filled <= free_thresh], [100, 0], between)
 
 

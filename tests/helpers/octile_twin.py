@@ -1,4 +1,7 @@
-"""Shortest octile paths by Dijkstra's algorithm over counts of moves: slow, plain, and no code in common."""
+"""Shortest octile paths by Dijkstra's algorithm over counts of moves.
+
+Slow, plain, and no code in common.
+"""
 
 import heapq
 from fractions import Fraction

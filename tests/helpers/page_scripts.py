@@ -13,13 +13,22 @@ _OLDEST = (18, 19)  # the first version that lets a script say where modules are
 
 @cache
 def missing_node():
-    """Return what the tests of the pages' scripts need and this machine lacks; empty if it has everything."""
+    """Return what the tests of the pages' scripts need and this machine lacks.
+
+    Empty if it has everything.
+    """
     node = shutil.which("node")
     if node is None:
         return "no Node: the pages' scripts are not tested (apt-get install nodejs)"
-    said = subprocess.run([node, "--version"], capture_output=True, text=True, timeout=120, check=False).stdout
+    said = subprocess.run(
+        [node, "--version"], capture_output=True, text=True, timeout=120, check=False
+    ).stdout
     found = tuple(int(part) for part in re.findall(r"\d+", said)[:2])
-    return "" if found >= _OLDEST else f"Node {said.strip()} is older than 18.19: the pages' scripts are not tested"
+    return (
+        ""
+        if found >= _OLDEST
+        else f"Node {said.strip()} is older than 18.19: the pages' scripts are not tested"
+    )
 
 
 def run_tests(*names):
@@ -30,13 +39,19 @@ def run_tests(*names):
 
 
 def called(*calls):
-    """Call functions of the pages, each as ``(module, function, arguments)``; return what they give, in order.
+    """Call functions of the pages, each as ``(module, function, arguments)``.
 
-    Modules are named like ``player/decode``; arguments and results are JSON, and typed arrays come back as lists.
+    Return what they give, in order. Modules are named like ``player/decode``; arguments and results
+    are JSON, and typed arrays come back as lists.
     """
     asked = json.dumps(calls)
     done = subprocess.run(
-        ["node", FOLDER / "call.mjs"], input=asked, capture_output=True, text=True, timeout=120, check=False
+        ["node", FOLDER / "call.mjs"],
+        input=asked,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)

@@ -34,7 +34,10 @@ def pieces(draw, most=7):
 
 
 def states_at(piece, time):
-    """What each cell is at a time: (height, width) of 0 free, 1 solid, 2 burning, 3 nothing said."""
+    """What each cell is at a time.
+
+    (height, width) of 0 free, 1 solid, 2 burning, 3 nothing said.
+    """
     states = np.where(piece.mask, piece.solid.astype(int), 3)
     for event in piece.timeline:
         if event.time <= time:

@@ -14,7 +14,9 @@ __all__ = ["check_says", "raises"]
 
 
 @contextmanager
-def raises(kind: type[WorldgenError], /, code: str, **facts: Any) -> Iterator[pytest.ExceptionInfo[Any]]:
+def raises(
+    kind: type[WorldgenError], /, code: str, **facts: Any
+) -> Iterator[pytest.ExceptionInfo[Any]]:
     """Expect an error of a class, with a code and some of its facts.
 
     Args:
@@ -31,7 +33,10 @@ def raises(kind: type[WorldgenError], /, code: str, **facts: Any) -> Iterator[py
 
 
 def check_says(error: WorldgenError, /, code: str, **facts: Any) -> None:
-    """Fail the test if an error has another code, or another value for one of these facts; ``line`` is a file's."""
+    """Fail the test if an error has another code, or another value for one of these facts.
+
+    ``line`` is a file's.
+    """
     assert error.code == code, f"{error.code} came: {error}"
     known = {"line": getattr(error, "line", None), **error.facts}
     assert {name: known.get(name) for name in facts} == facts, str(error)

@@ -60,7 +60,9 @@ def parse(line: str) -> Recording:
         raise NotARecordingError(f"a recording is a JSON object, not {_kind(found)}")
     for key, (least, most) in _WHOLE.items():
         if not (_is_whole(found.get(key)) and least <= found[key] <= most):
-            raise NotARecordingError(f"{key} is {_shown(found, key)}; it must be a whole number from {least} to {most}")
+            raise NotARecordingError(
+                f"{key} is {_shown(found, key)}; it must be a whole number from {least} to {most}"
+            )
     if not isinstance(found.get("noise"), bool):
         raise NotARecordingError(f"noise is {_shown(found, 'noise')}; it must be true or false")
     _check_rows(found)
@@ -72,7 +74,11 @@ def parse(line: str) -> Recording:
 
 def _check_rows(found: Recording) -> None:
     n, rows = found["n"], found.get("rows")
-    if not isinstance(rows, list) or len(rows) != n or not all(isinstance(r, str) and len(r) == n for r in rows):
+    if (
+        not isinstance(rows, list)
+        or len(rows) != n
+        or not all(isinstance(r, str) and len(r) == n for r in rows)
+    ):
         raise NotARecordingError(f"rows must be {n} strings of {n} characters, as n says")
     text = "".join(rows)
     if strange := set(text) - set("#.T"):
@@ -85,12 +91,22 @@ def _check_rows(found: Recording) -> None:
 
 def _check_start(found: Recording) -> None:
     start, side = found.get("start"), 10 * found["n"]
-    if not isinstance(start, list) or len(start) != 3 or not all(_is_finite(value) for value in start):
-        raise NotARecordingError(f"start is {_shown(found, 'start')}; it must be [x, y, heading], finite numbers")
+    if (
+        not isinstance(start, list)
+        or len(start) != 3
+        or not all(_is_finite(value) for value in start)
+    ):
+        raise NotARecordingError(
+            f"start is {_shown(found, 'start')}; it must be [x, y, heading], finite numbers"
+        )
     if not (0 <= start[0] < side and 0 <= start[1] < side):
-        raise NotARecordingError(f"start is {_shown(found, 'start')}; x and y must be in [0, {side}) px")
+        raise NotARecordingError(
+            f"start is {_shown(found, 'start')}; x and y must be in [0, {side}) px"
+        )
     if abs(start[2]) > REDUCTION_LIMIT:
-        raise NotARecordingError(f"start's heading is {start[2]:g}; it must be within {REDUCTION_LIMIT:g} rad of 0")
+        raise NotARecordingError(
+            f"start's heading is {start[2]:g}; it must be within {REDUCTION_LIMIT:g} rad of 0"
+        )
 
 
 def _check_draws(found: Recording) -> None:
@@ -101,19 +117,26 @@ def _check_draws(found: Recording) -> None:
     if "seed" in found and not _is_whole(found["seed"]):
         raise NotARecordingError(f"seed is {_shown(found, 'seed')}; it must be a whole number")
     draws = found.get("draws", [])
-    if not isinstance(draws, list) or not all(_is_finite(value) and 0 <= value < 1 for value in draws):
+    if not isinstance(draws, list) or not all(
+        _is_finite(value) and 0 <= value < 1 for value in draws
+    ):
         raise NotARecordingError("draws must be a list of numbers in [0, 1)")
 
 
 def _check_outcome(found: Recording) -> None:
     for key, kind in _OUTCOME.items():
         if not isinstance(found.get(key), kind):
-            raise NotARecordingError(f"{key} is {_shown(found, key)}; a recording says how the run went")
+            raise NotARecordingError(
+                f"{key} is {_shown(found, key)}; a recording says how the run went"
+            )
     if "maxPen" in found and not _is_finite(found["maxPen"]):
         raise NotARecordingError(f"maxPen is {_shown(found, 'maxPen')}; it must be a number")
     points = found.get("cp", [])
     if not isinstance(points, list) or not all(
-        isinstance(p, list) and len(p) == _CHECKPOINT_FIELDS and _is_whole(p[0]) and all(map(_is_finite, p[1:-1]))
+        isinstance(p, list)
+        and len(p) == _CHECKPOINT_FIELDS
+        and _is_whole(p[0])
+        and all(map(_is_finite, p[1:-1]))
         for p in points
     ):
         raise NotARecordingError(
@@ -132,7 +155,9 @@ def _is_finite(value: object) -> bool:
 
 
 def _kind(value: object) -> str:
-    return {list: "a list", str: "a string", type(None): "null"}.get(type(value), "a number or a truth value")
+    return {list: "a list", str: "a string", type(None): "null"}.get(
+        type(value), "a number or a truth value"
+    )
 
 
 def _shown(found: Recording, key: str) -> str:

@@ -26,7 +26,13 @@ def studio_of(folder, *, named=(), file=None, port=None):
     gate = Gate("127.0.0.1", listener.getsockname()[1])
     app = make_app(Studio(Folder(folder), gate, tuple(named), file))
     server = uvicorn.Server(
-        uvicorn.Config(app, log_level="warning", ws="websockets-sansio", ws_max_size=MOST_MESSAGE, lifespan="on")
+        uvicorn.Config(
+            app,
+            log_level="warning",
+            ws="websockets-sansio",
+            ws_max_size=MOST_MESSAGE,
+            lifespan="on",
+        )
     )
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
@@ -103,6 +109,10 @@ def page_of(gate, *, origin=None, token=True, cookie=True):
     place = f"http://127.0.0.1:{gate.port}" if origin is None else origin
     address = f"ws://127.0.0.1:{gate.port}/socket"
     with connect(
-        address, origin=place or None, additional_headers=headers, subprotocols=offered, max_size=None
+        address,
+        origin=place or None,
+        additional_headers=headers,
+        subprotocols=offered,
+        max_size=None,
     ) as socket:
         yield Page(socket)

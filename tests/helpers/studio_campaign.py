@@ -16,7 +16,14 @@ class Robot:
 """
 """A controller that never returns, and a file ``acts`` beside it as soon as it was asked."""
 
-SHORT = {"controller": "turn-right", "motion": "swept", "lanes": ["trap"], "seed": "1", "workers": 1, "examples": 8}
+SHORT = {
+    "controller": "turn-right",
+    "motion": "swept",
+    "lanes": ["trap"],
+    "seed": "1",
+    "workers": 1,
+    "examples": 8,
+}
 
 
 def acts(folder):

@@ -1,4 +1,7 @@
-"""Questions of the studio's page that are held back, so that a test can look at the page before they are answered."""
+"""Questions of the studio's page that are held back.
+
+So that a test can look at the page before they are answered.
+"""
 
 import json
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
 
-FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
+FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[
+    :4
+]
 
 
 def pack_zip(place, files):
@@ -42,7 +44,10 @@ def fill(folder):
     for file in FAILURES:
         shutil.copy(file, folder / "plain")
     for name, pack in PACKERS.items():
-        pack(folder / name, {f"deep/{file.name}": file.read_bytes() for file in FAILURES} | {"notes.txt": b"mine"})
+        pack(
+            folder / name,
+            {f"deep/{file.name}": file.read_bytes() for file in FAILURES} | {"notes.txt": b"mine"},
+        )
 
 
 @contextlib.contextmanager

@@ -10,7 +10,10 @@ CAMPAIGN = 180_000  # ms that a campaign gets, for its process has to start and 
 
 @contextlib.contextmanager
 def opened(browser, gate, **how):
-    """The page of a studio, in a browser that knows nothing yet; gives it with what it said on the console."""
+    """The page of a studio, in a browser that knows nothing yet.
+
+    Gives it with what it said on the console.
+    """
     with opened_at(browser, gate.address, **how) as page:
         yield page
 
@@ -29,7 +32,9 @@ def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
 def place(page, x, y):
     """Where a point of the world, in cells, is in the window; the whole world is shown."""
     box = page.locator("#board").bounding_box()
-    columns, rows = (int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows"))
+    columns, rows = (
+        int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows")
+    )
     scale = min((box["width"] - 108) / columns, (box["height"] - 68) / rows)
     return (
         box["x"] + box["width"] / 2 + (x - columns / 2) * scale,

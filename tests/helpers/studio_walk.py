@@ -1,8 +1,10 @@
-"""A walk through the studio, performed as its document says: real commands, real mouse and keyboard.
+"""A walk through the studio, performed as its document says.
 
-A document's commands are its ``console`` blocks; what the page is asked for are the sentences of its numbered steps.
-Each sentence has to be one of ``SENTENCES``: what stands between stars is a name or words on the page, what stands
-between backticks is typed, places are metres. Whatever else a document says stands outside its steps.
+Real commands, real mouse and keyboard. A document's commands are its ``console`` blocks; what the
+page is asked for are the sentences of its numbered steps. Each sentence has to be one of
+    ``SENTENCES``: what stands between stars is a name or words on the page, what stands
+between backticks is typed, places are metres. Whatever else a document says stands outside its
+steps.
 """
 
 import contextlib
@@ -35,12 +37,16 @@ class Walker:
             if found := re.fullmatch(pattern, sentence):
                 act(self, *found.groups())
                 return
-        raise NotUnderstood(f"{sentence!r}: no sentence that a step may have; say it outside of the steps")
+        raise NotUnderstood(
+            f"{sentence!r}: no sentence that a step may have; say it outside of the steps"
+        )
 
     def click(self, role, name):
         roles = (role,) if role else ROLES
         named = [self.page.get_by_role(one, name=_named(name)) for one in roles]
-        either = self.page.locator("summary").get_by_text(name, exact=True)  # of what opens; it has no role
+        either = self.page.locator("summary").get_by_text(
+            name, exact=True
+        )  # of what opens; it has no role
         for one in named:
             either = either.or_(one)
         either.click()  # more than one is an error
@@ -63,7 +69,9 @@ class Walker:
         self.page.keyboard.press(key.replace("Ctrl", "Control"))
 
     def type(self, words, name):
-        field = self.page.get_by_role("spinbutton", name=name).or_(self.page.get_by_role("textbox", name=name))
+        field = self.page.get_by_role("spinbutton", name=name).or_(
+            self.page.get_by_role("textbox", name=name)
+        )
         field.click()  # which selects what stands in a number's field
         self.page.keyboard.type(words)
 
@@ -106,7 +114,9 @@ def sentences(text):
         r"^(\d+)\. (.*(?:\n {2,}.*)*)", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.M
     ):
         words = " ".join(body.split())
-        said += [(int(number), one.removesuffix(".")) for one in re.split(r"(?<=\.) (?=[A-Z])", words)]
+        said += [
+            (int(number), one.removesuffix(".")) for one in re.split(r"(?<=\.) (?=[A-Z])", words)
+        ]
     return said
 
 
@@ -132,16 +142,23 @@ def answered(command, folder):
     words = shlex.split(command)
     if words[0] == "worldgen":
         words[:1] = [sys.executable, "-m", "worldgen"]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        words, cwd=folder, capture_output=True, text=True, timeout=120, check=True
+    )
     return done.stdout.splitlines()
 
 
 @contextlib.contextmanager
 def begun(command, folder):
-    """The studio as its command starts it, with a browser that opens nothing; gives the address that it prints."""
+    """The studio as its command starts it, with a browser that opens nothing.
+
+    Gives the address that it prints.
+    """
     words = [sys.executable, "-m", "worldgen", *shlex.split(command)[1:]]
     environment = os.environ | {"BROWSER": "true"}
-    with subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True, env=environment) as server:
+    with subprocess.Popen(
+        words, cwd=folder, stderr=subprocess.PIPE, text=True, env=environment
+    ) as server:
         try:
             for line in server.stderr:
                 if found := re.search(r"http://\S+", line):

@@ -77,7 +77,9 @@ class Editor:
     def _fresh(self, target_x, target_y):
         return [
             [
-                (x - target_x) * (x - target_x) + (y - target_y) * (y - target_y) if self._is_inner(x, y) else WALL
+                (x - target_x) * (x - target_x) + (y - target_y) * (y - target_y)
+                if self._is_inner(x, y)
+                else WALL
                 for y in range(self.size)
             ]
             for x in range(self.size)

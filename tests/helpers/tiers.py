@@ -6,7 +6,10 @@ import pytest
 
 
 def some(values: Iterable[object], count: int = 1) -> list[object]:
-    """Give values to ``parametrize``: the first ones as they are, the others marked for the gate."""
+    """Give values to ``parametrize``.
+
+    The first ones as they are, the others marked for the gate.
+    """
     return [value if k < count else _in_the_gate(value) for k, value in enumerate(values)]
 
 

@@ -44,5 +44,7 @@ def scaled(world: World, by: float) -> World:
         robot_radius=round(world.robot_radius * by, 12),
         start=Pose(float(times(start.x)), float(times(start.y)), start.heading),
         target=Target(*(float(times(value)) for value in (target.x, target.y, target.radius))),
-        certificate=Witness(times(proof.times), times(proof.x), times(proof.y), proof.clearance * by),
+        certificate=Witness(
+            times(proof.times), times(proof.x), times(proof.y), proof.clearance * by
+        ),
     )

@@ -1,4 +1,7 @@
-"""Interpreted copies of kernels, all the way down: what numba made of them must have the same bits."""
+"""Interpreted copies of kernels, all the way down.
+
+What numba made of them must have the same bits.
+"""
 
 import types
 from collections.abc import Callable

@@ -1,4 +1,7 @@
-"""Runs the jobs of a GitHub workflow here: every ``run`` with bash, also our action's; other actions not at all."""
+"""Runs the jobs of a GitHub workflow here: every ``run`` with bash, also our action's.
+
+Other actions not at all.
+"""
 
 import os
 import re
@@ -25,7 +28,8 @@ class Job:
 
     Args:
         folder: The workspace.
-        action: The composite action that ``uses: ./.worldgen`` stands for; it lies in the root of this repository.
+        action: The composite action that ``uses: ./.worldgen`` stands for; it lies in the root of
+            this repository.
         known: Values of contexts by name: ``github.event_name``.
         env: Variables for every step that hide what the workflow sets.
     """
@@ -46,7 +50,9 @@ class Job:
     def run(self, steps):
         """Runs steps, each if its condition holds."""
         for step in steps:
-            condition = str(step.get("if", "success()")).removeprefix("${{").removesuffix("}}").strip()
+            condition = (
+                str(step.get("if", "success()")).removeprefix("${{").removesuffix("}}").strip()
+            )
             if "cancelled()" not in condition and self.failed:
                 continue
             if self.value(condition):
@@ -60,9 +66,15 @@ class Job:
             self.script(step)
         elif step.get("uses") == "./.worldgen":
             given = {name: self.filled(str(text)) for name, text in step.get("with", {}).items()}
-            self.known |= {f"inputs.{name}": one.get("default", "") for name, one in self.action["inputs"].items()}
+            self.known |= {
+                f"inputs.{name}": one.get("default", "")
+                for name, one in self.action["inputs"].items()
+            }
             self.known |= {f"inputs.{name}": text for name, text in given.items()}
-            before, self.failed = self.failed, False  # steps of an action ask for the action's success, not the job's
+            before, self.failed = (
+                self.failed,
+                False,
+            )  # steps of an action ask for the action's success, not the job's
             self.run(self.action["runs"]["steps"])
             self.failed |= before
             for name, output in self.action["outputs"].items():
@@ -73,15 +85,28 @@ class Job:
         outputs = self.folder / ".outputs"
         outputs.write_text("")
         files = {"GITHUB_OUTPUT": outputs, "GITHUB_STEP_SUMMARY": self.folder / ".summary.md"}
-        env = os.environ | {name: self.filled(str(text)) for name, text in step.get("env", {}).items()} | self.env
+        env = (
+            os.environ
+            | {name: self.filled(str(text)) for name, text in step.get("env", {}).items()}
+            | self.env
+        )
         temporary = self.folder.with_name("runner-temp")
         temporary.mkdir(exist_ok=True)
-        places = {"GITHUB_WORKSPACE": self.folder, "GITHUB_ACTION_PATH": ROOT, "RUNNER_TEMP": temporary}
+        places = {
+            "GITHUB_WORKSPACE": self.folder,
+            "GITHUB_ACTION_PATH": ROOT,
+            "RUNNER_TEMP": temporary,
+        }
         env |= {name: str(path) for name, path in (files | places).items()}
         env |= {"RUNNER_OS": "Linux", "RUNNER_ARCH": "X64"}
         env["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{env['PATH']}"
         done = subprocess.run(
-            [*BASH, step["run"]], cwd=self.folder, env=env, capture_output=True, text=True, check=False
+            [*BASH, step["run"]],
+            cwd=self.folder,
+            env=env,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         self.log += done.stdout + done.stderr
         self.failed |= done.returncode != 0
@@ -95,7 +120,11 @@ class Job:
 
     def value(self, expression):
         """The value of an expression; a name that is not known is empty."""
-        python = NAME.sub(lambda found: found[0] if found[0][0] == "'" else f"known({found[0]!r})", expression)
-        python = re.sub("!(?!=)", " not ", python.replace("&&", " and ").replace("||", " or ")).strip()
+        python = NAME.sub(
+            lambda found: found[0] if found[0][0] == "'" else f"known({found[0]!r})", expression
+        )
+        python = re.sub(
+            "!(?!=)", " not ", python.replace("&&", " and ").replace("||", " or ")
+        ).strip()
         functions = {"cancelled": lambda: False, "success": lambda: not self.failed}
         return eval(python, functions | {"known": lambda name: self.known.get(name, "")})

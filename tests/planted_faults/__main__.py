@@ -1,10 +1,11 @@
-"""``python -m tests.planted_faults [NAME ...]``: plants faults one by one and says which tier of tests catches each.
+"""``python -m tests.planted_faults [NAME ...]``.
 
-The sources are copied once; each fault is put into the copy, the tests run there until one fails, and the fault is
-taken out again; for one in C the cores are compiled each time. The files that the table expects to catch it run first;
-only if they all pass does the whole tier run, and then the next one. The table goes to standard output as Markdown.
-``--copy FOLDER`` uses a copy that is there already, so that its compiled cores are used again; ``--expected`` runs only
-the files that the table names.
+Plants faults one by one and says which tier of tests catches each. The sources are copied once;
+each fault is put into the copy, the tests run there until one fails, and the fault is taken out
+again; for one in C the cores are compiled each time. The files that the table expects to catch it
+run first; only if they all pass does the whole tier run, and then the next one. The table goes to
+standard output as Markdown. ``--copy FOLDER`` uses a copy that is there already, so that its
+compiled cores are used again; ``--expected`` runs only the files that the table names.
 """
 
 from __future__ import annotations
@@ -23,15 +24,21 @@ from tests.planted_faults.table import FAULTS, Fault
 
 ROOT = Path(__file__).parents[2]
 TIERS = {"default": "not gate and not nightly", "gate": "gate", "nightly": "nightly"}
-_LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "*cache*", "__pycache__", "build", "dist", "*.egg-info")
+_LEFT_OUT = shutil.ignore_patterns(
+    ".git", ".venv*", "*cache*", "__pycache__", "build", "dist", "*.egg-info"
+)
 
 
 def main(words: list[str]) -> int:
     """Try the named faults, or all of them; return 1 if one is caught by no tier."""
     parser = argparse.ArgumentParser("python -m tests.planted_faults", description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="NAME", help="of a fault; without one all are tried")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help="of a fault; without one all are tried"
+    )
     parser.add_argument("--copy", type=Path, help="a copy of the sources that is there already")
-    parser.add_argument("--expected", action="store_true", help="run only the files that the table names")
+    parser.add_argument(
+        "--expected", action="store_true", help="run only the files that the table names"
+    )
     asked = parser.parse_args(words)
     strange = sorted(set(asked.names) - {fault.name for fault in FAULTS})
     if strange:
@@ -60,7 +67,10 @@ def _copy_of_the_sources(there: Path | None) -> Iterator[Path]:
 
 
 def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]:
-    """Return the first tier that catches a fault, and the test that does: one that passes without the fault."""
+    """Return the first tier that catches a fault, and the test that does.
+
+    One that passes without the fault.
+    """
     for tier, marks in TIERS.items():
         for paths in (fault.tests,) if expected_only else (fault.tests, ()):
             failing_anyway: list[str] = []
@@ -88,7 +98,9 @@ def _planted(fault: Fault, copy: Path) -> Iterator[None]:
         yield
     finally:
         file.write_text(before, encoding="utf-8")
-        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # what was compiled from it is good again
+        os.utime(
+            file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns)
+        )  # what was compiled from it is good again
         _compile(fault, copy)
 
 
@@ -96,10 +108,14 @@ def _compile(fault: Fault, copy: Path) -> None:
     """Compile the cores of the copy if the fault is in one."""
     if fault.file.endswith((".c", ".h")):
         command = [sys.executable, "-m", "build_tools.cores"]
-        subprocess.run(command, cwd=copy, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            command, cwd=copy, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
 
 
-def _first_that_fails(copy: Path, marks: str, paths: Sequence[str], left_out: Sequence[str] = ()) -> str:
+def _first_that_fails(
+    copy: Path, marks: str, paths: Sequence[str], left_out: Sequence[str] = ()
+) -> str:
     """Run tests in the copy until one fails; return its name, or nothing if all pass."""
     options = ["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-profile=unshrunk", "-m", marks]
     options += [f"--deselect={test}" for test in left_out]
@@ -111,7 +127,11 @@ def _first_that_fails(copy: Path, marks: str, paths: Sequence[str], left_out: Se
         return ""
     failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     # The name ends where the message begins; it may hold spaces itself.
-    return failed[0].split(" ", 1)[1].split(" - ")[0] if failed else f"pytest ended with {done.returncode}"
+    return (
+        failed[0].split(" ", 1)[1].split(" - ")[0]
+        if failed
+        else f"pytest ended with {done.returncode}"
+    )
 
 
 if __name__ == "__main__":

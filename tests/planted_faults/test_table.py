@@ -31,5 +31,10 @@ def test_the_files_that_are_expected_to_catch_a_fault_are_there(fault):
 
 
 def test_every_package_has_a_fault_and_no_two_have_one_name():
-    assert {fault.file.partition("/")[0] for fault in FAULTS} == {"worldgen", "sim", "fuzz", "worldgen_plugins"}
+    assert {fault.file.partition("/")[0] for fault in FAULTS} == {
+        "worldgen",
+        "sim",
+        "fuzz",
+        "worldgen_plugins",
+    }
     assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 30

@@ -30,7 +30,16 @@ from worldgen_plugins.for_gymnasium.options import REWARD, Options
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
 PLAIN = ("target_direction", "target_distance", "bump")
-ALL = (*PLAIN, "bump_direction", "signal", "signal_direction", "heading", "position", "odometry", "beams")
+ALL = (
+    *PLAIN,
+    "bump_direction",
+    "signal",
+    "signal_direction",
+    "heading",
+    "position",
+    "odometry",
+    "beams",
+)
 TRAPS = {"family": "trap", "params": {"size": 16}, "pool": 5, "sensors": PLAIN}
 
 
@@ -43,7 +52,12 @@ def make(**options):
     [
         {},
         {"actions": "discrete", "distance": "way"},
-        {"reverse": True, "sensors": ALL, "observation": "dict", "robot": {"sensor_noise": 0.5, "slip": 0.2}},
+        {
+            "reverse": True,
+            "sensors": ALL,
+            "observation": "dict",
+            "robot": {"sensor_noise": 0.5, "slip": 0.2},
+        },
     ],
     ids=["usual", "discrete", "dict"],
 )
@@ -55,13 +69,21 @@ def test_the_checker_has_nothing_to_say(options):
 
 @pytest.mark.gate
 def test_the_name_alone_finds_the_module():
-    code = "import gymnasium as g; print(g.make('worldgen.gym:worldgen/Navigate-v0').spec.max_episode_steps)"
-    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    code = (
+        "import gymnasium as g; "
+        "print(g.make('worldgen.gym:worldgen/Navigate-v0').spec.max_episode_steps)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
+    )
     assert done.stdout + done.stderr == "1000\n"
 
 
 def test_registering_imports_no_simulator():
-    code = "import worldgen.gym, sys; print(sorted({'numba', 'sim', 'fuzz', 'worldgen_plugins'} & set(sys.modules)))"
+    code = (
+        "import worldgen.gym, sys; print(sorted({'numba', 'sim', 'fuzz', 'worldgen_plugins'} & "
+        "set(sys.modules)))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout + done.stderr == "[]\n"
 
@@ -82,7 +104,10 @@ def test_an_example_of_the_guide_works(block):
 
 
 def test_the_guide_names_every_option_and_sensor():
-    assert all(f"`{name}`" in GUIDE or f"`{name}=" in GUIDE for name in (*Options.__annotations__, *SENSORS, *REWARD))
+    assert all(
+        f"`{name}`" in GUIDE or f"`{name}=" in GUIDE
+        for name in (*Options.__annotations__, *SENSORS, *REWARD)
+    )
 
 
 def played(env, seed, steps=150):
@@ -92,7 +117,9 @@ def played(env, seed, steps=150):
         told.append(env.step(env.action_space.sample()))
         if told[-1][2] or told[-1][3]:
             told.append(env.reset())
-    return [[part.tobytes() if isinstance(part, np.ndarray) else part for part in one] for one in told]
+    return [
+        [part.tobytes() if isinstance(part, np.ndarray) else part for part in one] for one in told
+    ]
 
 
 def test_seeds_decide_worlds_and_states_to_the_bit():
@@ -108,7 +135,9 @@ def test_episodes_are_in_different_worlds_of_the_pool():
     assert env.unwrapped.world == generate("trap", seed=told[-1], size=16)
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"])
+@pytest.mark.parametrize(
+    "copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"]
+)
 def test_a_copy_goes_on_as_the_first(copied):
     env = make(**TRAPS, robot={"slip": 0.3})
     env.reset(seed=3)
@@ -132,7 +161,12 @@ def assert_same(one, other):
 def files(tmp_path):
     """Worlds of different sizes, one of which burns, and one where the robot is there at once."""
     there = World(np.zeros((5, 9), bool), Pose(0.25, 0.25, 0.0), Target(0.25, 0.2, 0.1))
-    worlds = [generate("trap", seed=1, size=12), burning(), there, generate("maze", seed=2, size=14)]
+    worlds = [
+        generate("trap", seed=1, size=12),
+        burning(),
+        there,
+        generate("maze", seed=2, size=14),
+    ]
     for k, world in enumerate(worlds):
         write_world(world, tmp_path / f"{k}.grid")
     return str(tmp_path)
@@ -142,12 +176,20 @@ def files(tmp_path):
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 @pytest.mark.parametrize("actions", ["continuous", "discrete"])
 def test_the_vector_environment_is_the_single_ones_to_the_bit(mode, actions, tmp_path):
-    common = {"worlds": files(tmp_path), "sensors": ALL, "robot": {"odometry_noise": 0.1}, "actions": actions}
+    common = {
+        "worlds": files(tmp_path),
+        "sensors": ALL,
+        "robot": {"odometry_noise": 0.1},
+        "actions": actions,
+    }
     name, common = worldgen.gym.ENVIRONMENT, {**common, "max_episode_steps": 60}
     ours = gymnasium.make_vec(name, 6, "vector_entry_point", autoreset_mode=mode, **common)
     theirs = gymnasium.make_vec(name, 6, "sync", vector_kwargs={"autoreset_mode": mode}, **common)
     assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"] is mode
-    assert ours.observation_space == theirs.observation_space and ours.action_space == theirs.action_space
+    assert (
+        ours.observation_space == theirs.observation_space
+        and ours.action_space == theirs.action_space
+    )
     ours.action_space.seed(5)
     for one, other in zip(ours.reset(seed=11), theirs.reset(seed=11), strict=True):
         assert_same(one, other)
@@ -158,7 +200,9 @@ def test_the_vector_environment_is_the_single_ones_to_the_bit(mode, actions, tmp
 
 
 def test_the_next_step_is_the_usual_mode_and_a_thousand_steps_the_usual_limit():
-    env = gymnasium.make_vec(worldgen.gym.ENVIRONMENT, 3, "vector_entry_point", world=arena(), sensors=PLAIN)
+    env = gymnasium.make_vec(
+        worldgen.gym.ENVIRONMENT, 3, "vector_entry_point", world=arena(), sensors=PLAIN
+    )
     assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
     env.reset(seed=1)
     stand = np.zeros((3, 2), np.float32)
@@ -167,7 +211,9 @@ def test_the_next_step_is_the_usual_mode_and_a_thousand_steps_the_usual_limit():
 
 
 def test_minus_one_is_no_limit_as_in_make():
-    env = gymnasium.make_vec(worldgen.gym.ENVIRONMENT, 2, "vector_entry_point", max_episode_steps=-1, **TRAPS)
+    env = gymnasium.make_vec(
+        worldgen.gym.ENVIRONMENT, 2, "vector_entry_point", max_episode_steps=-1, **TRAPS
+    )
     env.reset(seed=1)
     assert not any(env.step(np.zeros((2, 2), np.float32))[3].any() for _ in range(1100))
 
@@ -180,8 +226,14 @@ def test_without_autoreset_a_mask_says_who_begins_again():
     last = env.step(ahead)[0]
     with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of robot 0 is over"):
         env.step(ahead)
-    again, told = env.reset(seed=[4, None, 9], options={"reset_mask": np.array([True, False, True])})
-    assert (again[0] == first[0]).all() and (again[1] == last[1]).all() and told["_world"].tolist() == [1, 0, 1]
+    again, told = env.reset(
+        seed=[4, None, 9], options={"reset_mask": np.array([True, False, True])}
+    )
+    assert (
+        (again[0] == first[0]).all()
+        and (again[1] == last[1]).all()
+        and told["_world"].tolist() == [1, 0, 1]
+    )
 
 
 def test_what_is_returned_is_not_changed_later():
@@ -192,11 +244,15 @@ def test_what_is_returned_is_not_changed_later():
     told[-1][0][:] = 7.0
     env.step(env.action_space.sample())
     assert all(
-        (a == b).all() for one, two in zip(told[:-1], kept, strict=False) for a, b in zip(one, two, strict=False)
+        (a == b).all()
+        for one, two in zip(told[:-1], kept, strict=False)
+        for a, b in zip(one, two, strict=False)
     )
 
 
-@pytest.mark.parametrize("form", [lambda path: path, str, read_world], ids=["path", "text", "world"])
+@pytest.mark.parametrize(
+    "form", [lambda path: path, str, read_world], ids=["path", "text", "world"]
+)
 def test_a_reset_takes_another_world_or_file_and_keeps_it(form, tmp_path):
     env, other = make(**TRAPS).unwrapped, arena()
     write_world(other, tmp_path / "w.grid")
@@ -214,13 +270,18 @@ def test_a_reset_option_that_is_none_says_nothing(options):
     env = NavigateEnv(**{**options, "sensors": PLAIN})
     env.reset(seed=1)
     before = env.world
-    env.reset(seed=1, options={"world": None, "worlds": None, "family": None, "difficulty": None, "pool": None})
+    env.reset(
+        seed=1,
+        options={"world": None, "worlds": None, "family": None, "difficulty": None, "pool": None},
+    )
     assert env.world == before
 
 
 @pytest.mark.gate
 def test_a_curriculum_asks_for_harder_worlds():
-    env = NavigateEnv(family="trap", params={"size": 20}, difficulty=(0.1, 0.3), pool=2, sensors=PLAIN)
+    env = NavigateEnv(
+        family="trap", params={"size": 20}, difficulty=(0.1, 0.3), pool=2, sensors=PLAIN
+    )
     for low, high in ((0.1, 0.3), (0.5, 0.9)):
         env.reset(seed=1, options={"difficulty": (low, high)})
         assert low <= measure(env.world).difficulty <= high
@@ -228,7 +289,9 @@ def test_a_curriculum_asks_for_harder_worlds():
 
 def test_the_reward_is_what_the_document_says():
     reward = {"progress": 3.0, "time": -0.5, "contact": -2.0, "reached": 10.0}
-    env = NavigateEnv(world=arena(), sensors=("target_distance", "bump"), extent=100.0, reward=reward)
+    env = NavigateEnv(
+        world=arena(), sensors=("target_distance", "bump"), extent=100.0, reward=reward
+    )
     far = env.reset(seed=0)[0][0] * 100.0
     for _ in range(40):
         (near, bump), got, *_ = env.step(np.array([0.0, 1.0], np.float32))
@@ -238,11 +301,17 @@ def test_the_reward_is_what_the_document_says():
 
 
 def test_arriving_and_burning_end_an_episode():
-    env = NavigateEnv(world=World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.0), Target(1.2, 0.45, 0.1)))
+    env = NavigateEnv(
+        world=World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.0), Target(1.2, 0.45, 0.1))
+    )
     env.reset(seed=0)
     told = [env.step(np.array([0.0, 1.0], np.float32)) for _ in range(25)]
     end = next(k for k, one in enumerate(told) if one[2])
-    assert told[end][4] == {"is_success": True} and told[end][1] > 1.0 and not told[end - 1][4]["is_success"]
+    assert (
+        told[end][4] == {"is_success": True}
+        and told[end][1] > 1.0
+        and not told[end - 1][4]["is_success"]
+    )
     fire = Timeline.of([Event(0.1, 3, 3, CellState.BURNING)])
     env = NavigateEnv(world=replace(arena(), timeline=fire), reward={"burned": -50.0})
     env.reset(seed=0)
@@ -266,7 +335,12 @@ def test_the_shortest_way_leads_round_the_walls():
 @pytest.mark.parametrize("render_mode", ["rgb_array", "ansi"])
 def test_frames_show_the_way_so_far(render_mode):
     env = gymnasium.make_vec(
-        worldgen.gym.ENVIRONMENT, 2, "vector_entry_point", world=arena(), sensors=PLAIN, render_mode=render_mode
+        worldgen.gym.ENVIRONMENT,
+        2,
+        "vector_entry_point",
+        world=arena(),
+        sensors=PLAIN,
+        render_mode=render_mode,
     )
     single = make(world=arena(), sensors=PLAIN, render_mode=render_mode)
     env.reset(seed=0)
@@ -280,7 +354,13 @@ def test_frames_show_the_way_so_far(render_mode):
 
 
 def test_a_policy_as_a_controller_sees_and_does_what_the_environment_does():
-    own = Interface(sensors=ALL, turn_rate=9.0, reverse=True, extent=3.0, robot=RobotOptions(beams=7, beam_noise=0.1))
+    own = Interface(
+        sensors=ALL,
+        turn_rate=9.0,
+        reverse=True,
+        extent=3.0,
+        robot=RobotOptions(beams=7, beam_noise=0.1),
+    )
 
     class Policy:
         senses, needs, seen = own.senses, own.needs, []
@@ -293,7 +373,14 @@ def test_a_policy_as_a_controller_sees_and_does_what_the_environment_does():
             return own.command(turns(self.seen[-1]), observation), memory
 
     world = generate("trap", seed=1)
-    env = NavigateEnv(world=world, sensors=ALL, turn_rate=9.0, reverse=True, extent=3.0, robot={**own.needs.changed()})
+    env = NavigateEnv(
+        world=world,
+        sensors=ALL,
+        turn_rate=9.0,
+        reverse=True,
+        extent=3.0,
+        robot={**own.needs.changed()},
+    )
     seen, told = env.reset(seed=2)
     simulate(world, Policy(), steps=101, seed=told["run_seed"], time_step=0.015)
     for other in Policy.seen[:100]:
@@ -302,13 +389,18 @@ def test_a_policy_as_a_controller_sees_and_does_what_the_environment_does():
 
 
 def turns(seen):
-    return np.array([np.clip(3.0 * seen[1] - 0.7 * seen[3], -1, 1), 0.9 - 1.2 * seen[3]], np.float32)
+    return np.array(
+        [np.clip(3.0 * seen[1] - 0.7 * seen[3], -1, 1), 0.9 - 1.2 * seen[3]], np.float32
+    )
 
 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ({"sensor": ()}, {"code": "unknown-name", "name": "sensor", "noun": "option", "near": "sensors"}),
+        (
+            {"sensor": ()},
+            {"code": "unknown-name", "name": "sensor", "noun": "option", "near": "sensors"},
+        ),
         ({"sensors": ("radar",)}, {"code": "unknown-name", "name": "radar"}),
         ({"sensors": "bump"}, {"code": "wrong-type"}),
         ({"sensors": ("bump", "bump")}, {"code": "twice"}),
@@ -321,11 +413,17 @@ def turns(seen):
         ({"robot": 3}, {"code": "wrong-type", "given": "3"}),
         ({"robot": {"wings": 2}}, {"code": "unknown-name", "name": "wings"}),
         ({"time_step": 0.0}, {"code": "out-of-range", "low": 0.001, "high": 10}),
-        ({"reward": {"joy": 1}}, {"code": "unknown-name", "name": "joy", "noun": "part of the reward"}),
+        (
+            {"reward": {"joy": 1}},
+            {"code": "unknown-name", "name": "joy", "noun": "part of the reward"},
+        ),
         ({"reward": {"time": np.nan}}, {"code": "not-a-number", "name": "time"}),
         ({"family": "labyrinth"}, {"code": "unknown-name", "name": "labyrinth"}),
         ({"family": "maze", "world": arena()}, {"code": "conflict", "named": "world and family"}),
-        ({"world": arena(), "pool": 3}, {"code": "conflict", "only_for_family": "pool", "named": "world"}),
+        (
+            {"world": arena(), "pool": 3},
+            {"code": "conflict", "only_for_family": "pool", "named": "world"},
+        ),
         ({"world": 3}, {"code": "wrong-type", "given": "3"}),
         ({"worlds": []}, {"code": "wrong-type"}),
         ({"pool": 0}, {"code": "out-of-range", "name": "pool", "low": 1, "high": 1000000}),
@@ -351,7 +449,10 @@ def test_changing_worlds_have_no_shortest_way():
     [
         ({"num_envs": 0}, {"code": "out-of-range", "name": "num_envs", "low": 1}),
         ({"autoreset_mode": "Never"}, {"code": "unknown-name"}),
-        ({"max_episode_steps": 2.5}, {"code": "not-a-whole-number", "name": "max_episode_steps", "value": "2.5"}),
+        (
+            {"max_episode_steps": 2.5},
+            {"code": "not-a-whole-number", "name": "max_episode_steps", "value": "2.5"},
+        ),
     ],
     ids=str,
 )

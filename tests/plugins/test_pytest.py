@@ -61,7 +61,9 @@ def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, c
 
 @pytest.mark.nightly
 def test_ini_settings_collect_a_corpus_and_name_a_controller_when_no_path_is_named(project, corpus):
-    project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_controller = bug2\ntestpaths = tests")
+    project.makeini(
+        "[pytest]\nworldgen_corpus = failures\nworldgen_controller = bug2\ntestpaths = tests"
+    )
     test = project.mkdir("tests") / "test_own.py"
     test.write_text("def test_own(): pass")
     pytest_run(project).assert_outcomes(passed=2)
@@ -84,24 +86,39 @@ MARKED = """
 @pytest.mark.nightly
 def test_marked_tests_and_corpora_run_and_show_what_fails_also_under_xdist(project, corpus):
     project.makepyfile(test_it=MARKED)
-    project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_artifacts = kept\naddopts = --strict-markers")
+    project.makeini(
+        "[pytest]\nworldgen_corpus = failures\nworldgen_artifacts = kept\naddopts = "
+        "--strict-markers"
+    )
     done = pytest_run(project, "-n", "2", "--worldgen-expect", "confirmed", "--junitxml", "out.xml")
     done.assert_outcomes(passed=3, failed=2)
-    done.stdout.fnmatch_lines(["*- worldgen -*", "turn-right under swept: loop*", "replay: worldgen replay kept/*"])
+    done.stdout.fnmatch_lines(
+        ["*- worldgen -*", "turn-right under swept: loop*", "replay: worldgen replay kept/*"]
+    )
     assert len(list((project.path / "kept").iterdir())) == 2
     report = (project.path / "out.xml").read_text()
-    assert 'name="worldgen.replay" value="worldgen replay kept/test-it-test-arrives-trap-3-' in report
+    assert (
+        'name="worldgen.replay" value="worldgen replay kept/test-it-test-arrives-trap-3-' in report
+    )
 
 
 WRONG = {
-    'mark.worldgen(family="trap")\ndef test_it(): pass': "takes no world; add the argument worldgen_world",
-    "mark.filterwarnings('error')\ndef test_it(worldgen_world): pass": "does not say of which worlds; add @pytest",
-    "mark.worldgen('trap')\ndef test_it(worldgen_world): pass": "takes names only, not 'trap'; write family='trap'",
-    "mark.worldgen(count=3)\ndef test_it(worldgen_world): pass": 'family=None names no family; write family="trap"',
-    "mark.worldgen(family='trap', count=0)\ndef test_it(worldgen_world): pass": "count=0 is no whole number from 1",
-    "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): pass": "controller=3 is no name",
-    "mark.worldgen(family='trapp', count=1)\ndef test_it(worldgen_world): pass": "did you mean 'trap'?",
-    "mark.worldgen(family='trap', count=1)\ndef test_it(worldgen_episode): pass": "no controller is named; add cont",
+    'mark.worldgen(family="trap")\ndef test_it(): pass': "takes no world; add the argument "
+    "worldgen_world",
+    "mark.filterwarnings('error')\ndef test_it(worldgen_world): "
+    "pass": "does not say of which worlds; add @pytest",
+    "mark.worldgen('trap')\ndef test_it(worldgen_world): "
+    "pass": "takes names only, not 'trap'; write family='trap'",
+    "mark.worldgen(count=3)\ndef test_it(worldgen_world): "
+    "pass": 'family=None names no family; write family="trap"',
+    "mark.worldgen(family='trap', count=0)\ndef test_it(worldgen_world): "
+    "pass": "count=0 is no whole number from 1",
+    "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): "
+    "pass": "controller=3 is no name",
+    "mark.worldgen(family='trapp', count=1)\ndef test_it(worldgen_world): "
+    "pass": "did you mean 'trap'?",
+    "mark.worldgen(family='trap', count=1)\ndef test_it(worldgen_episode): "
+    "pass": "no controller is named; add cont",
 }
 
 
@@ -118,7 +135,9 @@ def test_a_wrong_mark_is_answered_by_one_sentence(project):
 def test_wrong_settings_are_usage_errors(project):
     done = pytest_run(project, "--worldgen-corpus", "nowhere")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
-    done.stderr.fnmatch_lines(["ERROR: the corpus *nowhere is no folder; make it, or name another --worldgen-corpus"])
+    done.stderr.fnmatch_lines(
+        ["ERROR: the corpus *nowhere is no folder; make it, or name another --worldgen-corpus"]
+    )
     project.makeini("[pytest]\nworldgen_expect = maybe")
     assert "'maybe' is neither fixed nor confirmed" in pytest_run(project).stderr.str()
 
@@ -136,7 +155,10 @@ def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
 def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
     strange = failure.driven_by("\x1b[2J\0|<b>")
     strange.write(project.mkdir("failures") / "strange.grid")
-    project.makepyfile(loud="class Loud:\n    act = print\n    def reset(self): raise ValueError('\x1b[2J\ufffe')\n")
+    project.makepyfile(
+        loud="class Loud:\n    act = print\n    def reset(self): raise "
+        "ValueError('\x1b[2J\ufffe')\n"
+    )
     for more in ((), ("--worldgen-controller", "./loud.py:Loud")):
         done = pytest_run(project, "failures/strange.grid", "--junitxml=out.xml", *more)
         done.assert_outcomes(failed=1)
@@ -161,20 +183,28 @@ def test_where_the_plugin_is_not_used_it_imports_and_writes_nothing(project):
 def test_a_project_with_a_folder_of_a_name_of_ours_still_runs(project):
     project.makepyfile(test_it="def test_it(): pass", **{"fuzz/__init__": "", "sim/__init__": ""})
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "test_it.py"], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "pytest", "-q", "test_it.py"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
 @pytest.mark.gate
 def test_the_plugin_can_be_left_out(project, corpus):
-    assert pytest_run(project, "-p", "no:worldgen", "--co").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert (
+        pytest_run(project, "-p", "no:worldgen", "--co").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    )
 
 
 @pytest.mark.gate
 def test_the_document_names_every_setting(project):
     named = set(
-        re.findall(r"--worldgen-[a-z]+|worldgen_(?!world|episode)[a-z]+", pytest_run(project, "--help").stdout.str())
+        re.findall(
+            r"--worldgen-[a-z]+|worldgen_(?!world|episode)[a-z]+",
+            pytest_run(project, "--help").stdout.str(),
+        )
     )
     assert len(named) == 8 and [name for name in named if name not in DOCUMENT] == []
 

@@ -1,4 +1,7 @@
-"""Seeded faults as Python classes: they run as their compiled functions do, and campaigns find them as soon."""
+"""Seeded faults as Python classes.
+
+They run as their compiled functions do, and campaigns find them as soon.
+"""
 
 import pytest
 
@@ -11,12 +14,17 @@ from worldgen import InvalidParameter, generate
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"])
+@pytest.mark.parametrize(
+    "fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"]
+)
 def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
     world = generate("forest", 3)
     compiled = CONTROLLERS.get(f"fuzz.faults.as_classes:{fault}")
     plain = CONTROLLERS.get(f"tests.reference.fuzz.as_classes:{fault}")
-    assert simulate(world, compiled, steps=300).trace_digest == simulate(world, plain, steps=300).trace_digest
+    assert (
+        simulate(world, compiled, steps=300).trace_digest
+        == simulate(world, plain, steps=300).trace_digest
+    )
 
 
 def test_a_class_without_its_attribute_is_none_of_them():

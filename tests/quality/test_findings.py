@@ -13,7 +13,9 @@ from sim.scenario import Scenario
 
 @functools.cache
 def campaign(controller, motion, time_steps=(0.015,)):
-    config = CampaignConfig(Scenario(controller, motion), seed=1, examples=120, time_steps=time_steps)
+    config = CampaignConfig(
+        Scenario(controller, motion), seed=1, examples=120, time_steps=time_steps
+    )
     made = Campaign(config, units=4)
     for _ in made.run():
         pass
@@ -24,7 +26,11 @@ def campaign(controller, motion, time_steps=(0.015,)):
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
 @pytest.mark.parametrize("motion", ["swept", "stepped"])
 def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controller, motion):
-    loops = [failure for failure in campaign(controller, motion).best.values() if failure.record.verdict == "loop"]
+    loops = [
+        failure
+        for failure in campaign(controller, motion).best.values()
+        if failure.record.verdict == "loop"
+    ]
     assert loops and min(failure.world.solid_cells for failure in loops) <= 4
 
 
@@ -37,7 +43,9 @@ def test_the_thesis_model_is_caught_going_through_walls(controller):
 
 @pytest.mark.gate
 def test_fast_robots_tunnel_under_endpoint():
-    verdicts = {failure.verdict for failure in campaign("turn-right", "endpoint", (0.15,)).best.values()}
+    verdicts = {
+        failure.verdict for failure in campaign("turn-right", "endpoint", (0.15,)).best.values()
+    }
     assert "tunnel" in verdicts
 
 

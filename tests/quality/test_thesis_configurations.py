@@ -39,16 +39,25 @@ def beside(table):
 @pytest.mark.parametrize("first_seed", [100, 1000, 77_777])
 def test_ranks_and_never_do_not_hang_on_the_seeds(first_seed):
     worlds = [NamedWorld(name, read_world(FOLDER / f"{name}.grid"), name) for name in NAMES]
-    robots = {name: Scenario.parse(name, motion="stepped", time_step=TICK, seed=first_seed) for name in ROBOTS}
-    found = agreement(compare(worlds, robots, seeds=100, steps=BUDGET), read_figures(PUBLISHED, "published.csv"))
+    robots = {
+        name: Scenario.parse(name, motion="stepped", time_step=TICK, seed=first_seed)
+        for name in ROBOTS
+    }
+    found = agreement(
+        compare(worlds, robots, seeds=100, steps=BUDGET), read_figures(PUBLISHED, "published.csv")
+    )
     assert (found.rankings, found.never) == ((10, 10), (5, 5)) and found.within[0] >= 8
 
 
 def test_the_published_table_is_whole_and_in_whole_ticks():
     rows = list(csv.DictReader(io.StringIO(PUBLISHED)))
-    assert {(row["world"], row["controller"]) for row in rows} == {(w, r) for w in NAMES for r in ROBOTS}
+    assert {(row["world"], row["controller"]) for row in rows} == {
+        (w, r) for w in NAMES for r in ROBOTS
+    }
     times = [row["time"] for row in rows]
-    assert times.count("never") == 5 and len(times) == 31  # one figure of the text beside the table's thirty
+    assert (
+        times.count("never") == 5 and len(times) == 31
+    )  # one figure of the text beside the table's thirty
     ticks = [float(time) / TICK for time in times if time != "never"]
     assert all(abs(tick - round(tick)) < 1e-9 for tick in ticks)
 
@@ -64,12 +73,19 @@ def test_never_comes_where_the_thesis_says_so_and_nowhere_else(beside):
 
 
 def test_every_never_of_the_two_rules_without_chance_is_a_proved_loop(table):
-    never = {(cell.world, cell.label): cell.detail for row in table.cells for cell in row[:2] if cell.never}
+    never = {
+        (cell.world, cell.label): cell.detail
+        for row in table.cells
+        for cell in row[:2]
+        if cell.never
+    }
     assert sorted(never) == [
         ("config-05", "thesis-2"), ("config-06", "thesis-2"), ("config-08", "thesis-1"), ("config-09", "thesis-1"),
     ]  # fmt: skip
     rectangle = {key: detail == "period 104" for key, detail in never.items()}
-    assert rectangle.pop(("config-09", "thesis-1")) is False  # "the shape traced is not that of a rectangle"
+    assert (
+        rectangle.pop(("config-09", "thesis-1")) is False
+    )  # "the shape traced is not that of a rectangle"
     assert all(rectangle.values())
 
 
@@ -86,7 +102,9 @@ def test_the_random_rule_is_lost_in_configuration_5_for_a_million_ticks():
     world, lost = read_world(FOLDER / "config-05.grid"), 0
     for seed in range(10):
         options = Scenario("thesis-3", "stepped", TICK, seed).options(world, 1_000_000)
-        outcome = prepare(world, "thesis-3", options).run(1_000_000, find_loop=False, record=False, digest=False)
+        outcome = prepare(world, "thesis-3", options).run(
+            1_000_000, find_loop=False, record=False, digest=False
+        )
         lost += outcome.verdict in ("timeout", "stalled")
     assert lost >= 8
 
@@ -95,7 +113,11 @@ def test_the_random_rule_is_lost_in_configuration_5_for_a_million_ticks():
 def test_a_configuration_has_the_start_of_the_thesis_and_a_proof(name):
     world = read_world(FOLDER / f"{name}.grid")
     side = world.walls.shape[0] * world.cell_size
-    assert world.walls.shape[0] == world.walls.shape[1] and world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all()
+    assert (
+        world.walls.shape[0] == world.walls.shape[1]
+        and world.walls[[0, -1]].all()
+        and world.walls[:, [0, -1]].all()
+    )
     assert (world.start.x, world.start.y) == pytest.approx((0.35, side - 0.35))
     assert check_certificate(world).valid
     middle = world.target.x > 0.6 * side and world.target.y < 0.4 * side

@@ -20,7 +20,7 @@ from tests.helpers.command_line import worldgen
 from worldgen import Cut, Witness, check_certificate
 from worldgen.files.grid import read_world
 from worldgen.render.frame import BAND
-from worldgen.render.primitives import Path
+from worldgen.render.primitives import DrawnLine
 from worldgen.render.scene import compose
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -95,7 +95,9 @@ def test_nothing_more_can_be_removed_from_a_fault(name):
     assert removable(world, StillFails.of(Failure.of(world))) == []
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if TABLE[name].split("-")[0] in ("tunnel", "overlap")])
+@pytest.mark.parametrize(
+    "name", [name for name in NAMES if TABLE[name].split("-")[0] in ("tunnel", "overlap")]
+)
 def test_the_repair_of_its_cause_alone_removes_a_fault(name):
     cause = world_of(name).failure.evidence["cause"]
     healed = run(name, f"+repair_{cause.replace('-', '_')}")
@@ -112,7 +114,12 @@ def test_with_all_repairs_no_wall_is_entered_and_no_closed_target_reached(name):
 @pytest.mark.nightly
 def test_a_short_campaign_finds_all_three_causes():
     met = search("thesis-2", ("features",), 400).met
-    found = {cause for cause in CAUSES for kind in met if kind.startswith((f"tunnel-{cause}", f"overlap-{cause}"))}
+    found = {
+        cause
+        for cause in CAUSES
+        for kind in met
+        if kind.startswith((f"tunnel-{cause}", f"overlap-{cause}"))
+    }
     assert found == set(CAUSES)
 
 
@@ -145,7 +152,10 @@ def test_faults_are_frequent_for_the_random_rule_among_traps():
 @pytest.mark.gate
 def test_the_faults_help_the_random_rule_out_of_traps():
     worlds = sample("four Us")
-    assert tally(worlds, "thesis-3+keep_going")["reached"] > tally(worlds, "thesis-3+repaired")["reached"]
+    assert (
+        tally(worlds, "thesis-3+keep_going")["reached"]
+        > tally(worlds, "thesis-3+repaired")["reached"]
+    )
 
 
 def test_the_exact_loop_has_period_104():
@@ -184,6 +194,12 @@ def test_the_proof_of_a_breach_is_drawn_inside_the_frame():
     world = world_of("thesis-2-breach")
     assert (world.certificate.cells < 0).any()  # cells of the cut outside the grid
     scene = compose(world, None, signal=False, witness=True, title="", pixels=300)
-    drawn = [part.points for part in scene.primitives if isinstance(part, Path) and len(part.points) == 7]
+    drawn = [
+        part.points
+        for part in scene.primitives
+        if isinstance(part, DrawnLine) and len(part.points) == 7
+    ]
     assert len(drawn) == 2 and all((points >= 0).all() for points in drawn)
-    assert max(points[:, 1].max() for points in drawn) < scene.frame.bottom + BAND * scene.frame.unit
+    assert (
+        max(points[:, 1].max() for points in drawn) < scene.frame.bottom + BAND * scene.frame.unit
+    )

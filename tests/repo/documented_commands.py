@@ -1,25 +1,28 @@
 """Run the commands that README.md and docs/*.md show, and compare what they print with what the page shows.
 
-Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the lines below it are its
-output, on stdout and stderr together. The blocks of a page share one temporary folder and run in order. The folder
-holds ``corpora`` and ``examples``, and every fenced block of the page whose first line names a file (``# mine.py``).
+Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the
+    lines below it are its
+output, on stdout and stderr together. The blocks of a page share one temporary folder and run in
+order. The folder holds ``corpora`` and ``examples``, and every fenced block of the page whose first
+line names a file (``# mine.py``).
 
 - A command below which the page shows nothing only has to work.
-- ``...`` stands for any text within a line, and alone on a line for any number of lines. More dots in a row are
-  themselves: free cells of a map.
+- ``...`` stands for any text within a line, and alone on a line for any number of lines. More dots
+  in a row are themselves: free cells of a map.
 - How long a command took, as in ``in 12.9 s``, is not compared.
-- A search with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends on the machine.
+- A search with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends
+  on the machine.
 
 Four comments, each alone on a line between the last block and the one that it is for, say more:
 
-- ``<!-- first: COMMAND -->`` runs a command that the reader is not shown, in the page's folder; ``$ROOT`` is the
-  project's own folder.
+- ``<!-- first: COMMAND -->`` runs a command that the reader is not shown, in the page's folder;
+  ``$ROOT`` is the project's own folder.
 - ``<!-- not run: REASON -->`` leaves a block out.
 - ``<!-- file: NAME -->`` says that the next block is the contents of that file.
 - ``<!-- needs: PROGRAM -->`` leaves a block out where that program is not installed.
 
-``python -m tests.repo.documented_commands PAGE...`` prints what differs; ``--update`` writes what is printed into
-the pages.
+``python -m tests.repo.documented_commands PAGE...`` prints what differs; ``--update`` writes what
+is printed into the pages.
 """
 
 from __future__ import annotations
@@ -50,10 +53,14 @@ _NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 _FIRST = re.compile(r"<!-- first: (.+) -->")
 _NAMED = re.compile(r"<!-- file: (\S+) -->")
 _NEEDS = re.compile(r"<!-- needs: (\S+) -->")
-_SECONDS = re.compile(r"\bin \d+(?:\.\d+)? s\b")  # a witness's time is hidden with it; its digest is not
+_SECONDS = re.compile(
+    r"\bin \d+(?:\.\d+)? s\b"
+)  # a witness's time is hidden with it; its digest is not
 _SKIPPED = re.compile(r"(?<!\.)\.{3}(?!\.)")  # more dots in a row are cells of a map
 _BUDGET = re.compile(r"(worldgen (?:fuzz|find)\b.*)--budget[ =]\S+")
-_WENT_WRONG = 2  # the exit code of a command that could not do its work; 1 says that a check did not hold
+_WENT_WRONG = (
+    2  # the exit code of a command that could not do its work; 1 says that a check did not hold
+)
 
 
 @dataclass
@@ -134,7 +141,8 @@ def parse_page(text: str, path: Path) -> Page:
     """Return the commands and files of a page with this text.
 
     Raises:
-        ValueError: If a block of commands begins with something else, or shows what a budget of seconds found.
+        ValueError: If a block of commands begins with something else, or shows what a budget of
+            seconds found.
     """
     page = Page(path, [], {})
     first: list[Command] = []
@@ -198,7 +206,8 @@ def _commands(lines: list[str], start: int, path: Path) -> list[Command]:
             goes_on = line.endswith("\\")
         elif not commands:
             raise ValueError(
-                f"{path.name}, line {number}: a block of commands begins with a line that starts with '$ '"
+                f"{path.name}, line {number}: a block of commands begins with a line that starts "
+                f"with '$ '"
             )
         else:
             commands[-1].shown.append(line)
@@ -209,14 +218,16 @@ def _check_budgets(block: Block, path: Path) -> None:
     for command in block.commands:
         if block.not_run is None and command.shown and _BUDGET.search(command.text):
             raise ValueError(
-                f"{path.name}, line {command.line}: the page shows what a budget of seconds found; give it --units"
+                f"{path.name}, line {command.line}: the page shows what a budget of seconds found; "
+                f"give it --units"
             )
 
 
 def matches(shown: list[str], printed: list[str]) -> bool:
     """Return True if the output is as the page shows it, apart from ``...`` and from how long it took."""
     lines = [_SECONDS.sub("in 0 s", line.rstrip()) for line in printed]
-    # Numbers of printed lines that the lines shown so far may stand for; one pattern for all would take forever.
+    # Numbers of printed lines that the lines shown so far may stand for; one pattern for all would
+    # take forever.
     reached = {0}
     for line in shown:
         if line.strip() == "...":
@@ -251,14 +262,20 @@ def run(command: Command) -> Done:
     if words[0] == "worldgen" and "|" not in words and ">" not in words:
         code, printed = _run_here(words)
     else:
-        done = subprocess.run(text, shell=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        done = subprocess.run(
+            text, shell=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+        )
         code, printed = done.returncode, done.stdout.decode("utf-8", "replace")
     return Done(command, code, printed.splitlines())
 
 
 def _run_here(argv: list[str]) -> tuple[int, str]:
     both = io.StringIO()
-    with mock.patch.object(sys, "argv", argv), contextlib.redirect_stdout(both), contextlib.redirect_stderr(both):
+    with (
+        mock.patch.object(sys, "argv", argv),
+        contextlib.redirect_stdout(both),
+        contextlib.redirect_stderr(both),
+    ):
         try:
             command_line()
         except SystemExit as stop:
@@ -274,7 +291,8 @@ def faults(path: Path, folder: Path) -> list[str]:
 def updated(text: str, done: list[Done]) -> str:
     """Return a page's text with the output that its commands print today.
 
-    Lines that a page leaves out with ``...`` stay left out: as many lines as it shows above and below are kept.
+    Lines that a page leaves out with ``...`` stay left out: as many lines as it shows above and
+        below are kept.
     """
     lines = text.splitlines()
     for one in reversed(done):
@@ -298,9 +316,15 @@ def updated(text: str, done: list[Done]) -> str:
 
 def main() -> int:
     """Compare pages with what their commands print, or update them."""
-    parser = argparse.ArgumentParser(prog="python -m tests.repo.documented_commands", description=__doc__)
-    parser.add_argument("pages", nargs="*", type=Path, default=PAGES, metavar="PAGE", help="all by default")
-    parser.add_argument("--update", action="store_true", help="write what the commands print into the pages")
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.repo.documented_commands", description=__doc__
+    )
+    parser.add_argument(
+        "pages", nargs="*", type=Path, default=PAGES, metavar="PAGE", help="all by default"
+    )
+    parser.add_argument(
+        "--update", action="store_true", help="write what the commands print into the pages"
+    )
     options = parser.parse_args()
     wrong = 0
     for path in map(Path.absolute, options.pages):

@@ -1,4 +1,7 @@
-"""Trajectories recorded in IR-SIM and MuJoCo: what the audit says of them, without those simulators."""
+"""Trajectories recorded in IR-SIM and MuJoCo.
+
+What the audit says of them, without those simulators.
+"""
 
 from pathlib import Path
 
@@ -13,7 +16,9 @@ FAST = ["irsim-fast", "mujoco-fast", "mujoco-unseen"]
 
 
 def report(name):
-    return audit(read_world(FOLDER / "wall.grid"), read_trajectory(FOLDER / "recorded" / f"{name}.csv"))
+    return audit(
+        read_world(FOLDER / "wall.grid"), read_trajectory(FOLDER / "recorded" / f"{name}.csv")
+    )
 
 
 @pytest.mark.parametrize("name", FAST)

@@ -20,7 +20,8 @@ QUICK = "--checks=-clang-analyzer-*"  # the analyzer takes nine tenths of the ti
 
 
 @pytest.mark.parametrize(
-    "options", [pytest.param([QUICK], marks=pytest.mark.gate), pytest.param([], marks=pytest.mark.nightly)]
+    "options",
+    [pytest.param([QUICK], marks=pytest.mark.gate), pytest.param([], marks=pytest.mark.nightly)],
 )
 def test_clang_tidy_finds_nothing(options):
     tool = shutil.which("clang-tidy", path=str(Path(sys.executable).parent))

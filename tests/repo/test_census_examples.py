@@ -21,17 +21,31 @@ POST = """<model name='post'><static>1</static><pose frame=''>{x} {y} 0 0 0 0</p
 <collision name='c'><geometry><cylinder><radius>{radius}</radius><length>1</length></cylinder></geometry></collision>
 </link></model>"""
 PLANE = (
-    "<model name='ground'><link name='l'><collision name='c'><geometry><plane/></geometry></collision></link></model>"
+    "<model name='ground'><link name='l'><collision "
+    "name='c'><geometry><plane/></geometry></collision></link></model>"
 )
 
 
 @pytest.mark.parametrize("name", sorted(MODULES))
 def test_an_adapter_gives_judgeable_maps_and_the_same_for_the_same_seed(name, tmp_path):
     if importlib.util.find_spec(MODULES[name]) is None:
-        pytest.skip(f"{MODULES[name]} is not installed, so {name}.py is not tested; its docstring says what to install")
+        pytest.skip(
+            f"{MODULES[name]} is not installed, so {name}.py is not tested; its docstring says "
+            f"what to install"
+        )
     tables = []
     for run in ("a.csv", "b.csv"):
-        args = ["census", f"{FOLDER / name}.py:maps", "--count", 3, "--seed", 5, "--csv", tmp_path / run, "--json"]
+        args = [
+            "census",
+            f"{FOLDER / name}.py:maps",
+            "--count",
+            3,
+            "--seed",
+            5,
+            "--csv",
+            tmp_path / run,
+            "--json",
+        ]
         words = [sys.executable, "-m", "worldgen", *map(str, args)]
         done = subprocess.run(words, capture_output=True, text=True, check=True, cwd=tmp_path)
         tables.append((tmp_path / run).read_text())
@@ -46,18 +60,27 @@ def test_every_generators_adapter_is_tested_here():
 
 @pytest.fixture
 def barn(tmp_path):
-    """Two worlds of posts 0.15 m apart in a row across the way: one with a gap of 0.6 m, one without."""
+    """Two worlds of posts 0.15 m apart in a row across the way.
+
+    One with a gap of 0.6 m, one without.
+    """
     for number, gap in enumerate((range(13, 17), range(0))):
-        posts = [POST.format(x=-4.425 + 0.15 * index, y=7.425, radius=0.075) for index in range(30) if index not in gap]
+        posts = [
+            POST.format(x=-4.425 + 0.15 * index, y=7.425, radius=0.075)
+            for index in range(30)
+            if index not in gap
+        ]
         text = f"<sdf version='1.6'><world name='w'>{PLANE}{''.join(posts)}</world></sdf>"
         (tmp_path / f"world_{number}.world").write_text(text)
     return tmp_path
 
 
 def test_the_table_says_loudly_what_it_skips(barn):
-    result = CliRunner().invoke(main, ["--count", "2", "--only", "BARN", "--only", "Arena", "--barn", str(barn)])
+    result = CliRunner().invoke(
+        main, ["--count", "2", "--only", "BARN", "--only", "Arena", "--barn", str(barn)]
+    )
     assert (
-        "| BARN, posts as squares | 2 | 100 | 0.35 m | 2 | 0, 0.0 % (0.0 to 84.2) | 0 | 1 (1) | 1 (1) |"
-        in result.stdout
+        "| BARN, posts as squares | 2 | 100 | 0.35 m | 2 | 0, 0.0 % (0.0 to 84.2) | 0 | 1 (1) | 1 "
+        "(1) |" in result.stdout
     )
     assert "SKIPPED: Arena-Rosnav maps: --arena is not given" in result.stderr

@@ -1,4 +1,7 @@
-"""The example of a project's CI: its workflow and our action run here step for step, as GitHub would run them."""
+"""The example of a project's CI.
+
+Its workflow and our action run here step for step, as GitHub would run them.
+"""
 
 import os
 import re
@@ -17,7 +20,13 @@ ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "ci"
 WORKFLOW = ".github/workflows/worldgen.yml"
 GUIDE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
-QUICK = {"controller": "./robot.py:Robot", "families": "rooms", "units": "1", "seed": "1", "install": "false"}
+QUICK = {
+    "controller": "./robot.py:Robot",
+    "families": "rooms",
+    "units": "1",
+    "seed": "1",
+    "install": "false",
+}
 
 
 @pytest.fixture
@@ -33,14 +42,18 @@ def broken(tmp_path_factory):
         project = checked_out(tmp_path_factory.mktemp("broken"), monkeypatch)
         source = (project / "robot.py").read_text(encoding="utf-8")
         assert "BACK = 0.5" in source
-        (project / "robot.py").write_text(source.replace("BACK = 0.5", "BACK = 0.1"), encoding="utf-8")
+        (project / "robot.py").write_text(
+            source.replace("BACK = 0.5", "BACK = 0.1"), encoding="utf-8"
+        )
         return job(project, "pull-request", **QUICK)
 
 
 def checked_out(folder, monkeypatch):
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
     monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
-    shutil.copytree(EXAMPLE, folder / "project", ignore=shutil.ignore_patterns("__pycache__", ".*_cache"))
+    shutil.copytree(
+        EXAMPLE, folder / "project", ignore=shutil.ignore_patterns("__pycache__", ".*_cache")
+    )
     monkeypatch.chdir(folder / "project")
     return folder / "project"
 
@@ -72,7 +85,9 @@ def outputs(done, *names):
 def test_a_good_robot_passes(project):
     done = job(project, "pull-request", **QUICK)
     assert not done.failed, done.log
-    assert "worldgen fuzz: no new class of failures" in done.summary and outputs(done, "failures") == ["0"]
+    assert "worldgen fuzz: no new class of failures" in done.summary and outputs(
+        done, "failures"
+    ) == ["0"]
     assert read_sarif(Path("worldgen-failures/worldgen.sarif").read_bytes())["results"] == []
 
 
@@ -82,7 +97,9 @@ def test_a_pull_request_that_breaks_the_robot_shows_the_world_that_breaks_it(bro
     rows, folds = read_markdown(broken.summary)
     assert broken.failed and "Keep the worlds, to replay them at home" in broken.ran, broken.log
     assert rows[0][0] == "new" and "S start  G target" in folds[0]
-    assert worldgen(*re.search("^replay: worldgen (.*)$", folds[0], re.MULTILINE)[1].split()).code == 0
+    assert (
+        worldgen(*re.search("^replay: worldgen (.*)$", folds[0], re.MULTILINE)[1].split()).code == 0
+    )
 
 
 @pytest.mark.gate
@@ -90,8 +107,13 @@ def test_its_reports_lead_to_the_class_that_broke(broken):
     failures = broken.folder / "worldgen-failures"
     [new, *_] = read_sarif((failures / "worldgen.sarif").read_bytes())["results"]
     line = new["locations"][0]["physicalLocation"]["region"]["startLine"]
-    assert (broken.folder / "robot.py").read_text(encoding="utf-8").splitlines()[line - 1] == "class Robot:"
-    assert read_junit((failures / "worldgen.xml").read_bytes()).attrib["failures"] == outputs(broken, "failures")[0]
+    assert (broken.folder / "robot.py").read_text(encoding="utf-8").splitlines()[
+        line - 1
+    ] == "class Robot:"
+    assert (
+        read_junit((failures / "worldgen.xml").read_bytes()).attrib["failures"]
+        == outputs(broken, "failures")[0]
+    )
     assert (failures / "report.html").stat().st_size > 10_000
 
 
@@ -101,9 +123,16 @@ def test_a_fixed_failure_that_comes_back_fails_as_a_test(broken):
 
 def test_classes_of_a_baseline_do_not_fail_the_job(broken, monkeypatch):
     monkeypatch.chdir(broken.folder)
-    done = action(broken.folder, baseline="worldgen-corpus/known\nworldgen-failures", out="again", corpus="found")
+    done = action(
+        broken.folder,
+        baseline="worldgen-corpus/known\nworldgen-failures",
+        out="again",
+        corpus="found",
+    )
     assert not done.failed and outputs(done, "failures", "corpus-path") == ["0", "found"], done.log
-    assert int(outputs(done, "known")[0]) > 0 and not list((broken.folder / "found").rglob("*.grid"))
+    assert int(outputs(done, "known")[0]) > 0 and not list(
+        (broken.folder / "found").rglob("*.grid")
+    )
 
 
 def test_the_nightly_search_ends_well_and_replays_what_is_known(project):
@@ -115,7 +144,9 @@ def test_the_nightly_search_ends_well_and_replays_what_is_known(project):
 HOSTILE = "x'\"; touch pwned; $(touch pwned) `touch pwned` \\"
 
 
-@pytest.mark.parametrize("name", ["controller", "motion", "families", "units", "seed", "fail-on", "baseline"])
+@pytest.mark.parametrize(
+    "name", ["controller", "motion", "families", "units", "seed", "fail-on", "baseline"]
+)
 def test_no_input_is_run_as_a_command(name, project):
     done = action(project, **{name: HOSTILE})
     assert done.failed and not list(project.rglob("pwned")) and "Traceback" not in done.log
@@ -123,12 +154,19 @@ def test_no_input_is_run_as_a_command(name, project):
 
 def test_a_folder_of_any_name_is_taken_as_it_is(project):
     done = action(project, out=HOSTILE.replace("/", ""), units="1", families="trap")
-    assert not done.failed and (project / HOSTILE / "summary.md").exists() and not list(project.rglob("pwned"))
+    assert (
+        not done.failed
+        and (project / HOSTILE / "summary.md").exists()
+        and not list(project.rglob("pwned"))
+    )
 
 
 def test_scripts_hold_no_expressions_and_actions_are_pinned():
     plan, workflow = load(ROOT / "action.yml"), load(EXAMPLE / WORKFLOW)
-    steps = [*plan["runs"]["steps"], *(step for one in workflow["jobs"].values() for step in one["steps"])]
+    steps = [
+        *plan["runs"]["steps"],
+        *(step for one in workflow["jobs"].values() for step in one["steps"]),
+    ]
     assert all(step["shell"] == "bash" for step in plan["runs"]["steps"] if "run" in step)
     assert not [step for step in steps if "${{" in step.get("run", "")]
     foreign = {step["uses"] for step in steps if "uses" in step} - {"./.worldgen"}
@@ -144,8 +182,19 @@ def test_the_guide_names_every_input_and_output():
 
 CHECKS = {
     "action": ("check-jsonschema", "--builtin-schema", "vendor.github-actions", "action.yml"),
-    "workflow": ("check-jsonschema", "--builtin-schema", "vendor.github-workflows", f"examples/ci/{WORKFLOW}"),
-    "security": ("zizmor", "--offline", "--min-severity=medium", "action.yml", f"examples/ci/{WORKFLOW}"),
+    "workflow": (
+        "check-jsonschema",
+        "--builtin-schema",
+        "vendor.github-workflows",
+        f"examples/ci/{WORKFLOW}",
+    ),
+    "security": (
+        "zizmor",
+        "--offline",
+        "--min-severity=medium",
+        "action.yml",
+        f"examples/ci/{WORKFLOW}",
+    ),
 }
 
 
@@ -153,8 +202,12 @@ CHECKS = {
 @pytest.mark.parametrize("check", CHECKS)
 def test_linters_have_nothing_to_say(check):
     name, *options = CHECKS[check]
-    program = shutil.which(name, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    program = shutil.which(
+        name, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    )
     if program is None:
         pytest.skip(f"NOT LINTED: there is no {name} here; pip install 'worldgen[dev]'")
-    done = subprocess.run([program, *options], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [program, *options], cwd=ROOT, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr

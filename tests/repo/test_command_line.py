@@ -77,4 +77,8 @@ def test_python_runs_the_program_as_a_module(tmp_path):
         text=True,
         check=False,
     )
-    assert done.returncode == 2 and done.stderr.count("\n") <= 2 and "outside 10 to 20000 cells" in done.stderr
+    assert (
+        done.returncode == 2
+        and done.stderr.count("\n") <= 2
+        and "outside 10 to 20000 cells" in done.stderr
+    )

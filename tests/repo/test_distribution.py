@@ -1,4 +1,7 @@
-"""The source archive and the wheel are whole: what one can do from a checkout, one can do from them."""
+"""The source archive and the wheel are whole.
+
+What one can do from a checkout, one can do from them.
+"""
 
 import os
 import subprocess
@@ -17,16 +20,23 @@ PACKAGES = ("worldgen", "sim", "fuzz", "corpora", "worldgen_plugins")
 pytestmark = pytest.mark.gate
 
 # As on a machine that has Python and pip and nothing else: the build fetches a compiler.
-WITHOUT_COMPILER = {name: value for name, value in os.environ.items() if name != "CC"} | {"PATH": ""}
+WITHOUT_COMPILER = {name: value for name, value in os.environ.items() if name != "CC"} | {
+    "PATH": ""
+}
 
 
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
-    """A copy of the tracked files, so that nothing that happens to lie in this folder gets into an archive."""
+    """A copy of the tracked files.
+
+    So that nothing that happens to lie in this folder gets into an archive.
+    """
     folder = tmp_path_factory.mktemp("source") / "worldgen"
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False)
     if listed.returncode:
-        pytest.skip("NOT BUILT: this is no git checkout, so the files that belong to it are not known")
+        pytest.skip(
+            "NOT BUILT: this is no git checkout, so the files that belong to it are not known"
+        )
     for name in filter(None, listed.stdout.decode().split("\0")):
         source = ROOT / name
         if source.is_file():
@@ -38,10 +48,14 @@ def checkout(tmp_path_factory):
 @pytest.fixture(scope="module")
 def built(checkout, tmp_path_factory):
     """The source archive, and the wheel that is built from it."""
-    pytest.importorskip("build", reason="NOT BUILT: pip install -e '.[dev]' brings the build program")
+    pytest.importorskip(
+        "build", reason="NOT BUILT: pip install -e '.[dev]' brings the build program"
+    )
     out = tmp_path_factory.mktemp("dist")
     command = [sys.executable, "-m", "build", "--outdir", out, checkout]
-    done = subprocess.run(command, env=WITHOUT_COMPILER, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, env=WITHOUT_COMPILER, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     [archive] = out.glob("*.tar.gz")
     [wheel] = out.glob("*.whl")
@@ -51,12 +65,18 @@ def built(checkout, tmp_path_factory):
 def sources(checkout):
     """Every tracked file below a package, by name."""
     return {
-        str(path.relative_to(checkout)) for name in PACKAGES for path in (checkout / name).rglob("*") if path.is_file()
+        str(path.relative_to(checkout))
+        for name in PACKAGES
+        for path in (checkout / name).rglob("*")
+        if path.is_file()
     }
 
 
 def is_compiled(name):
-    """Whether a file goes into the compiled modules: C, and the headers that no user's controller includes."""
+    """Whether a file goes into the compiled modules.
+
+    C, and the headers that no user's controller includes.
+    """
     return "/core/" in name or name.startswith("worldgen/include/")
 
 
@@ -69,7 +89,11 @@ def test_the_wheel_has_every_file_of_the_packages_and_the_compiled_cores(checkou
 def test_the_source_archive_has_what_the_wheel_is_built_from(checkout, built):
     with tarfile.open(built[0]) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
-    assert sources(checkout) | {"pyproject.toml", "setup.py", "README.md", "LICENSE", "build_tools/backend.py"} <= names
+    assert (
+        sources(checkout)
+        | {"pyproject.toml", "setup.py", "README.md", "LICENSE", "build_tools/backend.py"}
+        <= names
+    )
 
 
 def test_the_wheel_passes_the_check_of_package_indexes(built):
@@ -81,10 +105,22 @@ def test_the_wheel_passes_the_check_of_package_indexes(built):
 
 def test_the_installed_wheel_makes_and_proves_a_world_and_runs_a_robot(built, tmp_path):
     site = tmp_path / "site"
-    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", site, built[1]]
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--target",
+        site,
+        built[1],
+    ]
     subprocess.run(install, check=True, capture_output=True)
     # The folder comes first on the path, so that nothing of the checkout is imported.
-    code = f"import sys; sys.path.insert(0, {str(site)!r}); from worldgen.cli.main import main; main()"
+    code = (
+        f"import sys; sys.path.insert(0, {str(site)!r}); from worldgen.cli.main import main; main()"
+    )
     for command in (
         "maze --size 12 --seed 7 --out w.grid",
         "verify w.grid",

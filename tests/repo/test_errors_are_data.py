@@ -1,4 +1,7 @@
-"""Every error that a user can cause is raised as a code, templates and facts, which programs can read."""
+"""Every error that a user can cause is raised as a code, templates and facts.
+
+It programs can read.
+"""
 
 import ast
 import re
@@ -26,7 +29,8 @@ def _nodes() -> list[tuple[Path, ast.ClassDef | ast.Call]]:
         (path.relative_to(ROOT), node)
         for path in paths
         for node in ast.walk(ast.parse(path.read_text("utf-8")))
-        if isinstance(node, ast.ClassDef) or (isinstance(node, ast.Call) and isinstance(node.func, ast.Name))
+        if isinstance(node, ast.ClassDef)
+        or (isinstance(node, ast.Call) and isinstance(node.func, ast.Name))
     ]
 
 
@@ -34,7 +38,9 @@ def _messages() -> list[tuple[str, ast.Call]]:
     """Return every call that makes an error or a message of a code and templates, and where it is."""
     nodes = _nodes()
     bases = {
-        node.name: {ast.unparse(base) for base in node.bases} for _, node in nodes if isinstance(node, ast.ClassDef)
+        node.name: {ast.unparse(base) for base in node.bases}
+        for _, node in nodes
+        if isinstance(node, ast.ClassDef)
     }
     made = {"Message", "Note", BASE}
     while more := {name for name, above in bases.items() if above & made} - made:
@@ -42,7 +48,9 @@ def _messages() -> list[tuple[str, ast.Call]]:
     return [
         (f"{path}:{node.lineno}", node)
         for path, node in nodes
-        if isinstance(node, ast.Call) and ast.unparse(node.func) in made and path != Path("worldgen/errors.py")
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func) in made
+        and path != Path("worldgen/errors.py")
     ]
 
 
@@ -78,10 +86,16 @@ def _faults() -> Iterator[str]:
             yield f"{place}: give a code, a problem and perhaps a remedy"
             continue
         codes = _texts(call.args[0]) or []
-        yield from (f"{place}: {code!r} is no code" for code in codes if not re.fullmatch(KEBAB, code))
-        problems, remedies = _texts(call.args[1]), [""] if len(call.args) == 2 else _texts(call.args[2])
         yield from (
-            f"{place}: a problem names {option[0]}, an option of the command line; name it in the remedy"
+            f"{place}: {code!r} is no code" for code in codes if not re.fullmatch(KEBAB, code)
+        )
+        problems, remedies = (
+            _texts(call.args[1]),
+            [""] if len(call.args) == 2 else _texts(call.args[2]),
+        )
+        yield from (
+            f"{place}: a problem names {option[0]}, an option of the command line; name it in the "
+            f"remedy"
             for problem in problems or ()
             if (option := re.search(r"(?<![\w-])--[a-z][\w-]*", problem))
         )
@@ -91,7 +105,11 @@ def _faults() -> Iterator[str]:
                 for remedy in remedies or ()
                 if (named := re.search(OF_A_TERMINAL, remedy))
             )
-        if problems is None or remedies is None or any(keyword.arg is None for keyword in call.keywords):
+        if (
+            problems is None
+            or remedies is None
+            or any(keyword.arg is None for keyword in call.keywords)
+        ):
             continue
         no_facts = {"at_terminal"} | (PLACES if ast.unparse(call.func) in IN_FILES else set())
         facts = {str(keyword.arg) for keyword in call.keywords} - no_facts

@@ -20,7 +20,9 @@ AGAIN = "run python docs/draw_gallery.py, and look at what it draws"
 @pytest.fixture(scope="module")
 def script():
     spec = importlib.util.spec_from_file_location("draw_gallery", DOCS / "draw_gallery.py")
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)  # dataclasses look there
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(
+        spec
+    )  # dataclasses look there
     spec.loader.exec_module(module)
     return module
 
@@ -49,12 +51,16 @@ def test_the_commands_make_the_worlds_of_the_picture(script, family, tmp_path, m
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(DOCS.parent / "examples")
     made = []
-    for command, ids in re.findall(r"^\|[^|]*\| `worldgen (.*?)` \| ([0-9a-f ]+) \|$", section(family), re.MULTILINE):
+    for command, ids in re.findall(
+        r"^\|[^|]*\| `worldgen (.*?)` \| ([0-9a-f ]+) \|$", section(family), re.MULTILINE
+    ):
         assert worldgen(*shlex.split(command), "--no-metrics", "--force").code == 0
         digests = [entry.digest[: script.ID] for entry in manifest_of(tmp_path / "worlds").entries]
         assert digests == ids.split(), AGAIN
         made += digests
-    assert made == script.shown(family) and len(made) == script.EACH * len(script.GALLERY[family]), AGAIN
+    assert made == script.shown(family) and len(made) == script.EACH * len(
+        script.GALLERY[family]
+    ), AGAIN
 
 
 def test_the_page_is_what_its_script_writes(script):

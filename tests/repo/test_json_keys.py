@@ -32,7 +32,18 @@ def answers(folder):
     """What each command prints; the campaign's failures are those that are replayed."""
     world = folder / "w.grid"
     found = folder / "found"
-    search = ("--controller", "turn-right", "--lane", "native", "--examples", 1, "--units", 1, "--seed", 1)
+    search = (
+        "--controller",
+        "turn-right",
+        "--lane",
+        "native",
+        "--examples",
+        1,
+        "--units",
+        1,
+        "--seed",
+        1,
+    )
     commands = {
         "verify": (world,),
         "run": (world, "--controller", "turn-right"),
@@ -40,7 +51,9 @@ def answers(folder):
         "fuzz": (*search, "--no-shrink", "--workers", 1, "--out", found),
         "replay": (found,),
     }
-    return {name: json.loads(worldgen(name, *more, "--json").out) for name, more in commands.items()}
+    return {
+        name: json.loads(worldgen(name, *more, "--json").out) for name, more in commands.items()
+    }
 
 
 @pytest.mark.parametrize("command", KEYS)

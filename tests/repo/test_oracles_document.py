@@ -38,7 +38,10 @@ def test_its_campaigns_find_failures_that_replay(done):
 @pytest.mark.gate
 def test_its_own_oracle_finds_a_class_of_its_own(done):
     record = read_world(done[0] / "clumsy" / "clumsy.grid").failure
-    assert record.evidence["oracle"] == "./clumsy.py:clumsy=3" and record.evidence["objection"]["touches"] > 3
+    assert (
+        record.evidence["oracle"] == "./clumsy.py:clumsy=3"
+        and record.evidence["objection"]["touches"] > 3
+    )
     assert record.verdict == "reached" and record.details["one_minimal"]
 
 
@@ -49,7 +52,10 @@ def test_its_own_oracle_has_ten_lines():
 
 def test_a_failure_by_an_oracle_says_what_was_found(done):
     out = done[1][0][1].out
-    assert re.search(r"reached, but oracle detour=5 objects: path \d", out) and "class detour, met" in out
+    assert (
+        re.search(r"reached, but oracle detour=5 objects: path \d", out)
+        and "class detour, met" in out
+    )
 
 
 def test_the_page_names_every_oracle():

@@ -1,4 +1,7 @@
-"""The scripts and styles of studio, report and replay: modules without cycles, nothing in them that nobody uses."""
+"""The scripts and styles of studio, report and replay.
+
+Modules without cycles, nothing in them that nobody uses.
+"""
 
 import functools
 import re
@@ -8,7 +11,12 @@ import pytest
 
 FUZZ = Path(__file__).parents[2] / "fuzz"
 PLAYER = FUZZ / "player" / "page"
-FOLDERS = [PLAYER, FUZZ / "player" / "replay_page", FUZZ / "report" / "page", FUZZ / "studio" / "page"]
+FOLDERS = [
+    PLAYER,
+    FUZZ / "player" / "replay_page",
+    FUZZ / "report" / "page",
+    FUZZ / "studio" / "page",
+]
 MODULES = [module for folder in FOLDERS for module in sorted(folder.glob("*.js"))]
 
 IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";', re.MULTILINE)
@@ -32,7 +40,9 @@ def imported(path):
 
 def exported(path):
     """The names that others may import, each of ``export const a = 1,`` and the lines that go on with it."""
-    for first, more in re.findall(rf"^export {DECLARED}((?: = [^,;]+,\n  \w+)*)", code(path), re.MULTILINE):
+    for first, more in re.findall(
+        rf"^export {DECLARED}((?: = [^,;]+,\n  \w+)*)", code(path), re.MULTILINE
+    ):
         yield from [first, *re.findall(r"\n  (\w+)", more)]
 
 
@@ -81,12 +91,19 @@ def test_what_is_declared_is_used(module):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("style", sorted(FUZZ.rglob("*.css")), ids=lambda path: f"{path.parts[-3]}/{path.name}")
+@pytest.mark.parametrize(
+    "style", sorted(FUZZ.rglob("*.css")), ids=lambda path: f"{path.parts[-3]}/{path.name}"
+)
 def test_every_class_in_a_style_is_on_some_element(style):
     makers = [path for path in sorted(FUZZ.rglob("*")) if path.suffix in (".js", ".html")]
     pages = "\n".join(
         path.read_text("utf-8") for path in (*makers, FUZZ / "player" / "runs.py")
     )  # kinds of marks there
     selectors = re.sub(r"\{[^{}]*\}|/\*.*?\*/", "", style.read_text("utf-8"), flags=re.DOTALL)
-    names = {re.sub(r"^robot-\d$", "robot-", name) for name in re.findall(r"[.#]([a-zA-Z][\w-]*)", selectors)}
-    assert [name for name in sorted(names) if not re.search(rf"(?<![\w-]){name}(?![\w-])", pages)] == []
+    names = {
+        re.sub(r"^robot-\d$", "robot-", name)
+        for name in re.findall(r"[.#]([a-zA-Z][\w-]*)", selectors)
+    }
+    assert [
+        name for name in sorted(names) if not re.search(rf"(?<![\w-]){name}(?![\w-])", pages)
+    ] == []

@@ -1,4 +1,7 @@
-"""What the README says beside its console commands, which ``test_documented_commands.py`` runs, holds."""
+"""What the README says beside its console commands.
+
+It ``test_documented_commands.py`` runs, holds.
+"""
 
 import re
 from pathlib import Path
@@ -11,7 +14,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 def test_two_commands_do_the_set_up():
     first, second = commands(README)
-    assert first.endswith("worldgen demo --out demo") and second.endswith("python -m pytest -n auto")
+    assert first.endswith("worldgen demo --out demo") and second.endswith(
+        "python -m pytest -n auto"
+    )
 
 
 def test_the_python_example_of_the_readme_works(capsys):

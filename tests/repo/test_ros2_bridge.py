@@ -24,7 +24,9 @@ FOLDER = Path(__file__).parents[2] / "examples" / "ros2"
 def bridge(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
     names = ("messages", "lockstep")
-    return SimpleNamespace(**{name: importlib.import_module(f"worldgen_ros2_bridge.{name}") for name in names})
+    return SimpleNamespace(
+        **{name: importlib.import_module(f"worldgen_ros2_bridge.{name}") for name in names}
+    )
 
 
 def room(**changes) -> World:
@@ -73,14 +75,21 @@ def lines(world, speed=0.4, turn_rate=0.3, steps=3, **options):
     """A reset line and observations, as a program gets them."""
     recorder = Recorder(speed, turn_rate)
     simulate(world, recorder, steps=steps, time_step=0.1, **options)
-    observations = [json.dumps({**seen._asdict(), "time": 0.1 * k}) for k, seen in enumerate(recorder.seen, start=1)]
+    observations = [
+        json.dumps({**seen._asdict(), "time": 0.1 * k})
+        for k, seen in enumerate(recorder.seen, start=1)
+    ]
     return ['{"worldgen":1,"reset":{"time_step":0.1,"top_speed":2.0,"radius":0.1}}', *observations]
 
 
 def test_an_occupancy_grid_has_the_worlds_cells_row_by_row_from_below(bridge):
     world = generate("rooms", 3, size=24)
     grid = bridge.messages.grid_of(dumps(world).decode())
-    assert (grid.width, grid.height, grid.resolution) == (world.width, world.height, world.cell_size)
+    assert (grid.width, grid.height, grid.resolution) == (
+        world.width,
+        world.height,
+        world.cell_size,
+    )
     assert (np.reshape(grid.data, (grid.height, grid.width)) == np.where(world.walls, 100, 0)).all()
 
 
@@ -143,7 +152,10 @@ def test_the_measured_twist_is_what_was_commanded(bridge):
     for line in lines(room(), speed=-0.4, turn_rate=0.3, steps=4):
         served.answer(line)
     twist = ports.situations[-1].twist
-    assert (twist.speed, twist.turn_rate) == (pytest.approx(-0.4, abs=0.003), pytest.approx(0.3, abs=0.003))
+    assert (twist.speed, twist.turn_rate) == (
+        pytest.approx(-0.4, abs=0.003),
+        pytest.approx(0.3, abs=0.003),
+    )
 
 
 def test_a_command_holds_for_a_while_then_the_robot_stops(bridge):
@@ -222,7 +234,9 @@ def twist(x, z, sec=None):
     return (
         said
         if sec is None
-        else fake_ros.Message(header=fake_ros.Message(stamp=fake_ros.Message(sec=sec, nanosec=0)), twist=said)
+        else fake_ros.Message(
+            header=fake_ros.Message(stamp=fake_ros.Message(sec=sec, nanosec=0)), twist=said
+        )
     )
 
 
@@ -247,7 +261,9 @@ def test_one_exchange_publishes_the_robot_and_hears_its_driver(bridge, node_modu
         "/scan",
     ]
     assert node.qos["/map"].durability == "transient local"
-    assert node.qos["/scan"] == 10  # a depth alone is reliable, which subscribers of both kinds match
+    assert (
+        node.qos["/scan"] == 10
+    )  # a depth alone is reliable, which subscribers of both kinds match
     assert len(node.on("/scan")[0].ranges) == 4
     assert node.on("/odom")[0].header.stamp.sec == node.on("/clock")[0].clock.sec
     assert node.on("/goal_pose")[0].pose.position.x == pytest.approx(2.5, abs=0.001)
@@ -272,7 +288,11 @@ def test_a_stamped_command_without_a_stamp_counts_as_of_now(bridge, node_module)
 @pytest.mark.gate
 @pytest.mark.parametrize(
     ("text", "message"),
-    [(None, "No such file"), ("%worldgen-grid 1\n%cells\n..\n", "cell_size is missing"), ("type octile", "this is no")],
+    [
+        (None, "No such file"),
+        ("%worldgen-grid 1\n%cells\n..\n", "cell_size is missing"),
+        ("type octile", "this is no"),
+    ],
     ids=["gone", "no cell size", "foreign"],
 )
 def test_a_map_that_is_none_ends_the_bridge_with_a_sentence(text, message, tmp_path):
@@ -281,5 +301,9 @@ def test_a_map_that_is_none_ends_the_bridge_with_a_sentence(text, message, tmp_p
         path.write_text(text)
     code = [sys.executable, "-m", "worldgen_ros2_bridge", "--map", str(path)]
     done = subprocess.run(code, cwd=FOLDER, capture_output=True, text=True, check=False)
-    assert done.returncode == 1 and done.stderr.startswith(f"--map {path}: ") and message in done.stderr
+    assert (
+        done.returncode == 1
+        and done.stderr.startswith(f"--map {path}: ")
+        and message in done.stderr
+    )
     assert done.stderr.count("\n") == 1

@@ -17,14 +17,22 @@ PAGE = (Path(__file__).parents[2] / "docs" / "shrinking.md").read_text(encoding=
 
 @pytest.mark.parametrize(("title", "listed"), [("What simpler means", ORDER), ("Passes", PASSES)])
 def test_the_page_lists_what_the_shrinker_has_in_the_same_order(title, listed):
-    rows = re.findall(r"^\| `([a-z-]+)` \| (.*) \|$", PAGE.partition(f"## {title}\n")[2].partition("\n## ")[0], re.M)
+    rows = re.findall(
+        r"^\| `([a-z-]+)` \| (.*) \|$",
+        PAGE.partition(f"## {title}\n")[2].partition("\n## ")[0],
+        re.M,
+    )
     assert rows == [(one.name, one.says) for one in listed]
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("line", re.findall(r"^\$ worldgen (shrink.*?)(?: *#.*| > .*)?$", PAGE, re.M))
+@pytest.mark.parametrize(
+    "line", re.findall(r"^\$ worldgen (shrink.*?)(?: *#.*| > .*)?$", PAGE, re.M)
+)
 def test_a_command_of_the_page_works(line, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000).write(tmp_path / "big.grid")
+    failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000).write(
+        tmp_path / "big.grid"
+    )
     result = worldgen(*line.split())
     assert result.code == 0, result.err

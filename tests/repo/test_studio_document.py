@@ -11,12 +11,17 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_every_question_of_the_protocol_is_described():
-    rows = set(re.findall(r"^\| `(\w+)` \|", (DOCS / "studio-protocol.md").read_text(), re.MULTILINE))
+    rows = set(
+        re.findall(r"^\| `(\w+)` \|", (DOCS / "studio-protocol.md").read_text(), re.MULTILINE)
+    )
     assert rows - {"do"} == {*LANES, "cancel"}
 
 
 def test_every_option_of_the_command_is_described():
-    options = set(re.findall(r"--[a-z-]+", worldgen("studio", "--help").out)) - {"--help", "--browser"}
+    options = set(re.findall(r"--[a-z-]+", worldgen("studio", "--help").out)) - {
+        "--help",
+        "--browser",
+    }
     text = (DOCS / "studio.md").read_text()
     assert all(option in text for option in options)
 

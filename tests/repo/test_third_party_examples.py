@@ -1,4 +1,7 @@
-"""What is stored of other people's controllers, without their packages; tests/clients lets them drive."""
+"""What is stored of other people's controllers, without their packages.
+
+tests/clients lets them drive.
+"""
 
 import ast
 from pathlib import Path
@@ -13,7 +16,11 @@ FAILURES = sorted(FOLDER.glob("failures/*/*.grid"))
 
 
 def classes(path: Path) -> set[str]:
-    return {node.name for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ClassDef)}
+    return {
+        node.name
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ClassDef)
+    }
 
 
 @pytest.mark.parametrize("path", FAILURES, ids=lambda path: f"{path.parent.name}-{path.stem}")
@@ -28,7 +35,10 @@ def test_every_adapter_has_a_line_in_the_readme_and_all_but_the_planned_one_a_fa
     readme = (FOLDER / "README.md").read_text()
     stored = {read_world(path).failure.controller.rpartition("/")[2] for path in FAILURES}
     adapters = {
-        f"{path.name}:{name}" for path in FOLDER.glob("*.py") for name in classes(path) if not name.startswith("_")
+        f"{path.name}:{name}"
+        for path in FOLDER.glob("*.py")
+        for name in classes(path)
+        if not name.startswith("_")
     }
     assert adapters - stored == {"dynamic_window.py:PlannedWindow"} and not stored - adapters
     assert all(f"| `{name}` |" in readme for name in adapters)

@@ -20,7 +20,9 @@ def project(tmp_path, monkeypatch):
 
 
 def test_what_traps_the_policy_replays_as_the_guide_shows(project):
-    shown = re.search(r"\$ worldgen replay failures/\n(.*?)```", (EXAMPLE / "README.md").read_text(), re.DOTALL)
+    shown = re.search(
+        r"\$ worldgen replay failures/\n(.*?)```", (EXAMPLE / "README.md").read_text(), re.DOTALL
+    )
     result = worldgen("replay", "failures/")
     assert (result.code, result.out) == (0, shown.group(1))
 
@@ -34,4 +36,6 @@ def test_the_policy_arrives_in_most_worlds_that_it_was_not_trained_in(project):
 
 def test_the_guide_names_every_file():
     guide = (EXAMPLE / "README.md").read_text()
-    assert all(f"`{path.name}" in guide for path in EXAMPLE.iterdir() if path.suffix in (".py", ".npz"))
+    assert all(
+        f"`{path.name}" in guide for path in EXAMPLE.iterdir() if path.suffix in (".py", ".npz")
+    )

@@ -16,7 +16,9 @@ pytestmark = pytest.mark.nightly
 
 FROM_PYTHON = {
     line.split()[0]
-    for line in (ROOT / "build_tools/stable_abi/python3.def").read_text(encoding="utf-8").splitlines()[2:]
+    for line in (ROOT / "build_tools/stable_abi/python3.def")
+    .read_text(encoding="utf-8")
+    .splitlines()[2:]
 }
 # Of the C library, as ELF names them.
 FROM_C = {
@@ -49,7 +51,9 @@ def check_windows(module):
     """Everything comes from Python's stable library or from libraries that every Windows has."""
     for library in module.imports:
         name = library.name.lower()
-        assert name == "python3.dll" or name.startswith(("api-ms-win-crt-", "kernel32", "msvcrt", "ucrtbase")), name
+        assert name == "python3.dll" or name.startswith(
+            ("api-ms-win-crt-", "kernel32", "msvcrt", "ucrtbase")
+        ), name
 
 
 def check_unix(module, target):
@@ -64,11 +68,16 @@ def check_unix(module, target):
     if not target.is_macos:
         groups = module.symbols_version_requirement
         needed = [symbol.name for group in groups for symbol in group.get_auxiliary_symbols()]
-        versions = [tuple(map(int, name.split("_")[1].split("."))) for name in needed if name.startswith("GLIBC_")]
+        versions = [
+            tuple(map(int, name.split("_")[1].split(".")))
+            for name in needed
+            if name.startswith("GLIBC_")
+        ]
         assert max(versions) <= OLDEST_GLIBC
 
 
-# What a build is asked for: worlds of every family with their proofs, and runs of every controller in them.
+# What a build is asked for: worlds of every family with their proofs, and runs of every controller
+# in them.
 DIGESTS = """
 import hashlib
 from sim import simulate
@@ -97,7 +106,12 @@ def digest_of_build(compiler, folder):
     environment = {**os.environ, "CC": compiler, "PYTHONPATH": str(folder)}
     for code in (["-m", "build_tools.cores"], ["-c", DIGESTS]):
         done = subprocess.run(
-            [sys.executable, *code], cwd=folder, env=environment, capture_output=True, text=True, check=False
+            [sys.executable, *code],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == 0, done.stderr
     return done.stdout.split()[-1]
@@ -108,5 +122,7 @@ def test_all_compilers_give_the_same_worlds_and_runs(tmp_path):
     commands = [name for name in ("gcc", "clang") if shutil.which(name)]
     commands.append(f"{sys.executable} -m ziglang cc -mcpu=baseline")
     commands.append(f"{sys.executable} -m ziglang cc -mcpu=native")
-    found = {command: digest_of_build(command, tmp_path / str(k)) for k, command in enumerate(commands)}
+    found = {
+        command: digest_of_build(command, tmp_path / str(k)) for k, command in enumerate(commands)
+    }
     assert len(set(found.values())) == 1, found

@@ -24,11 +24,25 @@ from tests.helpers.audit_referee import second_opinion
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import changing_worlds, drawn, still_worlds
 from tests.helpers.raising import raises
-from worldgen import FormatError, InvalidParameter, Pose, Target, Timeline, World, generate, read_world, write_world
+from worldgen import (
+    FormatError,
+    InvalidParameter,
+    Pose,
+    Target,
+    Timeline,
+    World,
+    generate,
+    read_world,
+    write_world,
+)
 from worldgen.timeline import CellState, Event
 
 FREE, SOLID, BURNING = CellState
-ROOM = drawn("......... ......... ......... ...S.G... ......... ......... .........", radius=0.3, cell_size=1.0)
+ROOM = drawn(
+    "......... ......... ......... ...S.G... ......... ......... .........",
+    radius=0.3,
+    cell_size=1.0,
+)
 
 
 def path(*samples):
@@ -41,7 +55,9 @@ def room(*events, walls=(), **changes):
     solid = ROOM.walls.copy()
     for ix, iy in walls:
         solid[iy, ix] = True
-    return replace(ROOM, walls=solid, timeline=Timeline.of([Event(*event) for event in events]), **changes)
+    return replace(
+        ROOM, walls=solid, timeline=Timeline.of([Event(*event) for event in events]), **changes
+    )
 
 
 def small_room(size, walls=()):
@@ -56,17 +72,26 @@ def kinds(world, *samples, **options):
 
 
 def only(world, *samples, **options):
-    (finding,) = audit(world, path(*samples), **{"straight": True, "slack": 100.0, **options}).findings
+    (finding,) = audit(
+        world, path(*samples), **{"straight": True, "slack": 100.0, **options}
+    ).findings
     return finding
 
 
 def recorded(episode, *, corners=False):
-    """An episode as a recording of its steps' ends; with the corners inside steps, at times by their length."""
+    """An episode as a recording of its steps' ends.
+
+    With the corners inside steps, at times by their length.
+    """
     trace, step = episode.trace, episode.trace.time_step
     times = np.arange(len(trace.x)) * step
     if not corners:
         return Trajectory(times, trace.x, trace.y)
-    driven = np.cumsum(np.hypot(np.diff(trace.path_x, prepend=trace.x[0]), np.diff(trace.path_y, prepend=trace.y[0])))
+    driven = np.cumsum(
+        np.hypot(
+            np.diff(trace.path_x, prepend=trace.x[0]), np.diff(trace.path_y, prepend=trace.y[0])
+        )
+    )
     last = np.searchsorted(trace.path_step, np.arange(len(trace.x)), side="right") - 1
     before = np.concatenate([[0.0], driven[last]])[trace.path_step]
     length = driven[last][trace.path_step] - before
@@ -78,7 +103,10 @@ def recorded(episode, *, corners=False):
 
 @st.composite
 def recordings(draw, worlds):
-    """A world and a trajectory: wild ones in and around the grid, short walks in it; some samples at one time."""
+    """A world and a trajectory: wild ones in and around the grid, short walks in it.
+
+    Some samples at one time.
+    """
     world = draw(worlds)
     side, grain = world.cell_size, draw(st.sampled_from([1, 2, 50]))
     count, stride = draw(st.integers(2, 5)), draw(st.sampled_from([None, 1, 25]))
@@ -101,7 +129,9 @@ def test_clearance_and_depths_are_those_that_shapely_measures(recording):
     result, opinion = audit(world, trajectory, straight=True), second_opinion(world, trajectory)
     assert result.clearance == pytest.approx(opinion.clearance, abs=1e-9)
     for kind, depth in opinion.depth.items():
-        found = max((finding.depth for finding in result.findings if finding.kind == kind), default=0.0)
+        found = max(
+            (finding.depth for finding in result.findings if finding.kind == kind), default=0.0
+        )
         assert found == pytest.approx(depth if depth > 2e-6 else found, abs=1e-9)
         assert found == 0.0 or depth > 0.9e-6
 
@@ -112,7 +142,9 @@ def test_every_move_that_shapely_sees_inside_a_wall_is_in_a_finding(recording):
     world, trajectory = recording
     result, opinion = audit(world, trajectory, straight=True), second_opinion(world, trajectory)
     for kind, moves in (("tunnel", opinion.inside), ("outside", opinion.beyond)):
-        spans = [(finding.begin, finding.end) for finding in result.findings if finding.kind == kind]
+        spans = [
+            (finding.begin, finding.end) for finding in result.findings if finding.kind == kind
+        ]
         for begin, end in ((trajectory.times[move], trajectory.times[move + 1]) for move in moves):
             assert any(low <= end + 1e-9 and high >= begin - 1e-9 for low, high in spans)
         assert moves or all(finding.depth <= 2e-7 or on_a_face(world, finding) for finding in result.findings
@@ -121,7 +153,10 @@ def test_every_move_that_shapely_sees_inside_a_wall_is_in_a_finding(recording):
 
 def on_a_face(world, finding):
     """Whether the centre is between two cells, where shapely sees the inside of neither."""
-    return any(abs(place / world.cell_size - round(place / world.cell_size)) < 1e-6 for place in (finding.x, finding.y))
+    return any(
+        abs(place / world.cell_size - round(place / world.cell_size)) < 1e-6
+        for place in (finding.x, finding.y)
+    )
 
 
 @given(recordings(still_worlds() | changing_worlds()))
@@ -131,15 +166,29 @@ def test_a_finding_names_a_place_of_the_trajectory_and_its_distance_to_the_cell(
         assert finding.begin <= finding.t <= finding.end
         if finding.kind in ("overlap", "burned"):
             (ix, iy), side = finding.cell, world.cell_size
-            dx = 0.0 if ix in (-1, world.width) else max(ix * side - finding.x, 0.0, finding.x - (ix + 1) * side)
-            dy = 0.0 if iy in (-1, world.height) else max(iy * side - finding.y, 0.0, finding.y - (iy + 1) * side)
+            dx = (
+                0.0
+                if ix in (-1, world.width)
+                else max(ix * side - finding.x, 0.0, finding.x - (ix + 1) * side)
+            )
+            dy = (
+                0.0
+                if iy in (-1, world.height)
+                else max(iy * side - finding.y, 0.0, finding.y - (iy + 1) * side)
+            )
             assert ix in (-1, world.width) or iy in (-1, world.height) or finding.depth == pytest.approx(
                 world.robot_radius - math.hypot(dx, dy), abs=1e-9)  # fmt: skip
 
 
 def test_through_a_wall_is_a_tunnel_from_face_to_face():
-    found = [f for f in audit(room(walls=[(4, 3)]), path((0, 2.5, 3.5), (4, 6.5, 3.5))).findings if f.kind == "tunnel"]
-    assert [(f.begin, f.end, f.t, f.x, f.y, f.depth, f.cell) for f in found] == [(1.5, 2.5, 2.0, 4.5, 3.5, 0.5, (4, 3))]
+    found = [
+        f
+        for f in audit(room(walls=[(4, 3)]), path((0, 2.5, 3.5), (4, 6.5, 3.5))).findings
+        if f.kind == "tunnel"
+    ]
+    assert [(f.begin, f.end, f.t, f.x, f.y, f.depth, f.cell) for f in found] == [
+        (1.5, 2.5, 2.0, 4.5, 3.5, 0.5, (4, 3))
+    ]
 
 
 def test_a_tunnel_is_as_deep_as_the_centre_is_from_the_nearest_face():
@@ -149,7 +198,9 @@ def test_a_tunnel_is_as_deep_as_the_centre_is_from_the_nearest_face():
 
 
 def test_a_long_step_that_only_ends_near_a_wall_is_looked_at():
-    assert kinds(room(walls=[(5, 3)], robot_radius=0.1), (0, 2.95, 3.5), (1, 4.95, 3.5)) == ["overlap"]
+    assert kinds(room(walls=[(5, 3)], robot_radius=0.1), (0, 2.95, 3.5), (1, 4.95, 3.5)) == [
+        "overlap"
+    ]
 
 
 def test_three_walls_in_one_step_are_three_tunnels():
@@ -158,7 +209,10 @@ def test_three_walls_in_one_step_are_three_tunnels():
 
 
 def test_a_wall_of_many_cells_is_one_tunnel():
-    assert kinds(room(walls=[(3, 3), (4, 3), (5, 3)]), (0, 0.5, 3.4), (1, 8.5, 3.6)).count("tunnel") == 1
+    assert (
+        kinds(room(walls=[(3, 3), (4, 3), (5, 3)]), (0, 0.5, 3.4), (1, 8.5, 3.6)).count("tunnel")
+        == 1
+    )
 
 
 @pytest.mark.parametrize("size", [1.0, 0.1, 0.3])
@@ -173,7 +227,9 @@ def test_along_the_face_between_two_solid_cells_the_centre_is_in_the_wall(size):
     world = small_room(size, [(4, 3), (4, 2)])
     found = [
         f
-        for f in audit(world, path((0, size, round(3 * size, 9)), (4, 7 * size, round(3 * size, 9)))).findings
+        for f in audit(
+            world, path((0, size, round(3 * size, 9)), (4, 7 * size, round(3 * size, 9)))
+        ).findings
         if f.kind == "tunnel"
     ]
     assert [f.depth for f in found] == [pytest.approx(0.5 * size)]
@@ -232,10 +288,20 @@ def test_fire_at_the_edge_burns_a_robot_whose_centre_is_outside():
 
 
 def test_what_burned_before_the_robot_came_does_it_no_harm():
-    assert kinds(room((0.0, 4, 3, BURNING), (1.0, 4, 3, FREE)), (0, 2.5, 3.5), (1, 3.5, 3.5), (2, 6.5, 3.5)) == []
+    assert (
+        kinds(
+            room((0.0, 4, 3, BURNING), (1.0, 4, 3, FREE)),
+            (0, 2.5, 3.5),
+            (1, 3.5, 3.5),
+            (2, 6.5, 3.5),
+        )
+        == []
+    )
 
 
-@pytest.mark.parametrize("side", [step for step in itertools.product((-1, 0, 1), repeat=2) if any(step)])
+@pytest.mark.parametrize(
+    "side", [step for step in itertools.product((-1, 0, 1), repeat=2) if any(step)]
+)
 def test_a_wall_on_any_side_is_seen(side):
     cell = (4 + side[0], 3 + side[1])
     place = (4.5 + 0.35 * side[0], 3.5 + 0.35 * side[1])
@@ -268,11 +334,18 @@ def test_a_long_slide_along_a_wall_is_one_finding(count):
 
 def test_two_cuts_with_a_clear_stretch_between_are_two_findings():
     world = room(walls=[(2, 3), (6, 3)])
-    assert [f.cell for f in audit(world, path((0, 1.0, 2.8), (8, 8.0, 2.8))).findings] == [(2, 3), (6, 3)]
+    assert [f.cell for f in audit(world, path((0, 1.0, 2.8), (8, 8.0, 2.8))).findings] == [
+        (2, 3),
+        (6, 3),
+    ]
 
 
 def test_beyond_the_grid_is_outside_by_its_distance_and_the_border_is_inside():
-    found = [f for f in audit(ROOM, path((0, 8.0, 3.5), (4, 10.0, 3.5), (8, 8.0, 3.5))).findings if f.kind == "outside"]
+    found = [
+        f
+        for f in audit(ROOM, path((0, 8.0, 3.5), (4, 10.0, 3.5), (8, 8.0, 3.5))).findings
+        if f.kind == "outside"
+    ]
     assert [(f.begin, f.end, f.t, f.depth) for f in found] == [(2.0, 6.0, 4.0, 1.0)]
     assert "outside" not in kinds(small_room(0.1), (0, 0.5, 0.5), (1, 0.9, 0.7))
 
@@ -302,13 +375,20 @@ def test_another_start_is_a_note_or_a_finding():
 
 
 def test_a_corner_cut_between_clear_close_samples_is_a_note_unless_the_robot_went_straight():
-    round_it = [(4.0 + 0.301 * math.cos(angle), 3.0 + 0.301 * math.sin(angle)) for angle in np.radians([200, 250])]
+    round_it = [
+        (4.0 + 0.301 * math.cos(angle), 3.0 + 0.301 * math.sin(angle))
+        for angle in np.radians([200, 250])
+    ]
     trajectory = path((0, 3.6, 3.2), (1, *round_it[0]), (2, *round_it[1]), (3, 4.3, 2.6))
     result = audit(room(walls=[(4, 3)]), trajectory)
     assert result.ok and result.shaved == 1
-    assert result.shaved_depth == pytest.approx(0.3 - 0.301 * math.cos(math.radians(25.0)), abs=1e-9)
+    assert result.shaved_depth == pytest.approx(
+        0.3 - 0.301 * math.cos(math.radians(25.0)), abs=1e-9
+    )
     assert "--straight" in result.notes[-1]
-    assert [f.kind for f in audit(room(walls=[(4, 3)]), trajectory, straight=True).findings] == ["overlap"]
+    assert [f.kind for f in audit(room(walls=[(4, 3)]), trajectory, straight=True).findings] == [
+        "overlap"
+    ]
 
 
 def test_a_cut_between_samples_further_apart_than_the_radius_counts():
@@ -321,7 +401,9 @@ def test_the_target_is_reached_when_the_line_enters_its_disc(recording):
     reached = audit(world, trajectory).reached
     fine = np.linspace(trajectory.times[0], trajectory.times[-1], 2001)
     where = [np.interp(fine, trajectory.times, values) for values in (trajectory.x, trajectory.y)]
-    near = np.hypot(where[0] - world.target.x, where[1] - world.target.y) <= world.target.radius * (1 - 1e-9)
+    near = np.hypot(where[0] - world.target.x, where[1] - world.target.y) <= world.target.radius * (
+        1 - 1e-9
+    )
     assert not near.any() or (reached is not None and reached <= fine[near][0] + 1e-9)
 
 
@@ -344,7 +426,9 @@ def test_what_swept_drives_is_possible(family, controller):
         assert (result.reached is not None) == (episode.verdict == "reached")
 
 
-@pytest.mark.parametrize("name", ["thesis-1-back-off", "thesis-2-back-off", "thesis-2-slide", "thesis-1-slide"])
+@pytest.mark.parametrize(
+    "name", ["thesis-1-back-off", "thesis-2-back-off", "thesis-2-slide", "thesis-1-slide"]
+)
 def test_a_tunnel_of_stepped_is_found_in_the_same_step(name):
     world = read_world(resources.files("corpora") / "thesis-faults" / f"{name}.grid")
     failure = Failure.of(world)
@@ -357,7 +441,9 @@ def test_a_tunnel_of_endpoint_is_found_in_the_same_step():
     seen = 0
     for family, seed in itertools.product(("corridor", "maze", "trap"), range(8)):
         world = generate(family, seed=seed)
-        episode = simulate(world, "turn-left", motion="endpoint", time_step=0.3, steps=1500, record=True)
+        episode = simulate(
+            world, "turn-left", motion="endpoint", time_step=0.3, steps=1500, record=True
+        )
         if episode.verdict == "tunnel":
             assert_same_step(world, episode)
             seen += 1
@@ -376,7 +462,11 @@ def assert_same_step(world, episode):
     ("text", "line", "expected"),
     [
         ("", 1, {"code": "columns-missing", "fault": "no column 't'"}),
-        ("time,x,y\n0,1,1\n", 1, {"code": "columns-missing", "shown": "time, x, y", "fault": "no column 't'"}),
+        (
+            "time,x,y\n0,1,1\n",
+            1,
+            {"code": "columns-missing", "shown": "time, x, y", "fault": "no column 't'"},
+        ),
         ("t,x,y,x\n0,1,1,1\n", 1, {"code": "columns-missing", "fault": "two columns 'x'"}),
         ("t,x,y\n", None, {"code": "too-few-samples"}),
         ("t,x,y\n0,1,1\n", None, {"code": "too-few-samples", "count": 1}),
@@ -410,7 +500,11 @@ def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, expe
 )
 def test_columns_go_by_name_whatever_stands_between(text):
     read = parse_trajectory(text, "good.csv")
-    assert [list(values) for values in (read.times, read.x, read.y)] == [[0.0, 0.5], [1.5, 3.0], [2.0, 4.0]]
+    assert [list(values) for values in (read.times, read.x, read.y)] == [
+        [0.0, 0.5],
+        [1.5, 3.0],
+        [2.0, 4.0],
+    ]
 
 
 @pytest.mark.parametrize(
@@ -427,7 +521,9 @@ def test_options_out_of_range_are_refused(options, expected):
 
 
 def test_places_beyond_all_cells_are_refused():
-    tiny = World(ROOM.walls, Pose(0.0, 0.0), Target(0.0, 0.0, 1e-6), cell_size=1e-6, robot_radius=1e-6)
+    tiny = World(
+        ROOM.walls, Pose(0.0, 0.0), Target(0.0, 0.0, 1e-6), cell_size=1e-6, robot_radius=1e-6
+    )
     with raises(InvalidParameter, "out-of-range"):
         audit(tiny, path((0, 1e4, 1), (1, 1e4, 1)))
 
@@ -442,7 +538,9 @@ def files(tmp_path):
 
 def test_the_command_says_possible_and_ends_with_0(files):
     result = worldgen("audit", files / "w.grid", files / "clean.csv")
-    assert result.code == 0 and result.out.startswith("possible: 2 samples, 1 s, 1.5 m, target not reached; least ")
+    assert result.code == 0 and result.out.startswith(
+        "possible: 2 samples, 1 s, 1.5 m, target not reached; least "
+    )
 
 
 def test_the_command_says_what_was_not_possible_and_ends_with_1(files):
@@ -450,7 +548,8 @@ def test_the_command_says_what_was_not_possible_and_ends_with_1(files):
     assert result.code == 1
     assert [line.split()[0] for line in result.out.splitlines()] == ["overlap", "tunnel", "not"]
     assert (
-        "tunnel 0.75 to 1.25 s: the centre is up to 0.5 m deep in cell (5, 3), at t = 1 s, (5.5, 3.5) m" in result.out
+        "tunnel 0.75 to 1.25 s: the centre is up to 0.5 m deep in cell (5, 3), at t = 1 s, (5.5, "
+        "3.5) m" in result.out
     )
     assert "not possible, 1 tunnel, 1 overlap: 3 samples" in result.out
 
@@ -475,7 +574,9 @@ def test_the_page_names_every_key_and_kind(files):
 
 
 def test_a_minus_reads_from_stdin(files, monkeypatch):
-    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO((files / "bad.csv").read_bytes())))
+    monkeypatch.setattr(
+        sys, "stdin", SimpleNamespace(buffer=io.BytesIO((files / "bad.csv").read_bytes()))
+    )
     assert worldgen("audit", files / "w.grid", "-").code == 1
 
 
@@ -488,7 +589,9 @@ def test_the_picture_marks_the_tunnel(files):
     clean_pixels = np.asarray(Image.open(files / "b.png").convert("RGB")).reshape(-1, 3)
     purple = np.array([0xCC, 0x79, 0xA7])
     assert (result.code, clean.code) == (1, 0)
-    assert (drawn_pixels == purple).all(axis=1).any() and not (clean_pixels == purple).all(axis=1).any()
+    assert (drawn_pixels == purple).all(axis=1).any() and not (clean_pixels == purple).all(
+        axis=1
+    ).any()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,12 @@ FIELDS = ("verdict", "steps", "time", "path_length", "collisions", "digest")
 
 
 def burning():
-    return replace(cup(), timeline=Timeline.of([Event(0.5, 7, 7, CellState.BURNING), Event(0.9, 7, 7, CellState.FREE)]))
+    return replace(
+        cup(),
+        timeline=Timeline.of(
+            [Event(0.5, 7, 7, CellState.BURNING), Event(0.9, 7, 7, CellState.FREE)]
+        ),
+    )
 
 
 def single(world, controller, seed, **options):
@@ -32,7 +37,10 @@ def single(world, controller, seed, **options):
 
 @pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
 def test_many_runs_are_the_single_ones(motion):
-    worlds, names = [cup(), burning(), generate("trap", seed=3)], ["turn-left", "turn-right", "turn-random"]
+    worlds, names = (
+        [cup(), burning(), generate("trap", seed=3)],
+        ["turn-left", "turn-right", "turn-random"],
+    )
     runs = simulate_many(worlds, names, seeds=3, digest=True, motion=motion, steps=3000)
     assert len(runs) == 27
     for row in runs.to_numpy():
@@ -47,7 +55,9 @@ def test_neither_threads_nor_order_change_a_run(workers, order, digest):
     worlds = [generate("maze", seed=seed, size=14) for seed in range(2)]
     names, seeds = ("turn-random", "turn-left"), [7, 8, 9, 10, 11, 12]
     plain = simulate_many(worlds, names, seeds=seeds, steps=400, digest=True, workers=1)
-    mixed = simulate_many(worlds, names, seeds=[seeds[k] for k in order], steps=400, digest=digest, workers=workers)
+    mixed = simulate_many(
+        worlds, names, seeds=[seeds[k] for k in order], steps=400, digest=digest, workers=workers
+    )
     back = np.argsort(np.lexsort((mixed.seed, mixed.controller, mixed.world)))
     for field in FIELDS[: 6 if digest else 5]:
         assert (getattr(plain, field)[back] == getattr(mixed, field)).all()
@@ -59,12 +69,17 @@ def test_starts_are_run_in_every_world():
     assert runs.start.tolist() == [0, 1, 0, 1]
     for row, world in enumerate([arena(16), arena(16), cup(), cup()]):
         moved = replace(world, start=starts[row % 2])
-        assert int(runs.digest[row]) == int(simulate(moved, "turn-left", steps=500).trace_digest, 16)
+        assert int(runs.digest[row]) == int(
+            simulate(moved, "turn-left", steps=500).trace_digest, 16
+        )
 
 
 def test_python_controllers_run_too_and_keep_their_names():
     runs = simulate_many(arena(), [GoToTarget(), "turn-left"], seeds=2, steps=2000)
-    assert runs.names == ("GoToTarget", "turn-left") and runs.verdicts[:2].tolist() == ["reached", "reached"]
+    assert runs.names == ("GoToTarget", "turn-left") and runs.verdicts[:2].tolist() == [
+        "reached",
+        "reached",
+    ]
 
 
 def test_a_controller_that_raises_in_some_runs_crashes_in_those_alone():
@@ -72,8 +87,13 @@ def test_a_controller_that_raises_in_some_runs_crashes_in_those_alone():
         memory[int(observation[9] * 1.5)] = 1.0  # beyond its memory for draws above 2/3
         command[2] = 1.0
 
-    runs = simulate_many(arena(), CompiledController("odd", act, (0.0,), randomised=True), seeds=40, steps=1)
-    assert 5 <= (runs.verdicts == "crash").sum() <= 25 and set(runs.verdicts) == {"crash", "stalled"}
+    runs = simulate_many(
+        arena(), CompiledController("odd", act, (0.0,), randomised=True), seeds=40, steps=1
+    )
+    assert 5 <= (runs.verdicts == "crash").sum() <= 25 and set(runs.verdicts) == {
+        "crash",
+        "stalled",
+    }
 
 
 def test_results_print_themselves_and_convert():
@@ -81,7 +101,10 @@ def test_results_print_themselves_and_convert():
     text = repr(runs)
     assert text.startswith("20 runs, ") and "turn-random: " in text
     table = runs.to_numpy()
-    assert table.dtype.names[:4] == ("world", "controller", "start", "seed") and len(table) == len(runs) == 20
+    assert (
+        table.dtype.names[:4] == ("world", "controller", "start", "seed")
+        and len(table) == len(runs) == 20
+    )
 
 
 @pytest.mark.parametrize(
@@ -90,7 +113,11 @@ def test_results_print_themselves_and_convert():
         ({"worlds": []}, InvalidParameter, {"code": "nothing-given"}),
         ({"seeds": 0}, InvalidParameter, {"code": "nothing-given"}),
         ({"starts": []}, InvalidParameter, {"code": "nothing-given"}),
-        ({"controllers": "turn-lft"}, InvalidParameter, {"code": "unknown-name", "name": "turn-lft"}),
+        (
+            {"controllers": "turn-lft"},
+            InvalidParameter,
+            {"code": "unknown-name", "name": "turn-lft"},
+        ),
         ({"seed": 3}, InvalidParameter, {"code": "seed-for-many-runs"}),
         ({"slipp": 3}, InvalidParameter, {"code": "unknown-name", "name": "slipp"}),
         ({"starts": [Pose(0.0, 0.0, 0.0)]}, InvalidWorld, {"code": "start-in-wall"}),
@@ -106,15 +133,20 @@ def test_a_batch_that_another_thread_stops_runs_no_further():
     controller = CONTROLLERS.get("random-walk")
     run = LatticeRun(cup(), controller, options)
     starts = np.array([run.start_of(run.world.start)] * 3, np.int64)
-    reports = run.run_many(controller, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64))
+    reports = run.run_many(
+        controller, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64)
+    )
     assert reports["steps"].tolist() == [0, 0, 0]
 
 
 def test_options_given_at_once_are_those_given_one_by_one():
     world = generate("maze", 3, size=12)
-    at_once = simulate_many(world, "wall-left", RunOptions(motion="endpoint", steps=50), seeds=2, digest=True)
+    at_once = simulate_many(
+        world, "wall-left", RunOptions(motion="endpoint", steps=50), seeds=2, digest=True
+    )
     assert np.array_equal(
-        at_once.digest, simulate_many(world, "wall-left", motion="endpoint", steps=50, seeds=2, digest=True).digest
+        at_once.digest,
+        simulate_many(world, "wall-left", motion="endpoint", steps=50, seeds=2, digest=True).digest,
     )
 
 

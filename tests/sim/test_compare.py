@@ -76,7 +76,11 @@ def test_every_cell_without_chance_is_the_run_itself(table):
         for cell in row[:2]:
             episode = simulate(world.world, cell.label, motion="stepped", steps=cell.budget)
             run = cell.runs[0]
-            assert (run.verdict, run.steps, run.time) == (episode.verdict, episode.steps, episode.time)
+            assert (run.verdict, run.steps, run.time) == (
+                episode.verdict,
+                episode.steps,
+                episode.time,
+            )
             assert cell.evidence == episode.evidence or episode.verdict == "reached"
 
 
@@ -84,7 +88,9 @@ def test_every_run_with_chance_is_the_run_with_its_seed(table):
     cell = table.cells[1][2]
     assert [run.seed for run in cell.runs] == list(range(20))
     for run in cell.runs:
-        episode = simulate(WALL.world, "thesis-3", motion="stepped", seed=run.seed, steps=cell.budget)
+        episode = simulate(
+            WALL.world, "thesis-3", motion="stepped", seed=run.seed, steps=cell.budget
+        )
         assert (run.verdict, run.steps) == (episode.verdict, episode.steps)
 
 
@@ -104,8 +110,14 @@ def test_an_exact_loop_says_its_period_and_counts_as_never(table):
 
 def test_totals_add_up_and_compare_times_only_where_everybody_arrives(table):
     for total, column in zip(table.totals(), zip(*table.cells, strict=True), strict=True):
-        assert total.reached + sum(total.failures.values()) == total.runs == sum(len(cell.runs) for cell in column)
-        assert total.mean_time == pytest.approx(sum(column[row].time for row in table.common) / len(table.common))
+        assert (
+            total.reached + sum(total.failures.values())
+            == total.runs
+            == sum(len(cell.runs) for cell in column)
+        )
+        assert total.mean_time == pytest.approx(
+            sum(column[row].time for row in table.common) / len(table.common)
+        )
     assert 2 not in table.common
 
 
@@ -116,7 +128,8 @@ def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
         "    def reset(self):\n"
         "        return ()\n"
         "    def act(self, observation, memory):\n"
-        "        return Command(observation.top_speed, 20.0 * observation.random - 10.0, used_random=True), memory\n"
+        "        return Command(observation.top_speed, 20.0 * observation.random - 10.0, "
+        "used_random=True), memory\n"
     )
     name = f"{tmp_path}/mine.py:Waverer"
     cell = compare([EMPTY], scenarios(name, motion="swept"), seeds=3, steps=300).cells[0][0]
@@ -126,7 +139,9 @@ def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
 
 def test_switches_that_draw_random_numbers_make_a_controller_random():
     cell = compare([WALL], scenarios("thesis-1+slip=0.2", seed=5), seeds=4).cells[0][0]
-    assert [run.seed for run in cell.runs] == [5, 6, 7, 8] and len({run.steps for run in cell.runs}) > 1
+    assert [run.seed for run in cell.runs] == [5, 6, 7, 8] and len(
+        {run.steps for run in cell.runs}
+    ) > 1
 
 
 def test_a_world_without_room_is_named():
@@ -154,7 +169,10 @@ def test_what_cannot_run_is_refused_before_the_first_run():
         (TABLE + "a,thesis-1,0\n", {"code": "not-a-number", "name": "time", "value": "0"}),
         (TABLE + "a,thesis-1,1e308\n", {"code": "not-a-number", "name": "time"}),
         (TABLE + 'a,thesis-1,"1\n', {"code": "invalid-csv"}),
-        ("world,controller,time,verdict\na,b,1,lost\n", {"code": "unknown-name", "verdict": "lost"}),
+        (
+            "world,controller,time,verdict\na,b,1,lost\n",
+            {"code": "unknown-name", "verdict": "lost"},
+        ),
         ("world,controller,time,verdict\na,b,,reached\n", {"code": "time-missing"}),
     ],
 )
@@ -172,20 +190,29 @@ def test_our_own_table_agrees_with_itself(table):
 
 def test_a_table_in_which_a_few_seeds_arrive_agrees_with_itself():
     world = read_world(CONFIGURATIONS / "config-05.grid")
-    few = compare([NamedWorld("config-05", world)], scenarios("thesis-2", "thesis-3", seed=40), seeds=40, steps=20_000)
+    few = compare(
+        [NamedWorld("config-05", world)],
+        scenarios("thesis-2", "thesis-3", seed=40),
+        seeds=40,
+        steps=20_000,
+    )
     beside = agreement(few, read_figures(as_csv(few), "new.csv"))
     assert beside.never == (2, 2) and beside.within == (0, 0) and beside.rankings == (1, 1)
 
 
 def test_a_run_too_long_to_prove_is_never_without_proof(tmp_path):
-    world = NamedWorld("drifting", read_world(CONFIGURATIONS.parent / "thesis-faults" / "thesis-1-drifting.grid"))
+    world = NamedWorld(
+        "drifting", read_world(CONFIGURATIONS.parent / "thesis-faults" / "thesis-1-drifting.grid")
+    )
     cell = compare([world], scenarios("thesis-1"), steps=2_100_000).cells[0][0]
     assert (cell.verdict, cell.never, cell.detail) == ("stalled", True, "")
 
 
 def test_hundreds_of_figures_for_one_cell_are_compared_at_once(table):
     rows = [f"empty,thesis-{robot},{time}" for robot in (1, 2, 3) for time in range(1, 400)]
-    assert agreement(table, read_figures(TABLE + "\n".join(rows) + "\n", "old.csv")).rankings[1] == 1
+    assert (
+        agreement(table, read_figures(TABLE + "\n".join(rows) + "\n", "old.csv")).rankings[1] == 1
+    )
 
 
 def test_a_table_that_differs_says_how_far(table):
@@ -198,12 +225,16 @@ def test_a_table_that_differs_says_how_far(table):
 
 def test_of_two_figures_for_one_run_the_nearer_one_counts(table):
     time = table.cells[0][0].time
-    beside = agreement(table, read_figures(f"{TABLE}empty,thesis-1,{time}\nempty,thesis-1,{time * 3}\n", "old.csv"))
+    beside = agreement(
+        table, read_figures(f"{TABLE}empty,thesis-1,{time}\nempty,thesis-1,{time * 3}\n", "old.csv")
+    )
     assert beside.largest.relative == 0.0 and len(beside.figures[0, 0]) == 2
 
 
 def test_the_command_prints_the_table_and_the_totals(folder):
-    result = worldgen("compare", folder, "--controllers", "thesis-1,thesis-2", "--motion", "stepped")
+    result = worldgen(
+        "compare", folder, "--controllers", "thesis-1,thesis-2", "--motion", "stepped"
+    )
     assert result.code == 0
     lines = result.out.splitlines()
     assert lines[0].split() == ["world", "thesis-1", "thesis-2", "best", "worst"]
@@ -212,7 +243,9 @@ def test_the_command_prints_the_table_and_the_totals(folder):
 
 
 def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model(folder):
-    (folder / "published.csv").write_text("world,controller,motion,time\nempty,thesis-1,stepped,1.5\n")
+    (folder / "published.csv").write_text(
+        "world,controller,motion,time\nempty,thesis-1,stepped,1.5\n"
+    )
     result = worldgen("compare", folder, "--controllers", "thesis-1")
     assert "motion stepped, as the published figures have it" in result.err
     assert "1.500 (+" in result.out and "Against the published figures" in result.out
@@ -222,11 +255,15 @@ def test_a_world_named_alone_has_the_published_table_beside_it_too(folder):
     text = "world,controller,motion,time\nempty,thesis-1,stepped,1.5\nwall,thesis-1,stepped,2.5\n"
     (folder / "published.csv").write_text(text)
     result = worldgen("compare", folder / "empty.grid", "--controllers", "thesis-1")
-    assert "1.500 (+" in result.out and "not here" not in result.err and "motion stepped" in result.err
+    assert (
+        "1.500 (+" in result.out and "not here" not in result.err and "motion stepped" in result.err
+    )
 
 
 def test_a_run_gets_time_enough_for_the_published_arrival(folder):
-    (folder / "published.csv").write_text("world,controller,motion,time\nempty,thesis-1,stepped,2000\n")
+    (folder / "published.csv").write_text(
+        "world,controller,motion,time\nempty,thesis-1,stepped,2000\n"
+    )
     result = worldgen("compare", folder / "..", folder, "--controllers", "thesis-1", "--json")
     assert result.code == 2  # the folder above has no worlds of its own, so the same ones again
     result = worldgen("compare", folder, "--controllers", "thesis-1", "--json")
@@ -236,12 +273,23 @@ def test_a_run_gets_time_enough_for_the_published_arrival(folder):
 
 def test_csv_json_and_picture_hold_what_was_printed(folder, tmp_path):
     out, sheet = tmp_path / "new.csv", tmp_path / "sheet.png"
-    arguments = ["compare", folder, "--controllers", "thesis-1,thesis-3", "--motion", "stepped", "--seeds", 5]
+    arguments = [
+        "compare",
+        folder,
+        "--controllers",
+        "thesis-1,thesis-3",
+        "--motion",
+        "stepped",
+        "--seeds",
+        5,
+    ]
     result = worldgen(*arguments, "--csv", out, "--picture", sheet, "--json")
     rows = list(csv.DictReader(io.StringIO(out.read_text())))
     cells = [cell for row in json.loads(result.out)["worlds"] for cell in row["cells"]]
     assert [int(row["reached"]) for row in rows] == [cell["reached"] for cell in cells]
-    assert [row["time"] for row in rows] == ["never" if cell["time"] is None else str(cell["time"]) for cell in cells]
+    assert [row["time"] for row in rows] == [
+        "never" if cell["time"] is None else str(cell["time"]) for cell in cells
+    ]
     assert Image.open(io.BytesIO(sheet.read_bytes())).width > 600
 
 
@@ -249,7 +297,9 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     write_world(EMPTY.world, other / "empty.grid")
-    result = worldgen("compare", folder / "empty.grid", other, "--controllers", "turn-left", "--json")
+    result = worldgen(
+        "compare", folder / "empty.grid", other, "--controllers", "turn-left", "--json"
+    )
     names = [row["world"] for row in json.loads(result.out)["worlds"]]
     assert names == [str(folder / "empty"), str(other / "empty")]
 

@@ -1,4 +1,7 @@
-"""docs/controllers.md: its tables are those of the code. Its commands run with all documented commands."""
+"""docs/controllers.md: its tables are those of the code.
+
+Its commands run with all documented commands.
+"""
 
 import io
 import json
@@ -18,7 +21,9 @@ TEXT = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
 
 def test_the_document_names_every_field_of_an_observation():
     table = TEXT.partition("| field | unit |")[2].partition("\n\n")[0]
-    names = [name for row in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", row.split("|")[1])]
+    names = [
+        name for row in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", row.split("|")[1])
+    ]
     assert tuple(names) == Observation._fields
 
 
@@ -34,13 +39,23 @@ def test_the_lines_of_the_document_are_lines_of_the_protocol():
 def test_the_limits_of_the_document_are_the_defaults():
     limits = ProcessController(["sh"]).limits
     rows = re.findall(r"\| `\+(?:deadline|start|memory)=.*\| (\S+) \|", TEXT)
-    assert rows == [f"{limits.deadline:g}", f"{limits.start_deadline:g}", f"{(limits.memory or 0) >> 30}G"]
+    assert rows == [
+        f"{limits.deadline:g}",
+        f"{limits.start_deadline:g}",
+        f"{(limits.memory or 0) >> 30}G",
+    ]
 
 
 def test_the_kinds_of_evidence_are_those_of_the_document():
     rows = dict(re.findall(r"\| `(crash|hang|invalid-command)` \|(.*)", TEXT))
-    for verdict, script in {"crash": "read l; exit 3", "hang": "read l; sleep 9", "invalid-command": "yes"}.items():
-        with ProcessController(["sh", "-c", f"echo oops >&2; {script}"], start_deadline=0.5) as controller:
+    for verdict, script in {
+        "crash": "read l; exit 3",
+        "hang": "read l; sleep 9",
+        "invalid-command": "yes",
+    }.items():
+        with ProcessController(
+            ["sh", "-c", f"echo oops >&2; {script}"], start_deadline=0.5
+        ) as controller:
             episode = simulate(generate("trap", 4, size=20), controller, RunOptions(steps=9))
         assert episode.verdict == verdict and all(
             f"`{key}`" in rows[verdict] for key in evidence_table(episode.evidence)

@@ -8,7 +8,7 @@ import numpy as np
 from sim import Commands, Observations, RobotOptions, RunOptions, simulate
 from sim.controllers import CONTROLLERS
 from sim.runners import core_calls
-from sim.runners.core_calls import Driver, Episode
+from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
 from tests.sim.test_episode import cup
 
@@ -50,7 +50,7 @@ def test_an_arena_keeps_its_table_of_rays():
         if forgets:
             # What a second thread does that makes the same table at the same time.
             core_calls.ray_table.cache_clear()
-        episode = Episode(arena, run.settings, Driver(controller, controller.memory))
+        episode = CoreEpisode(arena, run.settings, Driver(controller, controller.memory))
         episode.run_to_the_end()
         ended.append(episode.state_words().tolist())
     assert ended[0] == ended[1]

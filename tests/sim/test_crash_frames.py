@@ -13,7 +13,10 @@ class Robot:
 
 
 def raised_through(library):
-    """What is raised by a function of a library's file, which a function of the user's file calls."""
+    """What is raised by a function of a library's file.
+
+    It a function of the user's file calls.
+    """
     names = {}
     exec(compile("def solve():\n    return 1 / 0\n", library, "exec"), names)
     exec(compile("def plan():\n    return solve()\n", ROBOT, "exec"), names)
@@ -24,12 +27,20 @@ def raised_through(library):
 
 @pytest.mark.parametrize(
     "library",
-    ["/usr/lib/python3/dist-packages/solver/core.py", "/opt/other/lib/python3.12/site-packages/solver.py"],
+    [
+        "/usr/lib/python3/dist-packages/solver/core.py",
+        "/opt/other/lib/python3.12/site-packages/solver.py",
+    ],
 )
 def test_an_installed_library_is_not_the_users_code(library):
-    assert [frame["function"] for frame in crash_facts(raised_through(library), Robot())["frames"]] == ["plan"]
+    assert [
+        frame["function"] for frame in crash_facts(raised_through(library), Robot())["frames"]
+    ] == ["plan"]
 
 
 def test_a_file_that_only_has_a_similar_name_is_the_users_code():
     error = raised_through("/home/ann/my-dist-packages/solver.py")
-    assert [frame["function"] for frame in crash_facts(error, Robot())["frames"]] == ["plan", "solve"]
+    assert [frame["function"] for frame in crash_facts(error, Robot())["frames"]] == [
+        "plan",
+        "solve",
+    ]

@@ -1,4 +1,7 @@
-"""What a dying program's stderr says: the reports of sanitizers, assertions, panics and tracebacks."""
+"""What a dying program's stderr says.
+
+The reports of sanitizers, assertions, panics and tracebacks.
+"""
 
 from __future__ import annotations
 
@@ -86,12 +89,24 @@ Exception in thread "main" java.lang.ArrayIndexOutOfBoundsException: Index 4 out
 @pytest.mark.parametrize(
     ("said", "reason", "functions"),
     [
-        pytest.param(ADDRESS_SANITIZER, "heap-buffer-overflow", ["main", "act"], id="address-sanitizer"),
-        pytest.param("robot: src/robot.c:12: act: Assertion `gap > 0' failed.\n", "assertion", ["act"], id="glibc"),
         pytest.param(
-            "Assertion failed: (gap > 0), function act, file robot.c, line 12.\n", "assertion", ["act"], id="macos"
+            ADDRESS_SANITIZER, "heap-buffer-overflow", ["main", "act"], id="address-sanitizer"
         ),
-        pytest.param("Assertion failed: gap > 0 (robot.c: act: 12)\n", "assertion", ["act"], id="musl"),
+        pytest.param(
+            "robot: src/robot.c:12: act: Assertion `gap > 0' failed.\n",
+            "assertion",
+            ["act"],
+            id="glibc",
+        ),
+        pytest.param(
+            "Assertion failed: (gap > 0), function act, file robot.c, line 12.\n",
+            "assertion",
+            ["act"],
+            id="macos",
+        ),
+        pytest.param(
+            "Assertion failed: gap > 0 (robot.c: act: 12)\n", "assertion", ["act"], id="musl"
+        ),
         pytest.param(
             "robot: robot.cpp:12: int Robot::act(const Plan&): Assertion `gap > 0' failed.\n",
             "assertion",
@@ -103,11 +118,26 @@ Exception in thread "main" java.lang.ArrayIndexOutOfBoundsException: Index 4 out
         pytest.param(GO, "panic", ["main.main", "main.act"], id="go"),
         pytest.param(PYTHON, "JSONDecodeError", ["<module>", "gap"], id="python"),
         pytest.param(NODE, "TypeError", ["Interface.<anonymous>", "act"], id="node"),
-        pytest.param(JAVA, "ArrayIndexOutOfBoundsException", ["Robot.main", "Robot.act"], id="java"),
-        pytest.param("double free or corruption (out)\n", "double free or corruption (out)", [], id="allocator"),
-        pytest.param("*** stack smashing detected ***: terminated\n", "stack smashing detected", [], id="stack"),
         pytest.param(
-            "robot.c:15:9: runtime error: division by zero\n", "division by zero", [None], id="undefined-behaviour"
+            JAVA, "ArrayIndexOutOfBoundsException", ["Robot.main", "Robot.act"], id="java"
+        ),
+        pytest.param(
+            "double free or corruption (out)\n",
+            "double free or corruption (out)",
+            [],
+            id="allocator",
+        ),
+        pytest.param(
+            "*** stack smashing detected ***: terminated\n",
+            "stack smashing detected",
+            [],
+            id="stack",
+        ),
+        pytest.param(
+            "robot.c:15:9: runtime error: division by zero\n",
+            "division by zero",
+            [None],
+            id="undefined-behaviour",
         ),
         pytest.param(
             "terminate called after throwing an instance of 'std::out_of_range'\n  what():  no\n",
@@ -171,7 +201,9 @@ def test_a_search_for_a_file_begins_only_where_a_name_can():
 
 
 def test_a_long_line_is_read_at_both_its_ends():
-    said = f"robot: robot.cpp:12: int act({'const Plan&, ' * 1_000}int): Assertion `gap > 0' failed.\n"
+    said = (
+        f"robot: robot.cpp:12: int act({'const Plan&, ' * 1_000}int): Assertion `gap > 0' failed.\n"
+    )
     assert report_of(said) == {
         "reason": "assertion",
         "frames": [{"file": "robot.cpp", "line": 12, "function": "act", "code": "gap > 0"}],

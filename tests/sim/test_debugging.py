@@ -1,4 +1,7 @@
-"""What a person sees who debugs a controller: the line that raised, the contract, transcripts, hints."""
+"""What a person sees who debugs a controller.
+
+The line that raised, the contract, transcripts, hints.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,10 @@ def program(folder, do, step=3):
 def test_run_prints_the_line_that_raised(world_file, tmp_path):
     name = python_class(tmp_path, "return 1 / m[0]")
     result = worldgen("run", world_file, "--controller", name)
-    assert (result.code, result.out.splitlines()[1:]) == (1, ["  mine.py:9 in act: return 1 / m[0]"])
+    assert (result.code, result.out.splitlines()[1:]) == (
+        1,
+        ["  mine.py:9 in act: return 1 / m[0]"],
+    )
 
 
 @pytest.mark.parametrize(
@@ -69,14 +75,18 @@ def test_run_prints_the_line_that_raised(world_file, tmp_path):
         ("return 1.0, (0.0,)", "act did not return a command"),
     ],
 )
-def test_a_controller_that_breaks_the_contract_at_once_is_an_error_of_usage(body, words, world_file, tmp_path):
+def test_a_controller_that_breaks_the_contract_at_once_is_an_error_of_usage(
+    body, words, world_file, tmp_path
+):
     result = worldgen("run", world_file, "--controller", python_class(tmp_path, body))
     assert result.code == 2 and words in result.err and result.out == ""
 
 
 def test_fuzz_refuses_a_controller_that_breaks_the_contract_at_once(tmp_path):
     name = python_class(tmp_path, "return Command(1.0, 0.0)")
-    result = worldgen("fuzz", "--controller", name, "--units", 1, "--seed", 1, "--out", tmp_path / "out")
+    result = worldgen(
+        "fuzz", "--controller", name, "--units", 1, "--seed", 1, "--out", tmp_path / "out"
+    )
     assert result.code == 2 and "return Command(speed, turn_rate), memory" in result.err
 
 
@@ -115,10 +125,19 @@ def test_a_transcript_of_a_class_is_refused(world_file, tmp_path):
     assert result.code == 2 and "sim.host" in result.err
 
 
-def test_a_program_that_cannot_reserve_its_memory_at_the_start_gets_the_option_that_it_needs(tmp_path):
-    said = "==7==ERROR: AddressSanitizer failed to allocate; ReserveShadowMemoryRange failed while trying"
+def test_a_program_that_cannot_reserve_its_memory_at_the_start_gets_the_option_that_it_needs(
+    tmp_path,
+):
+    said = (
+        "==7==ERROR: AddressSanitizer failed to allocate; ReserveShadowMemoryRange failed "
+        "while "
+        "trying"
+    )
     name = program(tmp_path, f"sys.exit({said!r})", step=1)
-    with CONTROLLERS.get(name) as controller, pytest.raises(WantsMemory, match=r"cmd\+memory=none:"):
+    with (
+        CONTROLLERS.get(name) as controller,
+        pytest.raises(WantsMemory, match=r"cmd\+memory=none:"),
+    ):
         simulate(generate("trap", 4, size=20), controller, steps=5)
 
 

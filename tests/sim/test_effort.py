@@ -55,7 +55,9 @@ class Ahead:
         return Command(observation.top_speed), memory
 
 
-@pytest.mark.parametrize(("calls", "seconds"), [(1, 1.0), (1 + 17, 1.0 + 17.0), (1 + 17 * 5, 1.0 + 17.0 * 5)])
+@pytest.mark.parametrize(
+    ("calls", "seconds"), [(1, 1.0), (1 + 17, 1.0 + 17.0), (1 + 17 * 5, 1.0 + 17.0 * 5)]
+)
 def test_measured_steps_of_a_python_class_count_for_all(calls, seconds, clock):
     run = prepare(generate("corridor", 1), Ahead(), RunOptions(steps=calls))
     of_reset = 1.0

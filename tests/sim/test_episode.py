@@ -9,11 +9,21 @@ import numpy as np
 import pytest
 
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
-from sim.describe import evidence_in_words
+from sim.describe import describe_evidence
 from sim.episode import prepare
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
-from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World, generate
+from worldgen import (
+    CellState,
+    Event,
+    InvalidParameter,
+    InvalidWorld,
+    Pose,
+    Target,
+    Timeline,
+    World,
+    generate,
+)
 
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
 
@@ -72,7 +82,9 @@ def test_an_endless_circle_is_a_proved_loop():
 def test_the_loop_entry_is_the_first_repeated_state():
     episode = simulate(arena(), Circle(), record=True)
     entry, period = episode.evidence.entry, episode.evidence.period
-    assert entry == 0 or not np.array_equal(episode.trace.states[entry - 1], episode.trace.states[entry + period - 1])
+    assert entry == 0 or not np.array_equal(
+        episode.trace.states[entry - 1], episode.trace.states[entry + period - 1]
+    )
 
 
 def test_a_loop_that_is_too_long_to_be_recorded_is_not_proved_and_no_error(monkeypatch):
@@ -109,7 +121,11 @@ class Waits(Circle):
 
     def act(self, observation, memory):
         self.counter.count += 1
-        return GoToTarget().act(observation, memory) if self.counter.count > 200 else (Command(), memory)
+        return (
+            GoToTarget().act(observation, memory)
+            if self.counter.count > 200
+            else (Command(), memory)
+        )
 
 
 def test_memory_hidden_in_a_nested_object_is_no_proof_of_a_loop():
@@ -136,7 +152,9 @@ def test_the_thesis_robots_are_trapped_in_front_of_a_long_wall(controller, motio
 
 
 def test_equal_seeds_give_equal_digests_and_other_seeds_do_not():
-    digests = [simulate(cup(), "turn-random", steps=3000, seed=seed).trace_digest for seed in (1, 1, 2)]
+    digests = [
+        simulate(cup(), "turn-random", steps=3000, seed=seed).trace_digest for seed in (1, 1, 2)
+    ]
     assert digests[0] == digests[1] != digests[2]
 
 
@@ -162,7 +180,10 @@ def test_a_compiled_and_a_python_controller_drive_the_same_way():
 
 def test_a_fast_robot_tunnels_under_endpoint_and_not_under_swept():
     world = arena(24, (0.5, 1.15, 0.0), (2.05, 1.15), [(y, 12) for y in range(24)])
-    verdicts = {m: simulate(world, GoToTarget(), motion=m, time_step=0.15).verdict for m in ("endpoint", "swept")}
+    verdicts = {
+        m: simulate(world, GoToTarget(), motion=m, time_step=0.15).verdict
+        for m in ("endpoint", "swept")
+    }
     assert verdicts["endpoint"] == "tunnel" and verdicts["swept"] in ("loop", "stalled")
 
 
@@ -248,9 +269,15 @@ def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict, recor
 
 
 def test_a_crash_names_the_line_and_an_invalid_command_its_fault():
-    quit_at = next(k for k, line in enumerate(Path(__file__).read_text().splitlines(), 1) if "SystemExit(7)" in line)
+    quit_at = next(
+        k
+        for k, line in enumerate(Path(__file__).read_text().splitlines(), 1)
+        if "SystemExit(7)" in line
+    )
     assert simulate(arena(), Quitting()).evidence.at == f"test_episode.py:{quit_at}"
-    assert "speed or turn rate is no finite number in step 1" in evidence_in_words(simulate(arena(), Nonsense()))
+    assert "speed or turn rate is no finite number in step 1" in describe_evidence(
+        simulate(arena(), Nonsense())
+    )
 
 
 def test_what_a_controller_prints_leaves_stdout_alone(capsys):
@@ -305,7 +332,9 @@ def test_a_giant_robot_is_refused_at_once(radius):
 
 def test_an_endpoint_far_outside_the_grid_is_no_place_to_go():
     world = arena(24, (0.5, 1.15, 0.0), (2.05, 1.15), [(y, 12) for y in range(24)])
-    episode = simulate(replace(world, robot_speed=600.0), GoToTarget(), motion="endpoint", record=True)
+    episode = simulate(
+        replace(world, robot_speed=600.0), GoToTarget(), motion="endpoint", record=True
+    )
     assert (episode.trace.x < 2.4).all() and (episode.trace.y < 2.4).all()
 
 
@@ -344,7 +373,11 @@ def test_a_compiled_controller_sees_what_it_asks_for_and_nan_for_the_rest():
 
     def seen(senses):
         controller = CompiledController("eyes", act, (0.0,) * layout.OBS_SIZE, senses=senses)
-        return simulate(arena(), controller, steps=1, record=True).trace.states[1, layout.STATE_MEMORY :].view(float)
+        return (
+            simulate(arena(), controller, steps=1, record=True)
+            .trace.states[1, layout.STATE_MEMORY :]
+            .view(float)
+        )
 
     everything, little = seen(Observation._fields), seen(("bump", "target_heading"))
     assert not np.isnan(everything).any()
@@ -360,7 +393,9 @@ def test_a_sense_that_there_is_not_is_refused():
 @pytest.mark.parametrize("motion", ["swept", "stepped"])
 def test_a_run_without_digest_is_the_same_run(motion):
     run = prepare(cup(), "turn-left", RunOptions(motion=motion))
-    with_it, without = (run.run(3000, find_loop=True, record=False, digest=digest) for digest in (True, False))
+    with_it, without = (
+        run.run(3000, find_loop=True, record=False, digest=digest) for digest in (True, False)
+    )
     assert replace(without, digest=with_it.digest) == with_it and without.digest != with_it.digest
 
 
@@ -371,7 +406,11 @@ def test_a_loop_too_long_to_record_is_proved_all_the_same():
 
     counter = CompiledController("counter", act, (0.0,), senses=("bump",))
     episode = simulate(arena(), counter, steps=20_000_000)
-    assert (episode.verdict, episode.evidence.entry, episode.evidence.period) == ("loop", 8, 4_499_993)
+    assert (episode.verdict, episode.evidence.entry, episode.evidence.period) == (
+        "loop",
+        8,
+        4_499_993,
+    )
     with raises(InvalidParameter, "run-too-long", most=4_000_000):
         simulate(arena(), counter, steps=20_000_000, record=True)
 
@@ -382,13 +421,19 @@ def drive(observation, memory, command):
 
 @pytest.mark.parametrize("radius", [0.02, 0.03, 0.035, 0.05, 0.07, 0.14])
 @pytest.mark.parametrize("degrees", [1, 4, 15])
-def test_a_disc_that_touches_a_wall_at_a_shallow_angle_slides_on_for_the_rest_of_its_way(radius, degrees):
+def test_a_disc_that_touches_a_wall_at_a_shallow_angle_slides_on_for_the_rest_of_its_way(
+    radius, degrees
+):
     down = math.radians(degrees)
     for height in (0.0, 0.3, 0.7):
         start = Pose(0.6, radius + height * 0.03 * math.sin(down), -down)
         world = World(np.zeros((12, 12), bool), start, Target(0.1, 1.1, 0.01), robot_radius=radius)
-        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=1, record=True).trace
-        assert trace.x[1] - trace.x[0] == pytest.approx(0.03 * math.cos(down), abs=4e-4)  # 4 lattice units
+        trace = simulate(
+            world, CompiledController("go", drive, (), 1e9), steps=1, record=True
+        ).trace
+        assert trace.x[1] - trace.x[0] == pytest.approx(
+            0.03 * math.cos(down), abs=4e-4
+        )  # 4 lattice units
 
 
 @pytest.mark.parametrize("radius", [0.05, 0.07, 0.1])
@@ -399,7 +444,9 @@ def test_along_floor_and_ceiling_a_disc_gets_as_far_as_the_wall_ahead(radius, ce
         start = Pose(round(12 - min(cells * 0.08, 11.0) - radius, 3), y, 0.0)
         world = World(np.zeros((5, 120), bool), start, Target(0.3, 0.25, 0.01), robot_radius=radius)
         world = replace(world, robot_speed=cells * 0.1 / 0.015)
-        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=1, record=True).trace
+        trace = simulate(
+            world, CompiledController("go", drive, (), 1e9), steps=1, record=True
+        ).trace
         assert trace.x[1] == pytest.approx(12 - radius, abs=2e-4) and trace.bump[1]
         ends.append(trace.x[1])
     assert ends[0] == ends[1]
@@ -408,8 +455,14 @@ def test_along_floor_and_ceiling_a_disc_gets_as_far_as_the_wall_ahead(radius, ce
 def test_a_cell_that_shuts_and_opens_again_stops_a_robot_of_any_speed():
     for speed in (2.0, 30.0):
         door = [Event(0.0, 11, 29, CellState.SOLID), Event(0.85, 11, 29, CellState.FREE)]
-        world = replace(arena(60, (0.55, 2.95, 0.0), (5.45, 5.45)), timeline=Timeline.of(door), robot_speed=speed)
-        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=40, record=True).trace
+        world = replace(
+            arena(60, (0.55, 2.95, 0.0), (5.45, 5.45)),
+            timeline=Timeline.of(door),
+            robot_speed=speed,
+        )
+        trace = simulate(
+            world, CompiledController("go", drive, (), 1e9), steps=40, record=True
+        ).trace
         assert trace.x.max() == pytest.approx(1.1 - 0.07, abs=1e-3)
 
 
@@ -462,7 +515,9 @@ def _jot(observation, memory, command):
 def test_an_observation_is_no_memory():
     jot = CompiledController("jot", _jot, senses=("top_speed",))
     run = prepare(arena(), jot, RunOptions())
-    assert run.run(100, find_loop=False, record=False).path_length == 0.0  # what it counts would make a loop a lie
+    assert (
+        run.run(100, find_loop=False, record=False).path_length == 0.0
+    )  # what it counts would make a loop a lie
 
 
 class Follower:
@@ -479,13 +534,22 @@ class Follower:
         reached = memory[4] == 0.0 and math.hypot(x, y) < 0.1
         turn = math.remainder(math.atan2(y, x) - observation.heading, 2.0 * math.pi)
         speed = 1.0 if abs(turn) < 0.2 else 0.0
-        return Command(speed, turn / observation.time_step), (*memory[:4], 1.0 if reached else memory[4])
+        return Command(speed, turn / observation.time_step), (
+            *memory[:4],
+            1.0 if reached else memory[4],
+        )
 
 
 def planned_world():
     walls = np.zeros((30, 20), bool)
     walls[:20, 10] = True
-    return World(walls, start=Pose(0.5, 0.5, 0.0), target=Target(1.5, 0.5, 0.05), cell_size=0.1, robot_radius=0.07)
+    return World(
+        walls,
+        start=Pose(0.5, 0.5, 0.0),
+        target=Target(1.5, 0.5, 0.05),
+        cell_size=0.1,
+        robot_radius=0.07,
+    )
 
 
 def test_a_class_whose_reset_takes_the_world_plans_in_it():

@@ -18,12 +18,16 @@ FRAMES = ({"file": "mine.py", "line": 3, "function": "act"},)
 EACH = {
     Verdict.REACHED: ReachedEvidence(step=5, wall_step=3),
     Verdict.LOOP: LoopEvidence(entry=0, period=4, state_digest="0" * 16),
-    Verdict.STALLED: BudgetEvidence(last_new_cell=3, kind="drifting", entry=4, period=2, box=(3, 1)),
+    Verdict.STALLED: BudgetEvidence(
+        last_new_cell=3, kind="drifting", entry=4, period=2, box=(3, 1)
+    ),
     Verdict.TIMEOUT: BudgetEvidence(last_new_cell=90, witness_multiple=50.0),
     Verdict.TUNNEL: WallEvidence(step=7, cell=(-1, 3), cause="slide", since=6, reached=9),
     Verdict.OVERLAP: WallEvidence(step=7, cell=(2, 3)),
     Verdict.BURNED: BurnedEvidence(step=2, cell=(4, 4), state="burning"),
-    Verdict.CRASH: FaultEvidence(error="exit code 1", step=2, stderr=("a", "b"), frames=FRAMES, bump=True),
+    Verdict.CRASH: FaultEvidence(
+        error="exit code 1", step=2, stderr=("a", "b"), frames=FRAMES, bump=True
+    ),
     Verdict.HANG: FaultEvidence(error="no answer", step=1, deadline=1.0, unfinished="{"),
     Verdict.INVALID_COMMAND: FaultEvidence(step=1),
 }

@@ -1,4 +1,7 @@
-"""fdlibm's sine, cosine and arc tangent: known bits, near the true value, same in the core and its reference."""
+"""fdlibm's sine, cosine and arc tangent.
+
+Known bits, near the true value, same in the core and its reference.
+"""
 
 import math
 from fractions import Fraction
@@ -13,8 +16,9 @@ from tests.reference.sim import fdlibm as reference
 
 ANGLES = st.floats(-13.0, 13.0)
 
-# x, and what Java 17's StrictMath returns for sin, cos and atan. First the edges of fdlibm's cases; then
-# arguments for which the C library of a common Linux differs in the last bit of at least two of the three.
+# x, and what Java 17's StrictMath returns for sin, cos and atan. First the edges of fdlibm's cases;
+# then arguments for which the C library of a common Linux differs in the last bit of at least two
+# of the three.
 KNOWN = [
     (-0.0, "-0x0.0p+0", "0x1.0000000000000p+0", "-0x0.0p+0"),
     (0.2, "0x1.96dff233dd2bcp-3", "0x1.f5cb49577627ap-1", "0x1.94441f8f7260cp-3"),
@@ -51,7 +55,9 @@ def bits(value):
 @pytest.mark.parametrize(("x", "sine", "cosine", "arc"), KNOWN, ids=[str(row[0]) for row in KNOWN])
 def test_the_bits_are_those_of_the_recorded_program(x, sine, cosine, arc):
     found = (fdlibm.sin(x), fdlibm.cos(x), fdlibm.atan(x))
-    assert [bits(value) for value in found] == [bits(float.fromhex(text)) for text in (sine, cosine, arc)]
+    assert [bits(value) for value in found] == [
+        bits(float.fromhex(text)) for text in (sine, cosine, arc)
+    ]
 
 
 @pytest.mark.parametrize("x", [math.inf, -math.inf, math.nan, 1e6, -1e6])
@@ -101,4 +107,8 @@ def test_the_reference_has_the_same_bits(x, name):
 
 @given(ANGLES)
 def test_symmetries_hold_exactly(x):
-    assert (fdlibm.sin(-x), fdlibm.cos(-x), fdlibm.atan(-x)) == (-fdlibm.sin(x), fdlibm.cos(x), -fdlibm.atan(x))
+    assert (fdlibm.sin(-x), fdlibm.cos(-x), fdlibm.atan(-x)) == (
+        -fdlibm.sin(x),
+        fdlibm.cos(x),
+        -fdlibm.atan(x),
+    )

@@ -1,4 +1,7 @@
-"""Wall followers and bug algorithms: they arrive, compiled and interpreted alike, and the fuzzer finds nothing."""
+"""Wall followers and bug algorithms.
+
+They arrive, compiled and interpreted alike, and the fuzzer finds nothing.
+"""
 
 import math
 from dataclasses import replace
@@ -67,7 +70,9 @@ def name(controller):
 def test_a_bug_reaches_every_target(controller, family, time_step):
     for seed in range(8):
         world = generate(family, seed, size=20)
-        assert simulate(world, controller, time_step=time_step, steps=60_000).verdict == "reached", seed
+        assert (
+            simulate(world, controller, time_step=time_step, steps=60_000).verdict == "reached"
+        ), seed
 
 
 @pytest.mark.parametrize("controller", BUGS, ids=name)
@@ -109,7 +114,10 @@ def test_a_wall_follower_goes_round_an_island_for_ever(follower):
 
 @pytest.mark.parametrize("follower", FOLLOWERS, ids=name)
 def test_a_wall_follower_gets_through_corridors(follower):
-    assert all(simulate(generate("corridor", seed, size=20), follower).verdict == "reached" for seed in range(8))
+    assert all(
+        simulate(generate("corridor", seed, size=20), follower).verdict == "reached"
+        for seed in range(8)
+    )
 
 
 def test_the_two_wall_followers_keep_the_wall_on_opposite_sides():
@@ -124,7 +132,9 @@ def test_the_two_wall_followers_keep_the_wall_on_opposite_sides():
 @pytest.mark.gate
 @pytest.mark.parametrize("controller", [*BUGS, *FOLLOWERS, tangent_bug], ids=name)
 def test_who_follows_a_wall_that_goes_away_drives_on_to_the_target(controller):
-    world = drawn("...........\n.........G.\n...........\n" + 3 * "....#......\n" + ".S.........\n...........")
+    world = drawn(
+        "...........\n.........G.\n...........\n" + 3 * "....#......\n" + ".S.........\n..........."
+    )
     gone = Timeline.of([Event(0.3, 4, row, CellState.FREE) for row in (2, 3, 4)])
     assert simulate(replace(world, timeline=gone), controller).verdict == "reached"
 

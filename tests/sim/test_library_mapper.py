@@ -1,4 +1,7 @@
-"""The mapping controller: it arrives if its memory is large enough, and shows what too little of it does."""
+"""The mapping controller.
+
+It arrives if its memory is large enough, and shows what too little of it does.
+"""
 
 from dataclasses import replace
 
@@ -47,14 +50,22 @@ def test_who_keeps_too_far_from_walls_gets_through_in_the_end():
 def test_it_need_not_try_what_a_touch_has_shown():
     blind = mapping("blind", 128, no_room=0.0)
     worlds = [generate("trap", seed, size=20) for seed in range(6)]
-    feeling, trying = (sum(simulate(world, one).collisions for world in worlds) for one in (mapper, blind))
+    feeling, trying = (
+        sum(simulate(world, one).collisions for world in worlds) for one in (mapper, blind)
+    )
     assert feeling < 0.7 * trying
 
 
 def test_with_too_little_memory_it_goes_round_for_ever_where_more_is_enough():
-    failing = [seed for seed in range(12) if simulate(generate("trap", seed, size=28), mapper_small).verdict == "loop"]
+    failing = [
+        seed
+        for seed in range(12)
+        if simulate(generate("trap", seed, size=28), mapper_small).verdict == "loop"
+    ]
     assert failing
-    assert all(simulate(generate("trap", seed, size=28), mapper).verdict == "reached" for seed in failing)
+    assert all(
+        simulate(generate("trap", seed, size=28), mapper).verdict == "reached" for seed in failing
+    )
 
 
 @pytest.mark.parametrize("controller", [mapper, mapper_small], ids=lambda c: c.name)
@@ -65,11 +76,16 @@ def test_a_run_is_the_same_compiled_and_interpreted(controller):
 
 
 def test_a_map_of_a_size_of_one_s_own_takes_a_number_for_each_dozen_of_nodes():
-    assert len(mapping("larger", 48).memory) - len(mapping("smaller", 24).memory) == (48 * 48 - 24 * 24) / 12
+    assert (
+        len(mapping("larger", 48).memory) - len(mapping("smaller", 24).memory)
+        == (48 * 48 - 24 * 24) / 12
+    )
 
 
 @pytest.mark.parametrize(
-    "size", [{"side": 4}, {"side": 5000}, {"side": 20, "pitch": 0.0}, {"side": 20, "no_room": -1.0}], ids=str
+    "size",
+    [{"side": 4}, {"side": 5000}, {"side": 20, "pitch": 0.0}, {"side": 20, "no_room": -1.0}],
+    ids=str,
 )
 def test_a_map_that_cannot_be_is_refused(size):
     with raises(InvalidParameter, "out-of-range"):

@@ -8,7 +8,13 @@ import pytest
 from benchmarks.thesis_faults import draw_worlds
 from benchmarks.train_q_learning import TABLE, as_c, train
 from sim import simulate
-from sim.controllers.library.q_learning import SITUATIONS, TURNS, best_turns, q_learning, q_learning_robot
+from sim.controllers.library.q_learning import (
+    SITUATIONS,
+    TURNS,
+    best_turns,
+    q_learning,
+    q_learning_robot,
+)
 from tests.helpers.halls import cup, hall
 from tests.helpers.interpreted import Interpreted
 
@@ -25,7 +31,9 @@ def test_the_shipped_table_is_what_training_gives():
 
 
 def _table_of(text):
-    return np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(SITUATIONS, len(TURNS))
+    return np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(
+        SITUATIONS, len(TURNS)
+    )
 
 
 def test_the_shipped_table_is_written_as_it_was_read():

@@ -26,7 +26,9 @@ NOTCH = """
 ...########....
 ...#...........
 """  # below its lower arm the robot that is larger than a cell touches arm and border at once
-POST = "\n".join(["." * 25] * 12 + ["." * 11 + "##" + "." * 12] * 2 + [".S" + "." * 21 + "G."] + ["." * 25] * 12)
+POST = "\n".join(
+    ["." * 25] * 12 + ["." * 11 + "##" + "." * 12] * 2 + [".S" + "." * 21 + "G."] + ["." * 25] * 12
+)
 TWO_BLOCKS = """
 .........................
 .........................
@@ -61,7 +63,11 @@ def radius_seen(world, **options):
         memory[0] = observation[layout.OBS_RADIUS]
 
     eyes = CompiledController("eyes", act, (0.0,))
-    return simulate(world, eyes, steps=1, record=True, **options).trace.states[1, layout.STATE_MEMORY :].view(float)[0]
+    return (
+        simulate(world, eyes, steps=1, record=True, **options)
+        .trace.states[1, layout.STATE_MEMORY :]
+        .view(float)[0]
+    )
 
 
 @pytest.mark.gate
@@ -83,10 +89,20 @@ def test_a_robot_of_another_size_arrives(name, radius, family):
 @pytest.mark.parametrize("name", ["wall-left", "wall-right", "bug1", "bug2"])
 def test_by_touch_all_is_alike_where_all_lengths_are_twice_as_large(name):
     worlds = [
-        generate("maze", 3, size=20, cell_size=0.1 * scale, robot_radius=0.07 * scale, robot_speed=2.0 * scale)
+        generate(
+            "maze",
+            3,
+            size=20,
+            cell_size=0.1 * scale,
+            robot_radius=0.07 * scale,
+            robot_speed=2.0 * scale,
+        )
         for scale in (1, 2)
     ]
-    worlds = [replace(world, target=replace(world.target, radius=0.5 * world.cell_size)) for world in worlds]
+    worlds = [
+        replace(world, target=replace(world.target, radius=0.5 * world.cell_size))
+        for world in worlds
+    ]
     once, twice = (simulate(world, name) for world in worlds)
     assert (twice.verdict, twice.steps) == (once.verdict, once.steps)
     assert twice.path_length == pytest.approx(2 * once.path_length)
@@ -95,7 +111,10 @@ def test_by_touch_all_is_alike_where_all_lengths_are_twice_as_large(name):
 def test_vfh_keeps_twice_as_far_from_a_wall_if_it_is_twice_as_large():
     def least_gap(radius):
         trace = simulate(drawn(POST, radius=radius, target_radius=0.05), "vfh", record=True).trace
-        dx, dy = (np.maximum(abs(place - middle) - 0.1, 0.0) for place, middle in ((trace.x, 1.2), (trace.y, 1.4)))
+        dx, dy = (
+            np.maximum(abs(place - middle) - 0.1, 0.0)
+            for place, middle in ((trace.x, 1.2), (trace.y, 1.4))
+        )
         return np.hypot(dx, dy).min() - radius
 
     assert 1.5 * least_gap(0.05) < least_gap(0.1)
@@ -108,9 +127,14 @@ def test_a_robot_larger_than_a_cell_does_not_tremble_between_two_walls(name):
 
 @pytest.mark.parametrize("time_step", [0.004, 0.0075, 0.015])
 def test_bug1_tells_a_wall_just_across_a_gap_from_the_one_it_left(time_step):
-    assert simulate(drawn(TWO_BLOCKS), "bug1", time_step=time_step, steps=20_000).verdict == "reached"
+    assert (
+        simulate(drawn(TWO_BLOCKS), "bug1", time_step=time_step, steps=20_000).verdict == "reached"
+    )
 
 
 @pytest.mark.parametrize("name", ["bug2", "wall-left"])
 def test_a_robot_of_a_millimetre_does_not_take_for_ever(name):
-    assert simulate(generate("corridor", 3, robot_radius=0.001), name, steps=10_000).verdict == "reached"
+    assert (
+        simulate(generate("corridor", 3, robot_radius=0.001), name, steps=10_000).verdict
+        == "reached"
+    )

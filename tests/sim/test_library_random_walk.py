@@ -11,7 +11,9 @@ from worldgen import generate
 
 LEG = 0.5  # m
 ROOM = drawn(".......\n.....G.\n" + ".......\n" * 3 + ".S.....\n.......")
-HALL = drawn("\n".join(["." * 41] * 20 + ["." * 20 + "S" + "." * 20] + ["." * 41] * 19 + ["G" + "." * 40]))
+HALL = drawn(
+    "\n".join(["." * 41] * 20 + ["." * 20 + "S" + "." * 20] + ["." * 41] * 19 + ["G" + "." * 40])
+)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -20,7 +22,10 @@ def test_it_arrives_in_a_small_room_in_the_end(seed):
 
 
 def test_other_seeds_walk_other_ways():
-    assert len({simulate(ROOM, random_walk, seed=seed, steps=100).trace_digest for seed in range(10)}) == 10
+    assert (
+        len({simulate(ROOM, random_walk, seed=seed, steps=100).trace_digest for seed in range(10)})
+        == 10
+    )
 
 
 def test_its_legs_are_equally_long_where_no_wall_ends_them():

@@ -26,7 +26,9 @@ def test_it_has_each_controller_once_and_by_one_name():
 def test_a_row_counts_every_run_and_measures_those_that_arrived():
     worlds = [generate("trap", seed) for seed in range(4)]
     (bug, left) = library.rows_of(worlds, ["bug2", "wall-left"], 20_000)
-    ways = sorted(simulate(world, "bug2").path_length / world.certificate.length for world in worlds)
+    ways = sorted(
+        simulate(world, "bug2").path_length / world.certificate.length for world in worlds
+    )
     assert bug.verdicts["reached"] == 4 and bug.detour == pytest.approx((ways[1] + ways[2]) / 2)
     assert sum(left.verdicts.values()) == 4 and left.verdicts["loop"] > 0
 

@@ -27,7 +27,9 @@ ISLAND = """
 def test_it_turns_aside_before_it_gets_to_an_island():
     seeing, touching = (simulate(drawn(ISLAND), one) for one in (tangent_bug, bug2))
     assert seeing.verdict == touching.verdict == "reached"
-    assert seeing.path_length < 0.9 * touching.path_length and seeing.collisions < touching.collisions
+    assert (
+        seeing.path_length < 0.9 * touching.path_length and seeing.collisions < touching.collisions
+    )
 
 
 def test_it_gets_out_of_traps():
@@ -37,7 +39,9 @@ def test_it_gets_out_of_traps():
 
 @pytest.mark.gate
 def test_it_reaches_the_end_of_nearly_every_corridor():
-    verdicts = [simulate(generate("corridor", seed, size=20), tangent_bug).verdict for seed in range(20)]
+    verdicts = [
+        simulate(generate("corridor", seed, size=20), tangent_bug).verdict for seed in range(20)
+    ]
     assert verdicts.count("reached") >= 17
 
 
@@ -49,7 +53,9 @@ def test_it_takes_for_free_only_what_the_whole_of_it_can_drive():
 
 def test_it_is_run_with_the_beams_that_it_needs():
     with_more = simulate(generate("trap", 1, size=24), tangent_bug, beams=2 * BEAMS)
-    assert with_more.trace_digest != simulate(generate("trap", 1, size=24), tangent_bug).trace_digest
+    assert (
+        with_more.trace_digest != simulate(generate("trap", 1, size=24), tangent_bug).trace_digest
+    )
 
 
 @pytest.mark.gate

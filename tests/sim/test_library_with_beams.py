@@ -1,4 +1,7 @@
-"""The controllers that see by range beams: what each manages, where it fails, and that its bits are Python's."""
+"""The controllers that see by range beams.
+
+What each manages, where it fails, and that its bits are Python's.
+"""
 
 import math
 
@@ -10,7 +13,11 @@ from hypothesis import strategies as st
 from sim import _core, simulate
 from sim.controllers.library import three_layer as layers
 from sim.controllers.library.dynamic_window import dynamic_window
-from sim.controllers.library.potential_field import PotentialField, potential_field, potential_field_robot
+from sim.controllers.library.potential_field import (
+    PotentialField,
+    potential_field,
+    potential_field_robot,
+)
 from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import VfhPlus, vfh, vfh_robot
 from tests.helpers.halls import cup, hall
@@ -35,7 +42,9 @@ def test_a_post_beside_the_way_is_passed(controller):
     assert simulate(hall(POST), controller).verdict == "reached"
 
 
-@pytest.mark.parametrize("controller", [potential_field, vfh], ids=lambda controller: controller.name)
+@pytest.mark.parametrize(
+    "controller", [potential_field, vfh], ids=lambda controller: controller.name
+)
 def test_a_cup_holds_who_has_no_map_for_ever(controller):
     assert simulate(cup(), controller, steps=60_000).verdict == "loop"
 
@@ -62,20 +71,29 @@ def test_vfh_drives_through_generated_corridors():
 def test_compiled_and_interpreted_drive_bit_for_bit_alike(controller, motion):
     world = cup()
     compiled = simulate(world, controller, motion=motion, steps=150)
-    assert simulate(world, Interpreted(controller), motion=motion, steps=150).trace_digest == compiled.trace_digest
+    assert (
+        simulate(world, Interpreted(controller), motion=motion, steps=150).trace_digest
+        == compiled.trace_digest
+    )
 
 
 def test_a_mirrored_world_gives_a_mirrored_potential_field():
     start, target = (0.5, 1.55, 0.0), (2.5, 1.55)
-    above = simulate(hall((14, 16, 2, 4), start=start, target=target), potential_field, record=True).trace
-    below = simulate(hall((14, 11, 2, 4), start=start, target=target), potential_field, record=True).trace
+    above = simulate(
+        hall((14, 16, 2, 4), start=start, target=target), potential_field, record=True
+    ).trace
+    below = simulate(
+        hall((14, 11, 2, 4), start=start, target=target), potential_field, record=True
+    ).trace
     assert np.abs(above.y[:40] + below.y[:40] - 3.1).max() < 0.01
 
 
 @pytest.mark.gate
 def test_a_stronger_push_keeps_further_away():
     def nearest(push):
-        trace = simulate(hall(POST), potential_field_robot(PotentialField(push=push)), record=True).trace
+        trace = simulate(
+            hall(POST), potential_field_robot(PotentialField(push=push)), record=True
+        ).trace
         return np.hypot(trace.x - 1.5, trace.y - 1.75).min()
 
     assert nearest(1e-3) > nearest(1e-5)
@@ -84,7 +102,9 @@ def test_a_stronger_push_keeps_further_away():
 @pytest.mark.gate
 def test_a_robot_that_cannot_turn_on_the_spot_takes_wider_turns():
     world = hall((9, 1, 1, 8), start=(0.5, 0.5, math.pi), target=(2.5, 0.5))
-    agile, stiff = (simulate(world, vfh_robot(VfhPlus(turning_radius=r)), steps=4000) for r in (0.0, 0.2))
+    agile, stiff = (
+        simulate(world, vfh_robot(VfhPlus(turning_radius=r)), steps=4000) for r in (0.0, 0.2)
+    )
     assert agile.trace_digest != stiff.trace_digest
 
 

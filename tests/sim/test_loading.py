@@ -25,7 +25,10 @@ PROPERTY = "class Mine:\n    @property\n    def senses(self):\n        raise OSE
     [
         ("import sys\nsys.exit(0)\n", {"code": "code-failed"}),
         ("raise GeneratorExit('no')\n", {"code": "code-failed", "kind": "GeneratorExit"}),
-        ("import asyncio\nraise asyncio.CancelledError\n", {"code": "code-failed", "kind": "CancelledError"}),
+        (
+            "import asyncio\nraise asyncio.CancelledError\n",
+            {"code": "code-failed", "kind": "CancelledError"},
+        ),
         (HIDES, {"code": "code-failed", "kind": "OSError"}),
     ],
 )
@@ -52,7 +55,9 @@ def test_a_class_that_raises_anything_when_made_is_refused(code, expected, tmp_p
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded")
+@pytest.mark.skipif(
+    not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded"
+)
 @pytest.mark.parametrize("waits", ["while True: pass", "input()"])
 def test_a_file_that_is_never_done_loading_is_refused_in_time(waits, tmp_path, monkeypatch):
     monkeypatch.setenv(LOAD_SECONDS, "0.2")
@@ -76,8 +81,12 @@ def test_a_file_that_is_loaded_in_time_leaves_no_clock_running(tmp_path, monkeyp
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded")
-@pytest.mark.parametrize(("clock", "left"), [("", 0.0), ("signal.setitimer(signal.ITIMER_REAL, 50.0, 25.0)\n", 25.0)])
+@pytest.mark.skipif(
+    not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded"
+)
+@pytest.mark.parametrize(
+    ("clock", "left"), [("", 0.0), ("signal.setitimer(signal.ITIMER_REAL, 50.0, 25.0)\n", 25.0)]
+)
 def test_a_file_with_a_handler_of_its_own_keeps_that_and_our_clock_stops(clock, left, tmp_path):
     own = "import signal\nsignal.signal(signal.SIGALRM, lambda *_: None)\n"
     before = signal.getsignal(signal.SIGALRM)

@@ -24,7 +24,9 @@ KINDS = (*BUILT, "compiled", "python", "vector", "process")
 
 def make(*arguments):
     """Runs the command; its errors are raised."""
-    return CliRunner().invoke(new_controller, list(map(str, arguments)), catch_exceptions=False).stdout
+    return (
+        CliRunner().invoke(new_controller, list(map(str, arguments)), catch_exceptions=False).stdout
+    )
 
 
 def made(folder, kind, name="my-robot"):
@@ -54,7 +56,9 @@ def test_what_is_written_arrives_in_an_empty_room(kind, tmp_path):
 def test_all_kinds_drive_the_same_way(tmp_path):
     world, options = generate("maze", 7, size=20), RunOptions(steps=500)
     ways = [
-        simulate(world, made(tmp_path, kind, f"robot-{kind}")["controller"], options, record=True).trace
+        simulate(
+            world, made(tmp_path, kind, f"robot-{kind}")["controller"], options, record=True
+        ).trace
         for kind in KINDS
     ]
     shortest = min(len(way.x) for way in ways)
@@ -69,7 +73,9 @@ def test_the_lines_that_are_printed_work_as_they_are(kind, tmp_path, monkeypatch
     if kind in BUILT:
         build(printed.pop(0))
     lines = [shlex.split(line) for line in printed]
-    assert [line[:2] for line in lines] == [["worldgen", command] for command in ("trap", "run", "fuzz")]
+    assert [line[:2] for line in lines] == [
+        ["worldgen", command] for command in ("trap", "run", "fuzz")
+    ]
     assert worldgen(*lines[0][1:]).code == 0 and worldgen(*lines[1][1:]).code == 0
     assert (tmp_path / "run.png").exists()
 
@@ -77,12 +83,17 @@ def test_the_lines_that_are_printed_work_as_they_are(kind, tmp_path, monkeypatch
 def test_the_name_is_spelt_as_python_has_it(tmp_path):
     assert made(tmp_path, "python")["controller"] == f"{tmp_path}/my_robot.py:MyRobot"
     assert made(tmp_path, "compiled", "Fast2")["controller"] == f"{tmp_path}/Fast2.py:Fast2"
-    assert "xample" not in (tmp_path / "my_robot.py").read_text() + (tmp_path / "Fast2.py").read_text()
+    assert (
+        "xample" not in (tmp_path / "my_robot.py").read_text() + (tmp_path / "Fast2.py").read_text()
+    )
 
 
 def test_a_program_may_be_given_any_file_name_blanks_included(tmp_path):
     result = json.loads(make("mine", "--kind", "process", "--out", tmp_path / "my robot", "--json"))
-    assert result["controller"] == f"cmd:'{tmp_path}/my robot'" and (tmp_path / "my robot").stat().st_mode & 0o111
+    assert (
+        result["controller"] == f"cmd:'{tmp_path}/my robot'"
+        and (tmp_path / "my robot").stat().st_mode & 0o111
+    )
     assert simulate(room(), result["controller"]).verdict == "reached"
 
 
@@ -128,7 +139,9 @@ def test_a_hosted_class_drives_as_it_does_here(tmp_path):
         found = simulate(world, there, RunOptions(steps=300), record=True).trace
     here = simulate(world, CONTROLLERS.get(name), RunOptions(steps=300), record=True).trace
     shortest = min(len(here.x), len(found.x))
-    assert shortest > 100 and np.array_equal(here.states[:shortest, :4], found.states[:shortest, :4])
+    assert shortest > 100 and np.array_equal(
+        here.states[:shortest, :4], found.states[:shortest, :4]
+    )
 
 
 @pytest.mark.gate

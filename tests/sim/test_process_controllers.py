@@ -1,4 +1,7 @@
-"""Programs as controllers: the protocol, every way to misbehave, and that nothing of them is left behind."""
+"""Programs as controllers.
+
+The protocol, every way to misbehave, and that nothing of them is left behind.
+"""
 
 import json
 import re
@@ -39,14 +42,21 @@ for line in sys.stdin:
     else:
         answer('{"speed": 0.1, "turn_rate": 0.5}')
 """
-linux = pytest.mark.skipif(sys.platform != "linux", reason="memory limits of programs are for Linux")
+linux = pytest.mark.skipif(
+    sys.platform != "linux", reason="memory limits of programs are for Linux"
+)
 
 
 def program(do="", at=3):
-    """Command of a program that drives in a circle; if asked to, it does something else in one step of each episode."""
+    """Command of a program that drives in a circle.
+
+    If asked to, it does something else in one step of each episode.
+    """
     return [
         *PYTHON,
-        SERVE.replace("AT", str(at if do else 0)).replace("DO", (do or "pass").replace("\n", "\n        ")),
+        SERVE.replace("AT", str(at if do else 0)).replace(
+            "DO", (do or "pass").replace("\n", "\n        ")
+        ),
     ]
 
 
@@ -60,7 +70,9 @@ def run(command, steps=20, **limits):
 
 
 def is_running(process_id):
-    state = subprocess.run(["ps", "-o", "stat=", "-p", str(process_id)], capture_output=True, text=True, check=False)
+    state = subprocess.run(
+        ["ps", "-o", "stat=", "-p", str(process_id)], capture_output=True, text=True, check=False
+    )
     return bool(state.stdout.strip()) and not state.stdout.startswith("Z")
 
 
@@ -114,20 +126,28 @@ def test_a_program_that_does_not_answer_hangs(step):
 
 
 def test_drips_of_an_answer_do_not_put_off_the_deadline():
-    do = "for _ in range(1200):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)\nsys.exit(5)"
-    assert run(program(do), deadline=0.3).verdict == "hang"  # a crash if the drips were waited for to their end
+    do = (
+        "for _ in range(1200):\n    sys.stdout.write(' '); sys.stdout.flush(); "
+        "time.sleep(0.05)\nsys.exit(5)"
+    )
+    assert (
+        run(program(do), deadline=0.3).verdict == "hang"
+    )  # a crash if the drips were waited for to their end
 
 
 def test_a_flood_of_stderr_does_not_put_off_the_deadline():
     do = "while time.monotonic() < until: os.write(2, 9000 * b'x')\nsys.exit(5)"
     flood = program(f"until = time.monotonic() + 60\n{do}")
-    assert run(flood, deadline=0.3).verdict == "hang"  # a crash if the flood was waited for to its end
+    assert (
+        run(flood, deadline=0.3).verdict == "hang"
+    )  # a crash if the flood was waited for to its end
 
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
     now = [0.0]
     monkeypatch.setattr(
-        "sim.controllers.programs.program.time", SimpleNamespace(monotonic=lambda: now[0], sleep=time.sleep)
+        "sim.controllers.programs.program.time",
+        SimpleNamespace(monotonic=lambda: now[0], sleep=time.sleep),
     )
 
     def send_and_look_late(*order):
@@ -188,9 +208,16 @@ def test_a_speed_beyond_the_robots_is_clamped_as_any_controllers():
 
 @pytest.mark.parametrize("endless", [False, True])
 def test_a_line_without_end_is_no_command_and_takes_no_memory(endless):
-    do = "while True: os.write(1, 65536 * b'x')" if endless else "os.write(1, 65537 * b'x'); time.sleep(60)"
+    do = (
+        "while True: os.write(1, 65536 * b'x')"
+        if endless
+        else "os.write(1, 65537 * b'x'); time.sleep(60)"
+    )
     episode = run(program(do))
-    assert episode.evidence.error == "a line of more than 65536 bytes" and len(episode.evidence.answer) < 250
+    assert (
+        episode.evidence.error == "a line of more than 65536 bytes"
+        and len(episode.evidence.answer) < 250
+    )
 
 
 def test_two_lines_for_one_observation_are_one_too_many():
@@ -225,14 +252,19 @@ def test_a_program_that_ignores_sigterm_is_killed(tmp_path):
 def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
     note = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))"
     do = f"child = subprocess.Popen(['sleep', '3600'])\n{note}\nos._exit(4)"
-    episode = run(program(do), deadline=120.0)  # if it waited for the grandchild, it would be a hang
+    episode = run(
+        program(do), deadline=120.0
+    )  # if it waited for the grandchild, it would be a hang
     assert (episode.evidence.error, episode.evidence.step) == ("exit code 4", 3)
     assert ends((tmp_path / "pid").read_text())
 
 
 @pytest.mark.gate
 def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
-    do = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\nanswer('')\nwhile True: time.sleep(60)"
+    do = (
+        f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\nanswer('')\nwhile True: "
+        f"time.sleep(60)"
+    )
     stubborn = program(do, at=1)
     stubborn[-1] = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)" + stubborn[-1]
     code = (
@@ -282,7 +314,10 @@ def test_limits_out_of_range_are_refused(limits, expected):
     [
         ("cmd:", {"code": "no-program-named", "name": "cmd:"}),
         ("cmd+deadline=0.2", {"code": "not-a-command", "name": "cmd+deadline=0.2"}),
-        ("cmd+dedline=1:sh", {"code": "unknown-name", "name": "cmd+dedline=1:sh", "key": "dedline"}),
+        (
+            "cmd+dedline=1:sh",
+            {"code": "unknown-name", "name": "cmd+dedline=1:sh", "key": "dedline"},
+        ),
         ("cmd+deadline=soon:sh", {"code": "not-a-number", "key": "deadline", "text": "soon"}),
         ("cmd+memory=lots:sh", {"code": "not-a-size", "text": "lots"}),
         ("cmd:sh 'x", {"code": "invalid-quoting", "name": "cmd:sh 'x"}),
@@ -296,12 +331,18 @@ def test_a_command_line_that_cannot_be_read_is_refused(name, expected):
 def test_a_command_line_is_split_as_a_shell_would_and_carries_its_limits():
     found = CONTROLLERS.get("cmd+deadline=0.2+start=3+memory=512M:sh -c 'a b' c=d,e+f")
     assert found.command == ("sh", "-c", "a b", "c=d,e+f")
-    assert (found.limits.deadline, found.limits.start_deadline, found.limits.memory) == (0.2, 3.0, 512 << 20)
+    assert (found.limits.deadline, found.limits.start_deadline, found.limits.memory) == (
+        0.2,
+        3.0,
+        512 << 20,
+    )
     assert CONTROLLERS.get("cmd+memory=none:sh").limits.memory is None
 
 
 def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
-    scenario = Scenario.parse("cmd+memory=1G+motion=endpoint+time_step=0.03:./mine a+noise --url=x:y+b")
+    scenario = Scenario.parse(
+        "cmd+memory=1G+motion=endpoint+time_step=0.03:./mine a+noise --url=x:y+b"
+    )
     assert scenario.controller == "cmd+memory=1G:./mine a+noise --url=x:y+b"
     assert (scenario.motion, scenario.time_step) == ("endpoint", 0.03)
     assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
@@ -310,7 +351,9 @@ def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
 def heard(tmp_path, steps):
     """What a program is told in two episodes, line by line, and how often it was started."""
     log = tmp_path / "log"
-    code = SERVE.replace("AT", "0").replace('if "reset"', "open(sys.argv[1], 'a').write(line)\n    if \"reset\"")
+    code = SERVE.replace("AT", "0").replace(
+        'if "reset"', "open(sys.argv[1], 'a').write(line)\n    if \"reset\""
+    )
     with ProcessController(
         [*PYTHON, f"open(__import__('sys').argv[1], 'a').write('start\\n')\n{code}", str(log)]
     ) as one:
@@ -322,7 +365,10 @@ def heard(tmp_path, steps):
 def test_one_program_serves_many_episodes_and_hears_of_each(tmp_path):
     lines = heard(tmp_path, steps=2)
     reset = '{"worldgen":1,"reset":{"time_step":0.015,"top_speed":2.0,"radius":0.07}}'
-    assert [line if "reset" in line or line == "start" else "" for line in lines] == ["start", *(2 * [reset, "", ""])]
+    assert [line if "reset" in line or line == "start" else "" for line in lines] == [
+        "start",
+        *(2 * [reset, "", ""]),
+    ]
 
 
 def test_a_program_is_told_what_a_python_controller_sees_to_the_last_bit(tmp_path):
@@ -357,7 +403,10 @@ def test_a_program_that_serves_one_episode_and_ends_is_started_for_each():
         "step = 0\n        continue", "step += 1000\n        assert step < 2000\n        continue"
     )
     with ProcessController([*PYTHON, once]) as controller:
-        assert {simulate(arena(), controller, RunOptions(steps=3)).verdict for _ in range(3)} <= {"timeout", "stalled"}
+        assert {simulate(arena(), controller, RunOptions(steps=3)).verdict for _ in range(3)} <= {
+            "timeout",
+            "stalled",
+        }
 
 
 def test_a_program_that_repeats_itself_for_ever_stalls_for_nothing_is_known_of_its_memory():
@@ -396,7 +445,9 @@ def test_a_program_in_c_drives_as_the_same_rule_in_python(tmp_path):
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("there is no C compiler here (cc, gcc): the protocol is not tried from C")
-    built = subprocess.run([compiler, "-O2", "-Wall", "-o", tmp_path / "bounce", BOUNCE_C, "-lm"], check=False)
+    built = subprocess.run(
+        [compiler, "-O2", "-Wall", "-o", tmp_path / "bounce", BOUNCE_C, "-lm"], check=False
+    )
     world, options = generate("trap", 4, size=20), RunOptions(steps=1000)
     with ProcessController([str(tmp_path / "bounce")]) as in_c:
         found = simulate(world, in_c, options, record=True)
@@ -426,20 +477,51 @@ def faulty(folder, fault, limits=""):
 
 @pytest.mark.gate
 def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
-    options = ("--units", 1, "--examples", 80, "--seed", 1, "--workers", 1, "--out", tmp_path / "out", "--json")
-    result = worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), "--family", "features", *options)
+    options = (
+        "--units",
+        1,
+        "--examples",
+        80,
+        "--seed",
+        1,
+        "--workers",
+        1,
+        "--out",
+        tmp_path / "out",
+        "--json",
+    )
+    result = worldgen(
+        "fuzz", "--controller", faulty(tmp_path, "1 / 0"), "--family", "features", *options
+    )
     found = {failure["class"]: failure for failure in json.loads(result.out)["failures"]}
     kind = next(iter(found))
-    assert result.code == 1 and re.fullmatch("crash-exit-1-ZeroDivisionError-faulty.module-[0-9a-f]{4}", kind)
+    assert result.code == 1 and re.fullmatch(
+        "crash-exit-1-ZeroDivisionError-faulty.module-[0-9a-f]{4}", kind
+    )
     failure = read_world(Path(found[kind]["file"])).failure
-    assert failure.details["one_minimal"] and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
+    assert (
+        failure.details["one_minimal"]
+        and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
+    )
     assert worldgen("replay", tmp_path / "out").code == 0
 
 
 @pytest.mark.gate
 def test_a_hang_is_found_and_replayed(tmp_path):
     controller = faulty(tmp_path, "import time; time.sleep(60)", "+deadline=0.3")
-    options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
+    options = (
+        "--units",
+        1,
+        "--examples",
+        8,
+        "--seed",
+        1,
+        "--workers",
+        1,
+        "--no-shrink",
+        "--family",
+        "features",
+    )
     result = worldgen("fuzz", "--controller", controller, *options, "--out", tmp_path / "out")
     assert result.code == 1 and (tmp_path / "out" / "hang.grid").exists()
     replayed = worldgen("replay", tmp_path / "out" / "hang.grid")
@@ -447,12 +529,33 @@ def test_a_hang_is_found_and_replayed(tmp_path):
 
 
 def test_a_replay_without_the_program_says_what_is_missing(tmp_path):
-    options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
-    assert worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), *options, "--out", tmp_path / "out").code == 1
+    options = (
+        "--units",
+        1,
+        "--examples",
+        8,
+        "--seed",
+        1,
+        "--workers",
+        1,
+        "--no-shrink",
+        "--family",
+        "features",
+    )
+    assert (
+        worldgen(
+            "fuzz", "--controller", faulty(tmp_path, "1 / 0"), *options, "--out", tmp_path / "out"
+        ).code
+        == 1
+    )
     (tmp_path / "faulty").unlink()
     CONTROLLERS._loaded.clear()
     result = worldgen("replay", tmp_path / "out")
-    assert result.code == 1 and "there is no controller program" in result.out and "Traceback" not in result.err
+    assert (
+        result.code == 1
+        and "there is no controller program" in result.out
+        and "Traceback" not in result.err
+    )
 
 
 def test_a_program_that_never_answers_is_told_before_the_search(tmp_path):
@@ -463,11 +566,27 @@ def test_a_program_that_never_answers_is_told_before_the_search(tmp_path):
 @pytest.mark.nightly
 def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
     note = f"open({str(tmp_path / 'pids')!r}, 'a').write(str(__import__('os').getpid()) + chr(10))"
-    command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--workers", "2"]
-    options = ["--controller", faulty(tmp_path, note), "--budget", "10m", "--out", str(tmp_path / "out")]
+    command = [
+        sys.executable,
+        "-c",
+        "from worldgen.cli.main import main; main()",
+        "fuzz",
+        "--workers",
+        "2",
+    ]
+    options = [
+        "--controller",
+        faulty(tmp_path, note),
+        "--budget",
+        "10m",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     with subprocess.Popen([*command, *options], stderr=subprocess.PIPE) as campaign:
         try:
-            assert waits_for(lambda: len(pids(tmp_path)) >= 3, 180)  # that of the first try, and the workers'
+            assert waits_for(
+                lambda: len(pids(tmp_path)) >= 3, 180
+            )  # that of the first try, and the workers'
         finally:
             campaign.send_signal(signal.SIGINT)
             campaign.communicate(timeout=180)

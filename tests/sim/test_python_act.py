@@ -1,4 +1,7 @@
-"""A Python class in the loop of the core: what it is given, what it may answer, and that nothing of either leaks."""
+"""A Python class in the loop of the core.
+
+What it is given, what it may answer, and that nothing of either leaks.
+"""
 
 import gc
 import sys
@@ -49,10 +52,19 @@ FORMS = {
     "a plain tuple": lambda asked, memory: (tuple(asked), memory),
     "a list": lambda asked, memory: [list(asked), memory],
     "a class of one's own": lambda asked, memory: (Slower(*asked), memory),
-    "whole numbers": lambda asked, memory: (Command(1, asked.turn_rate, int(asked.used_random)), (*map(int, memory),)),
-    "NumPy's numbers": lambda asked, memory: (Command(*map(np.float64, asked)), (*map(np.float64, memory),)),
+    "whole numbers": lambda asked, memory: (
+        Command(1, asked.turn_rate, int(asked.used_random)),
+        (*map(int, memory),),
+    ),
+    "NumPy's numbers": lambda asked, memory: (
+        Command(*map(np.float64, asked)),
+        (*map(np.float64, memory),),
+    ),
     "NumPy's small numbers": lambda asked, memory: (asked, (*map(np.float32, memory),)),
-    "what becomes a number": lambda asked, memory: (Command(Fraction(1), *asked[1:]), (*map(Fraction, memory),)),
+    "what becomes a number": lambda asked, memory: (
+        Command(Fraction(1), *asked[1:]),
+        (*map(Fraction, memory),),
+    ),
     "a memory with names": lambda asked, memory: (asked, Numbers(*memory)),
     "an iterator": lambda asked, memory: iter((asked, memory)),
 }

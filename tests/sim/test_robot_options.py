@@ -1,4 +1,7 @@
-"""Dynamics, sensors and events of the lattice robot: each does what it says, and keeps every promise."""
+"""Dynamics, sensors and events of the lattice robot.
+
+Each does what it says, and keeps every promise.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -71,7 +74,9 @@ def test_a_robot_without_dynamics_is_at_full_speed_at_once_and_stands_at_once():
 def test_acceleration_bounds_the_gain_of_speed_and_friction_its_loss():
     found = speeds(acceleration=5.0, friction=10.0)
     gains = np.diff(found)
-    assert gains.max() <= 5.0 * STEP + 0.014 and gains.min() >= -10.0 * STEP - 0.014  # one lattice unit a step
+    assert (
+        gains.max() <= 5.0 * STEP + 0.014 and gains.min() >= -10.0 * STEP - 0.014
+    )  # one lattice unit a step
     assert found.max() == pytest.approx(2.0, abs=0.01) and found[-1] == 0.0
     assert 20 <= np.flatnonzero(found > 1.95)[0] <= 32
 
@@ -84,7 +89,9 @@ def test_a_robot_that_is_told_to_turn_back_stops_first():
         def act(self, observation, memory):
             return Command(2.0 if memory[0] < 30 else -2.0), (memory[0] + 1.0,)
 
-    trace = simulate(hall(), Reverse(), steps=70, record=True, acceleration=20.0, friction=20.0).trace
+    trace = simulate(
+        hall(), Reverse(), steps=70, record=True, acceleration=20.0, friction=20.0
+    ).trace
     way = np.diff(trace.x)
     assert way[20] > 0 > way[60] and np.abs(np.diff(way)).max() <= 20.0 * STEP * STEP + 2e-4
 
@@ -113,7 +120,9 @@ def test_slip_loses_up_to_its_share_of_each_step_and_depends_on_the_seed_alone()
     assert driven.min() >= 0.98 and driven.max() <= 2.0 and driven.std() > 0.1
 
 
-@pytest.mark.parametrize("noise", ["slip", "odometry_noise", "sensor_noise", "beam_noise", "beam_dropout"])
+@pytest.mark.parametrize(
+    "noise", ["slip", "odometry_noise", "sensor_noise", "beam_noise", "beam_dropout"]
+)
 def test_with_noise_no_loop_is_ever_claimed(noise):
     circle = Drive(0.5, 512 / 65536 * 2 * math.pi / STEP)
     world = arena()
@@ -135,11 +144,17 @@ def test_the_clock_counts_the_steps():
 
 def test_without_noise_odometry_is_the_pose():
     simulate(hall(), eyes := Eyes(), steps=50)
-    assert all((s.odometry_x, s.odometry_y, s.odometry_heading) == (s.x, s.y, s.heading) for s in eyes.seen)
+    assert all(
+        (s.odometry_x, s.odometry_y, s.odometry_heading) == (s.x, s.y, s.heading) for s in eyes.seen
+    )
 
 
 def test_odometry_drifts_away_with_noise_and_not_faster_than_its_share():
-    episode = simulate(hall(), eyes := Eyes(), RunOptions(steps=400, seed=3, robot=RobotOptions(odometry_noise=0.1)))
+    episode = simulate(
+        hall(),
+        eyes := Eyes(),
+        RunOptions(steps=400, seed=3, robot=RobotOptions(odometry_noise=0.1)),
+    )
     gaps = [math.hypot(s.odometry_x - s.x, s.odometry_y - s.y) for s in eyes.seen]
     turned = 400 * 0.3 * STEP
     assert 0.0 < gaps[-1] <= episode.path_length * (0.1 + 0.1 * turned)
@@ -149,7 +164,9 @@ def test_odometry_drifts_away_with_noise_and_not_faster_than_its_share():
 def test_the_first_of_the_beams_looks_ahead_and_the_others_go_round():
     world = arena(20, (0.55, 0.75, 0.0), (1.6, 1.6))
     simulate(world, eyes := Eyes(0.0, 0.0), steps=1, beams=4)
-    assert eyes.seen[0].beams == pytest.approx((1.9 - 0.55, 1.9 - 0.75, 0.55 - 0.1, 0.75 - 0.1), abs=2e-4)
+    assert eyes.seen[0].beams == pytest.approx(
+        (1.9 - 0.55, 1.9 - 0.75, 0.55 - 0.1, 0.75 - 0.1), abs=2e-4
+    )
 
 
 def test_beams_end_at_their_range_and_are_wrong_by_at_most_their_noise():
@@ -160,7 +177,11 @@ def test_beams_end_at_their_range_and_are_wrong_by_at_most_their_noise():
     right = np.array([seen.beams for seen in plain.seen])
     wrong = np.array([seen.beams for seen in noisy.seen])
     lost = np.array([seen.beams for seen in lossy.seen])
-    assert right.max() == 1.0 and (np.abs(wrong - right) <= 0.1 * right + 1e-9).all() and wrong.std(axis=0).max() > 0.01
+    assert (
+        right.max() == 1.0
+        and (np.abs(wrong - right) <= 0.1 * right + 1e-9).all()
+        and wrong.std(axis=0).max() > 0.01
+    )
     dropped = lost != right
     assert (lost[dropped] == 1.0).all() and 0.3 < dropped[:, right[0] < 1.0].mean() < 0.7
 
@@ -177,7 +198,10 @@ def test_walls_weaken_or_block_the_signal():
     )
     free = strength(clear).signal
     assert strength(behind).signal == free == pytest.approx(1 / 101, rel=0.02)
-    assert strength(behind, signal="weakened").signal == free / 4 and strength(behind, signal="blocked").signal == 0.0
+    assert (
+        strength(behind, signal="weakened").signal == free / 4
+        and strength(behind, signal="blocked").signal == 0.0
+    )
     assert strength(clear, signal="blocked").signal == free
 
 
@@ -194,7 +218,9 @@ def test_smoke_weakens_the_signal_in_each_cell_of_its_way():
         assert strength(burning, smoke=0.5, smoke_reach=reach).signal == free / 2**cells
     assert strength(burning, smoke=1.0).signal == 0.0
     both = strength(
-        replace(burning, walls=arena(20, (0.5, 1, 0), (1.5, 1), [(10, 12)]).walls), smoke=0.5, signal="weakened"
+        replace(burning, walls=arena(20, (0.5, 1, 0), (1.5, 1), [(10, 12)]).walls),
+        smoke=0.5,
+        signal="weakened",
     )
     assert both.signal == free / 2**6
 
@@ -202,7 +228,9 @@ def test_smoke_weakens_the_signal_in_each_cell_of_its_way():
 def test_smoke_beside_the_way_reaches_it_or_does_not():
     beside = smoky((0.0, 10, 12, CellState.BURNING))
     free = strength(beside).signal
-    assert [strength(beside, smoke=0.5, smoke_reach=reach).signal == free for reach in (0, 1, 2)] == [True, True, False]
+    assert [
+        strength(beside, smoke=0.5, smoke_reach=reach).signal == free for reach in (0, 1, 2)
+    ] == [True, True, False]
 
 
 def test_smoke_is_gone_when_the_fire_is_out():
@@ -214,7 +242,10 @@ def test_smoke_is_gone_when_the_fire_is_out():
 
 def test_a_robot_is_led_round_smoke_and_blind_where_it_ends_the_signal():
     world = smoky(*[(0.0, 8, iy, CellState.BURNING) for iy in range(8, 12)])
-    plain, led = (strength(world, sensor_cells=4, smoke_reach=1, smoke=share).signal_heading for share in (0.0, 0.9))
+    plain, led = (
+        strength(world, sensor_cells=4, smoke_reach=1, smoke=share).signal_heading
+        for share in (0.0, 0.9)
+    )
     assert plain == pytest.approx(0.0, abs=1e-3) and abs(led) > 0.5
     everywhere = smoky(*[(0.0, ix, iy, CellState.BURNING) for ix in (9, 12) for iy in range(1, 19)])
     blind = strength(replace(everywhere, start=Pose(0.55, 1.05, 1.0)), smoke=1.0)
@@ -223,8 +254,14 @@ def test_a_robot_is_led_round_smoke_and_blind_where_it_ends_the_signal():
 
 def test_a_signal_has_a_range_and_a_sensor_a_field():
     world = arena(20, (0.55, 1.05, math.pi), (1.55, 1.05))
-    assert strength(world, sensor_range=0.9).signal == 0.0 < strength(world, sensor_range=1.1).signal
-    assert strength(world, sensor_field=3.0).signal == 0.0 < strength(world, sensor_field=2 * math.pi).signal
+    assert (
+        strength(world, sensor_range=0.9).signal == 0.0 < strength(world, sensor_range=1.1).signal
+    )
+    assert (
+        strength(world, sensor_field=3.0).signal
+        == 0.0
+        < strength(world, sensor_field=2 * math.pi).signal
+    )
     blind = strength(world, sensor_range=0.5)
     assert blind.signal_heading == blind.heading
 
@@ -285,17 +322,25 @@ def test_no_path_cuts_a_wall_that_stands_at_that_moment(events, rate, speed):
     if any(walls_at(world, 0.0, 9, 29)):
         return
     episode = simulate(world, Drive(speed, rate), record=True, steps=80)
-    trace, caught = episode.trace, episode.verdict == "burned"  # and then the wall stands where the path ends
+    trace, caught = (
+        episode.trace,
+        episode.verdict == "burned",
+    )  # and then the wall stands where the path ends
     times = path_times(trace)
     assert (np.diff(times) >= 0).all() and len(np.unique(trace.path_step)) == len(trace.x)
     for k in range(1, len(times) - caught):
         line = shapely.LineString([(trace.path_x[j], trace.path_y[j]) for j in (k - 1, k)])
         assert (
-            not any(times[k - 1] + 1e-9 < event.time < times[k] - 1e-9 for event in world.timeline) or line.length == 0
+            not any(times[k - 1] + 1e-9 < event.time < times[k] - 1e-9 for event in world.timeline)
+            or line.length == 0
         )
         middle = (times[k - 1] + times[k]) / 2
-        solid = [cell for cell in cells_of(world) if state_at(world, cell, middle) == CellState.SOLID]
-        boxes = [shapely.box(ix * 0.1, iy * 0.1, ix * 0.1 + 0.1, iy * 0.1 + 0.1) for ix, iy in solid]
+        solid = [
+            cell for cell in cells_of(world) if state_at(world, cell, middle) == CellState.SOLID
+        ]
+        boxes = [
+            shapely.box(ix * 0.1, iy * 0.1, ix * 0.1 + 0.1, iy * 0.1 + 0.1) for ix, iy in solid
+        ]
         assert all(line.distance(box) >= 0.07 - 1e-9 for box in boxes)
 
 
@@ -318,13 +363,21 @@ def cells_of(world):
 
 
 def state_at(world, cell, time):
-    past = [event.state for event in world.timeline if (event.ix, event.iy) == cell and event.time <= time]
+    past = [
+        event.state
+        for event in world.timeline
+        if (event.ix, event.iy) == cell and event.time <= time
+    ]
     return past[-1] if past else CellState.FREE
 
 
 def walls_at(world, time, ix, iy):
     """For each cell round a place, whether it is solid at a time."""
-    return [state_at(world, (ix + i, iy + j), time) == CellState.SOLID for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    return [
+        state_at(world, (ix + i, iy + j), time) == CellState.SOLID
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+    ]
 
 
 def test_an_event_between_two_steps_belongs_to_the_later_one():
@@ -382,7 +435,10 @@ def test_the_same_run_comes_out_for_a_python_and_a_compiled_controller_with_ever
         ({"beams": 1001}, {"code": "out-of-range", "name": "beams", "high": 1000}),
         ({"signal": "off"}, {"code": "unknown-name", "name": "signal"}),
         ({"smoke": 1.5}, {"code": "out-of-range", "name": "smoke", "value": 1.5, "high": 1}),
-        ({"smoke_reach": 11}, {"code": "out-of-range", "name": "smoke_reach", "value": 11, "high": 10}),
+        (
+            {"smoke_reach": 11},
+            {"code": "out-of-range", "name": "smoke_reach", "value": 11, "high": 10},
+        ),
         ({"slip": True}, {"code": "wrong-type", "name": "slip", "expected": "float"}),
         ({"beam_range": math.inf}, {"code": "not-finite", "name": "beam_range"}),
     ],
@@ -401,4 +457,6 @@ def test_a_target_seen_by_nobody_is_still_reached():
 def test_no_turn_is_above_the_limit(limit):
     trace = simulate(hall(), Drive(0.0, 100.0), turn_limit=limit, record=True, steps=30).trace
     turned = np.abs(np.angle(np.exp(1j * np.diff(trace.heading))))
-    assert turned.max() <= limit * STEP + 1e-12 and (turned.max() > 0.9 * limit * STEP or limit < 0.01)
+    assert turned.max() <= limit * STEP + 1e-12 and (
+        turned.max() > 0.9 * limit * STEP or limit < 0.01
+    )

@@ -34,7 +34,9 @@ def test_a_controller_with_variations_is_read(text, expected):
 
 def test_repaired_stands_for_the_three_repairs():
     thesis = Scenario.parse("thesis-1+repaired", **STEPPED).thesis
-    assert thesis.repaired and thesis == ThesisOptions(repair_slide=True, repair_back_off=True, repair_corner=True)
+    assert thesis.repaired and thesis == ThesisOptions(
+        repair_slide=True, repair_back_off=True, repair_corner=True
+    )
 
 
 THESIS = st.builds(
@@ -61,7 +63,11 @@ ROBOT = st.builds(
 
 @given(
     st.builds(lambda thesis: ("stepped", {"thesis": thesis}), THESIS)
-    | st.builds(lambda motion, robot: (motion, {"robot": robot}), st.sampled_from(["swept", "endpoint"]), ROBOT),
+    | st.builds(
+        lambda motion, robot: (motion, {"robot": robot}),
+        st.sampled_from(["swept", "endpoint"]),
+        ROBOT,
+    ),
     st.floats(0.001, 10),
 )
 def test_a_label_reads_back(switches, time_step):
@@ -78,7 +84,10 @@ def test_a_label_reads_back(switches, time_step):
         ("thesis-1+noise=maybe", {"code": "not-a-truth-value", "name": "noise"}),
         ("thesis-1+slip", {"code": "missing-value", "name": "slip"}),
         ("thesis-1+slip=much", {"code": "not-a-number", "name": "slip", "expected": "number"}),
-        ("thesis-3+draws=0.5:x", {"code": "not-a-number", "name": "draws", "expected": "list of numbers"}),
+        (
+            "thesis-3+draws=0.5:x",
+            {"code": "not-a-number", "name": "draws", "expected": "list of numbers"},
+        ),
         ("thesis-3+draws=0.5:1.0", {"code": "out-of-range"}),
         ("thesis-1+slip=1.5", {"code": "out-of-range", "name": "slip", "value": 1.5, "high": 1}),
         ("thesis-1+slip=nan", {"code": "not-finite", "name": "slip"}),
@@ -86,7 +95,10 @@ def test_a_label_reads_back(switches, time_step):
         ("thesis-1+", {"code": "wrong-form"}),
         ("thesis-1+arbiter=A9", {"code": "unknown-name", "name": "arbiter", "value": "A9"}),
         ("thesis-1+time_step=soon", {"code": "not-a-number", "text": "soon"}),
-        ("thesis-1+map_scale=0", {"code": "out-of-range", "name": "map_scale", "low": 1, "high": 100}),
+        (
+            "thesis-1+map_scale=0",
+            {"code": "out-of-range", "name": "map_scale", "low": 1, "high": 100},
+        ),
     ],
 )
 def test_a_wrong_variation_gets_a_sentence(text, expected):
@@ -102,5 +114,7 @@ def test_a_failure_file_stores_only_what_was_switched():
 
 
 def test_switches_of_the_thesis_mean_nothing_to_another_motion_model():
-    with raises(InvalidParameter, "option-without-effect", option="noise", motion="swept", where="stepped"):
+    with raises(
+        InvalidParameter, "option-without-effect", option="noise", motion="swept", where="stepped"
+    ):
         simulate(generate("trap", seed=1), "thesis-1", motion="swept", noise=True)

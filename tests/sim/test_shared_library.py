@@ -1,4 +1,7 @@
-"""Controllers in shared libraries: what they offer, what is refused, and what happens when they crash or hang."""
+"""Controllers in shared libraries.
+
+What they offer, what is refused, and what happens when they crash or hang.
+"""
 
 import os
 import subprocess
@@ -22,7 +25,16 @@ SOURCE = Path(__file__).parents[1] / "data" / "controllers" / "faulty.c"
 def library(tmp_path_factory):
     """The library of faulty controllers, by its whole path."""
     made = tmp_path_factory.mktemp("library") / "faulty.so"
-    words = ["-std=c17", "-O1", "-shared", "-fPIC", f"-I{include_folder()}", str(SOURCE), "-o", str(made)]
+    words = [
+        "-std=c17",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        f"-I{include_folder()}",
+        str(SOURCE),
+        "-o",
+        str(made),
+    ]
     subprocess.run([*compiler(), *words], check=True)
     return made
 
@@ -48,7 +60,11 @@ def maze():
 @pytest.mark.usefixtures("contained")
 @pytest.mark.parametrize(
     ("name", "error"),
-    [("segfault", "killed by SIGSEGV"), ("give_up", "killed by SIGABRT"), ("complain", "lost the map")],
+    [
+        ("segfault", "killed by SIGSEGV"),
+        ("give_up", "killed by SIGABRT"),
+        ("complain", "lost the map"),
+    ],
 )
 def test_what_would_end_the_program_is_a_crash(name, error, library):
     episode = simulate(maze(), f"lib:{library}:{name}")
@@ -65,7 +81,11 @@ def test_the_next_run_after_a_crash_is_like_the_first(library):
 @pytest.mark.usefixtures("contained")
 def test_an_endless_step_is_a_hang(library):
     episode = simulate(maze(), f"lib:{library}:hang")
-    assert (episode.verdict, episode.evidence.error, episode.evidence.deadline) == ("hang", "no answer", 1.0)
+    assert (episode.verdict, episode.evidence.error, episode.evidence.deadline) == (
+        "hang",
+        "no answer",
+        1.0,
+    )
 
 
 @pytest.mark.usefixtures("uncontained")

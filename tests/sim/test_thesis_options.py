@@ -1,4 +1,7 @@
-"""The switches of the thesis's simulator: each does what it says, by a reference of its own or by the evidence."""
+"""The switches of the thesis's simulator.
+
+Each does what it says, by a reference of its own or by the evidence.
+"""
 
 import math
 from dataclasses import replace
@@ -12,7 +15,7 @@ from hypothesis import strategies as st
 
 from sim import simulate
 from sim.options.robot import RobotOptions
-from sim.thesis.core_calls import STATE_FIELDS, WALL, Setup, signal_map
+from sim.thesis.core_calls import STATE_FIELDS, WALL, ThesisSetup, signal_map
 from sim.thesis.options import ARBITERS, ThesisOptions
 from sim.thesis.run import signal_in
 from tests.helpers import thesis_parts
@@ -50,14 +53,18 @@ def run(world, controller="thesis-1", **switches):
         ("A6", 107, 198),  # nothing is touched on the way
     ],
 )
-def test_every_reading_of_the_arbiter_takes_the_ticks_that_were_worked_out_from_the_listing(reading, centre, corner):
+def test_every_reading_of_the_arbiter_takes_the_ticks_that_were_worked_out_from_the_listing(
+    reading, centre, corner
+):
     steps = [run(hall(target), arbiter=reading).steps for target in ((15, 15), (27, 27))]
     assert steps == [centre, corner]
 
 
 def test_every_reading_of_the_arbiter_is_another_run_where_walls_are_met():
     world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
-    digests = {reading: run(world, arbiter=reading, steps=3000).trace_digest for reading in ARBITERS}
+    digests = {
+        reading: run(world, arbiter=reading, steps=3000).trace_digest for reading in ARBITERS
+    }
     assert len(set(digests.values())) == len(ARBITERS)
 
 
@@ -68,13 +75,22 @@ def test_an_interruptible_robot_begins_its_escape_afresh_at_each_collision():
         for reading in ("A0", "interruptible")
     )
     moved = [np.hypot(np.diff(t.x), np.diff(t.y)) > 0 for t in (plain, interruptible)]
-    went_on = [bool((t.bump[1:-1] & m[1:]).any()) for t, m in zip((plain, interruptible), moved, strict=True)]
-    assert went_on == [True, False]  # after a bump the plain one may drive on; the other always stops first
+    went_on = [
+        bool((t.bump[1:-1] & m[1:]).any())
+        for t, m in zip((plain, interruptible), moved, strict=True)
+    ]
+    assert went_on == [
+        True,
+        False,
+    ]  # after a bump the plain one may drive on; the other always stops first
 
 
 def clear(walls, x, y):
     """Whether the thesis's disc is clear of cells, by distances alone."""
-    gaps = [math.hypot(max(10 * i - x, 0, x - 10 * i - 10), max(10 * j - y, 0, y - 10 * j - 10)) for i, j in walls]
+    gaps = [
+        math.hypot(max(10 * i - x, 0, x - 10 * i - 10), max(10 * j - y, 0, y - 10 * j - 10))
+        for i, j in walls
+    ]
     return min(gaps) >= 7.0 - 1e-9
 
 
@@ -85,7 +101,12 @@ def clear(walls, x, y):
     st.sampled_from([0.0, 0.3, 1.0]),
 )
 def test_with_all_three_repairs_no_move_ever_cuts_a_wall(inner, place, moves, friction):
-    border = {(i, j) for i in range(SIDE) for j in range(SIDE) if not (0 < i < SIDE - 1 and 0 < j < SIDE - 1)}
+    border = {
+        (i, j)
+        for i in range(SIDE)
+        for j in range(SIDE)
+        if not (0 < i < SIDE - 1 and 0 < j < SIDE - 1)
+    }
     assume(clear(inner | border, *place))
     cells = np.zeros((SIDE, SIDE), np.int32)
     for wall in inner | border:
@@ -104,7 +125,9 @@ def test_with_all_three_repairs_no_move_ever_cuts_a_wall(inner, place, moves, fr
 )
 def test_a_tunnel_names_the_move_that_let_the_robot_in(name, cause, since, step):
     vector = VECTORS[name]
-    evidence = run(world_of(vector), f"thesis-{vector['rule']}", draws=vector.get("draws", []), steps=2000).evidence
+    evidence = run(
+        world_of(vector), f"thesis-{vector['rule']}", draws=vector.get("draws", []), steps=2000
+    ).evidence
     assert (evidence.cause, evidence.since, evidence.step) == (cause, since, step)
 
 
@@ -123,7 +146,13 @@ def test_a_run_that_keeps_going_is_the_recorded_one_walls_or_not(name):
 def test_a_repaired_robot_does_not_enter_the_walls_that_the_thesis_enters(name):
     vector = VECTORS[name]
     repairs = dict.fromkeys(("repair_slide", "repair_back_off", "repair_corner"), True)
-    episode = run(world_of(vector), f"thesis-{vector['rule']}", draws=vector.get("draws", []), steps=20_000, **repairs)
+    episode = run(
+        world_of(vector),
+        f"thesis-{vector['rule']}",
+        draws=vector.get("draws", []),
+        steps=20_000,
+        **repairs,
+    )
     assert episode.verdict in ("reached", "loop", "stalled", "timeout")
 
 
@@ -137,9 +166,14 @@ def test_endless_runs_that_are_no_exact_loop_drift_or_are_confined():
 
 
 def speeds(**switches):
-    """Way per tick, px, along a free run straight to the right; the thesis's robot wants 3 px a tick."""
+    """Way per tick, px, along a free run straight to the right.
+
+    The thesis's robot wants 3 px a tick.
+    """
     world = replace(hall((27, 3)), start=Pose(0.35, 2.65, 0.0))
-    trace = simulate(world, "thesis-1", motion="stepped", steps=60, record=True, arbiter="A3", **switches).trace
+    trace = simulate(
+        world, "thesis-1", motion="stepped", steps=60, record=True, arbiter="A3", **switches
+    ).trace
     return np.hypot(np.diff(trace.x), np.diff(trace.y)) * 100
 
 
@@ -154,7 +188,9 @@ def test_without_friction_a_robot_stops_at_once_and_with_it_rolls_out():
     turning = {"arbiter": "A0", "steps": 26}
     world = replace(hall((3, 25)), start=Pose(1.5, 1.5, 0.0))
     still, rolls = (
-        simulate(world, "thesis-1", motion="stepped", record=True, friction=friction, **turning).trace
+        simulate(
+            world, "thesis-1", motion="stepped", record=True, friction=friction, **turning
+        ).trace
         for friction in (0.0, 5.0)
     )
     assert abs(rolls.x[8] - 1.5) > abs(still.x[8] - 1.5) + 0.02
@@ -190,11 +226,13 @@ def test_walls_between_two_cells_are_those_that_the_straight_line_crosses(walls,
         for wall in walls - {(x, y), (to_x, to_y)}
         if line.intersection(shapely.box(wall[0], wall[1], wall[0] + 1, wall[1] + 1)).length > 1e-9
     ]
-    assert thesis_parts.walls_between(cells, x, y, to_x, to_y) == (len(crossed) if x != to_x or y != to_y else 0)
+    assert thesis_parts.walls_between(cells, x, y, to_x, to_y) == (
+        len(crossed) if x != to_x or y != to_y else 0
+    )
 
 
 def sensed(cells, x, y, heading=0.0, step=1, **changes):
-    setup = Setup(rule=1, time_step=15.0, target_x=12, target_y=6, **changes)
+    setup = ThesisSetup(rule=1, time_step=15.0, target_x=12, target_y=6, **changes)
     return thesis_parts.sensed(cells, setup, x, y, heading, step)
 
 
@@ -208,7 +246,9 @@ def lit(walls=()):
 def test_a_wall_in_the_way_hides_the_target_so_the_robot_heads_for_a_lit_cell():
     cells = lit([(9, 6)])
     assert sensed(cells, 75.0, 65.0) == math.pi  # straight at the target, as if there were no wall
-    assert sensed(cells, 75.0, 65.0, signal=thesis_parts.BLOCKED) == bearing(10.0, -10.0)  # cell (8, 5)
+    assert sensed(cells, 75.0, 65.0, signal=thesis_parts.BLOCKED) == bearing(
+        10.0, -10.0
+    )  # cell (8, 5)
 
 
 def test_a_signal_is_worth_half_behind_each_wall_cell():
@@ -226,16 +266,23 @@ def test_a_directed_sensor_sees_only_what_lies_ahead():
 
 
 def test_a_noisy_sensor_errs_anew_in_each_tick_and_the_same_again():
-    heads = [sensed(lit(), 65.0, 65.0, step=step, sensor_noise=0.5, seed=7) for step in range(1, 30)]
-    again = [sensed(lit(), 65.0, 65.0, step=step, sensor_noise=0.5, seed=7) for step in range(1, 30)]
+    heads = [
+        sensed(lit(), 65.0, 65.0, step=step, sensor_noise=0.5, seed=7) for step in range(1, 30)
+    ]
+    again = [
+        sensed(lit(), 65.0, 65.0, step=step, sensor_noise=0.5, seed=7) for step in range(1, 30)
+    ]
     assert heads == again and len(set(heads)) > 2
     assert sensed(lit(), 65.0, 65.0, sensor_noise=1e-9) == sensed(lit(), 65.0, 65.0)
 
 
 def test_a_coarse_map_makes_the_robot_head_for_the_middle_of_blocks():
-    # blocks of 4 cells: from cell (2, 2) the best neighbour holds the cells (4..7, 4..7), its middle is (60, 60) px
+    # blocks of 4 cells: from cell (2, 2) the best neighbour holds the cells (4..7, 4..7), its
+    # middle is (60, 60) px
     assert sensed(lit(), 25.0, 25.0, map_scale=4) == bearing(60.0 - 25.0, 60.0 - 25.0)
-    assert sensed(lit(), 125.0, 78.0, map_scale=4) == math.pi / 2  # in the best block, cell by cell: up to the target
+    assert (
+        sensed(lit(), 125.0, 78.0, map_scale=4) == math.pi / 2
+    )  # in the best block, cell by cell: up to the target
 
 
 @pytest.mark.parametrize(
@@ -260,7 +307,9 @@ def test_a_coarse_map_makes_the_robot_head_for_the_middle_of_blocks():
 )
 def test_each_switch_changes_the_run_and_repeats_itself(switch):
     world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
-    plain, once, again = (run(world, steps=3000, **changes).trace_digest for changes in ({}, switch, switch))
+    plain, once, again = (
+        run(world, steps=3000, **changes).trace_digest for changes in ({}, switch, switch)
+    )
     assert once == again != plain
 
 
@@ -294,14 +343,18 @@ def test_chance_in_the_simulator_itself_leaves_no_loop_to_prove():
     world = world_of(VECTORS["demo-7"])
     assert run(world, f"thesis-{VECTORS['demo-7']['rule']}", steps=5000).verdict == "loop"
     verdicts = {
-        run(world, f"thesis-{VECTORS['demo-7']['rule']}", steps=5000, slip=0.01, seed=s).verdict for s in (1, 2)
+        run(world, f"thesis-{VECTORS['demo-7']['rule']}", steps=5000, slip=0.01, seed=s).verdict
+        for s in (1, 2)
     }
     assert "loop" not in verdicts
 
 
 def test_given_draws_are_used_before_those_of_the_seed():
     vector = VECTORS["demo-3"]
-    runs = [run(world_of(vector), "thesis-3", draws=vector["draws"], seed=seed, steps=667) for seed in (1, 2)]
+    runs = [
+        run(world_of(vector), "thesis-3", draws=vector["draws"], seed=seed, steps=667)
+        for seed in (1, 2)
+    ]
     assert runs[0].trace_digest == runs[1].trace_digest
     assert run(world_of(vector), "thesis-3", seed=1, steps=667).trace_digest != runs[0].trace_digest
 
@@ -311,7 +364,9 @@ def test_draws_outside_the_unit_interval_are_refused():
         run(hall((15, 15)), "thesis-3", draws=[1.5])
 
 
-@pytest.mark.parametrize("switches", [{"friction": 2.0}, {"friction": 0.5, "arbiter": "interruptible"}])
+@pytest.mark.parametrize(
+    "switches", [{"friction": 2.0}, {"friction": 0.5, "arbiter": "interruptible"}]
+)
 def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switches):
     world = read_world(Path(__file__).parents[2] / "corpora" / "thesis" / "config-06.grid")
     states = run(world, record=True, steps=3000, **switches).trace.states
@@ -324,7 +379,10 @@ def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switche
 def test_walls_that_are_stored_by_columns_are_the_same_world(noise):
     world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
     turned = replace(world, walls=np.asfortranarray(world.walls))
-    assert run(turned, noise=noise, steps=300).trace_digest == run(world, noise=noise, steps=300).trace_digest
+    assert (
+        run(turned, noise=noise, steps=300).trace_digest
+        == run(world, noise=noise, steps=300).trace_digest
+    )
 
 
 def test_the_signal_of_a_cell_is_its_squared_distance_and_walls_have_none():

@@ -14,7 +14,11 @@ from tests.replay_vectors import main, mismatches, read_vectors
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
 
 DATA = Path(__file__).parents[1] / "data" / "thesis"
-VECTORS = {f"{v['id']}": v for name in ("vectors", "demos") for _, v in read_vectors(DATA / f"{name}.jsonl.gz")}
+VECTORS = {
+    f"{v['id']}": v
+    for name in ("vectors", "demos")
+    for _, v in read_vectors(DATA / f"{name}.jsonl.gz")
+}
 
 
 @pytest.mark.gate
@@ -51,15 +55,21 @@ def test_the_replay_command_counts_what_matches(tmp_path, capsys):
     ],
     ids=lambda value: None if isinstance(value, str) else ",".join(value),
 )
-def test_a_line_that_is_no_recording_gets_a_sentence_and_the_rest_is_replayed(tmp_path, capsys, changes, message):
+def test_a_line_that_is_no_recording_gets_a_sentence_and_the_rest_is_replayed(
+    tmp_path, capsys, changes, message
+):
     odd = tmp_path / "odd.jsonl"
-    odd.write_text(json.dumps({**VECTORS["pub-004"], **changes}) + "\n" + json.dumps(VECTORS["pub-008"]) + "\n")
+    odd.write_text(
+        json.dumps({**VECTORS["pub-004"], **changes}) + "\n" + json.dumps(VECTORS["pub-008"]) + "\n"
+    )
     code, printed = main([str(odd)]), capsys.readouterr()
     assert (code, printed.out) == (2, "matched 1 of 2\n")
     assert message in printed.err and printed.err.startswith(f"{odd}:1: cannot be replayed: ")
 
 
-@pytest.mark.parametrize("text", [b"{", b"[]", b"3", b"[" * 100_000, b"", b"\xff"], ids=lambda text: repr(text[:9]))
+@pytest.mark.parametrize(
+    "text", [b"{", b"[]", b"3", b"[" * 100_000, b"", b"\xff"], ids=lambda text: repr(text[:9])
+)
 def test_a_file_that_holds_no_recordings_gives_a_message_not_a_traceback(tmp_path, capsys, text):
     (tmp_path / "odd.jsonl").write_bytes(text)
     assert main([str(tmp_path / "odd.jsonl")]) == 2
@@ -123,7 +133,10 @@ def test_a_recorded_run_is_the_same_from_a_world(name):
 def test_a_recorded_loop_is_proved_with_its_entry_and_period():
     vector = VECTORS["pub-011"]
     episode = simulate(world_of(vector), "turn-left", motion="stepped", steps=20_000)
-    assert (episode.evidence.entry, episode.evidence.period) == (vector["loopStart"], vector["period"])
+    assert (episode.evidence.entry, episode.evidence.period) == (
+        vector["loopStart"],
+        vector["period"],
+    )
     assert (episode.verdict, episode.trace_digest) == ("loop", vector["hash"])
 
 
@@ -136,24 +149,35 @@ def test_an_open_border_is_closed_by_the_solid_outside():
         target=Target(round(world.target.x - 0.1, 9), round(world.target.y - 0.1, 9), 0.05),
     )
     runs = [simulate(w, "turn-right", motion="stepped", steps=2000) for w in (world, inner)]
-    assert runs[0].trace_digest == runs[1].trace_digest and runs[0].verdict == runs[1].verdict == "reached"
+    assert (
+        runs[0].trace_digest == runs[1].trace_digest
+        and runs[0].verdict == runs[1].verdict == "reached"
+    )
 
 
 def empty(**changes):
-    return replace(World(np.zeros((12, 12), bool), Pose(0.35, 0.35, 0.0), Target(0.85, 0.85, 0.05)), **changes)
+    return replace(
+        World(np.zeros((12, 12), bool), Pose(0.35, 0.35, 0.0), Target(0.85, 0.85, 0.05)), **changes
+    )
 
 
 def test_flames_burn_the_thesis_robot():
     timeline = Timeline.of([Event(0.1, 5, 5, CellState.BURNING)])
     episode = simulate(empty(timeline=timeline), "turn-left", motion="stepped")
-    assert (episode.verdict, episode.evidence.state, episode.evidence.cell) == ("burned", "burning", (5, 5))
+    assert (episode.verdict, episode.evidence.state, episode.evidence.cell) == (
+        "burned",
+        "burning",
+        (5, 5),
+    )
 
 
 def test_debris_blocks_the_thesis_robot_and_freed_cells_let_it_pass():
     wall = [Event(0.0, ix, 6, CellState.SOLID) for ix in range(12)]
     freed = [Event(3.0, ix, 6, CellState.FREE) for ix in range(12)]
     verdicts = [
-        simulate(empty(timeline=Timeline.of(events)), "turn-random", motion="stepped", steps=20_000).verdict
+        simulate(
+            empty(timeline=Timeline.of(events)), "turn-random", motion="stepped", steps=20_000
+        ).verdict
         for events in (wall, wall + freed)
     ]
     assert verdicts[0] != "reached" and verdicts[1] == "reached"

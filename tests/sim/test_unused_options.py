@@ -15,7 +15,11 @@ from worldgen.world import Pose, Target, World
 @pytest.mark.parametrize(
     ("text", "motion", "reason"),
     [
-        ("random-walk+sensor_noise=0.1", "swept", "random-walk does not read signal or signal_heading"),
+        (
+            "random-walk+sensor_noise=0.1",
+            "swept",
+            "random-walk does not read signal or signal_heading",
+        ),
         ("turn-right+odometry_noise=0.1", "swept", "turn-right does not read odometry_x"),
         ("turn-right+beams=8", "swept", "turn-right does not read beams"),
         ("turn-right+coin=2", "swept", "turn-right does not read random"),
@@ -57,7 +61,9 @@ def test_a_robot_below_a_pixel_a_tick_stands_still_under_stepped():
     cells = np.zeros((30, 30), bool)
     slow, fast = (
         simulate(
-            World(cells, Pose(1.5, 1.5, 0.0), Target(0.3, 0.3, 0.05), robot_speed=speed), "thesis-1", motion="stepped"
+            World(cells, Pose(1.5, 1.5, 0.0), Target(0.3, 0.3, 0.05), robot_speed=speed),
+            "thesis-1",
+            motion="stepped",
         )
         for speed in (0.66, 0.68)
     )
@@ -69,11 +75,14 @@ def test_a_class_that_does_not_declare_its_senses_may_read_everything(tmp_path):
         "class Robot:\n    def reset(self):\n        return ()\n\n"
         "    def act(self, observation, memory):\n        return (0.0, 0.0), memory\n"
     )
-    assert unused_options(Scenario.parse(f"{tmp_path}/mine.py:Robot+odometry_noise=0.1+beams=3")) == []
+    assert (
+        unused_options(Scenario.parse(f"{tmp_path}/mine.py:Robot+odometry_noise=0.1+beams=3")) == []
+    )
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"), [("turn-left", False), ("turn-random", True), ("turn-left+slip=0.1", True)]
+    ("text", "expected"),
+    [("turn-left", False), ("turn-random", True), ("turn-left+slip=0.1", True)],
 )
 def test_a_seed_matters_where_something_is_random(text, expected):
     assert random_run(Scenario.parse(text)) is expected
@@ -108,8 +117,14 @@ def test_compare_takes_controllers_one_by_one_and_by_their_earlier_name(world):
 
 
 def test_earlier_names_work_and_are_not_shown():
-    shown = worldgen("compare", "--help").out + worldgen("shrink", "--help").out + worldgen("maze", "--help").out
-    assert not any(name in shown for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed"))
+    shown = (
+        worldgen("compare", "--help").out
+        + worldgen("shrink", "--help").out
+        + worldgen("maze", "--help").out
+    )
+    assert not any(
+        name in shown for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed")
+    )
     assert "no such option" not in worldgen("shrink", "none.grid", "--seconds", 5).err.lower()
 
 
@@ -122,4 +137,7 @@ def test_a_missing_option_is_named_by_its_own_name_only():
 @pytest.mark.parametrize("names", [("--radius", "--speed"), ("--robot-radius", "--robot-speed")])
 def test_a_familys_robot_is_given_by_the_names_of_every_other_command(names):
     made = worldgen("trap", names[0], 0.1, names[1], 1.5, "--seed", 1, "--json")
-    assert json.loads(made.out)["params"] | {"robot_radius": 0.1, "robot_speed": 1.5} == json.loads(made.out)["params"]
+    assert (
+        json.loads(made.out)["params"] | {"robot_radius": 0.1, "robot_speed": 1.5}
+        == json.loads(made.out)["params"]
+    )

@@ -1,4 +1,7 @@
-"""Controllers that act for many robots at once: their runs in lockstep are the single runs, bit for bit."""
+"""Controllers that act for many robots at once.
+
+Their runs in lockstep are the single runs, bit for bit.
+"""
 
 import math
 import warnings
@@ -29,7 +32,9 @@ class TurnsAway:
         return (0.0,)
 
     def act_many(self, observation, memory):
-        rest = np.where(observation.bump, 5.0 + np.floor(observation.random * self.chance), memory[:, 0])
+        rest = np.where(
+            observation.bump, 5.0 + np.floor(observation.random * self.chance), memory[:, 0]
+        )
         turns = rest > 0.0
         command = Commands(np.where(turns, 0.0, 2.0), np.where(turns, 12.0, 0.0), observation.bump)
         return command, np.where(turns, rest - 1.0, 0.0)[:, np.newaxis]
@@ -43,7 +48,9 @@ class AlwaysTheSame(TurnsAway):
 
     def act_many(self, observation, memory):
         rest = np.where(observation.bump, 7.0, memory[:, 0])
-        command = Commands(np.where(rest > 0.0, 0.0, 2.0), np.where(observation.bump, math.pi / 2, 0.0) / STEP)
+        command = Commands(
+            np.where(rest > 0.0, 0.0, 2.0), np.where(observation.bump, math.pi / 2, 0.0) / STEP
+        )
         return command, np.maximum(rest - 1.0, 0.0)[:, np.newaxis]
 
 
@@ -58,7 +65,11 @@ class OneByOne:
         return (0.0,)
 
     def act(self, observation, memory):
-        rest = 5.0 + math.floor(observation.random * self.many.chance) if observation.bump else memory[0]
+        rest = (
+            5.0 + math.floor(observation.random * self.many.chance)
+            if observation.bump
+            else memory[0]
+        )
         if rest > 0.0:
             return Command(0.0, 12.0, observation.bump), (rest - 1.0,)
         return Command(2.0, 0.0, observation.bump), (0.0,)
@@ -72,7 +83,8 @@ def assert_all_single(worlds, controller, runs, **options):
 
 @pytest.mark.parametrize("motion", ["swept", pytest.param("endpoint", marks=pytest.mark.gate)])
 @pytest.mark.parametrize(
-    "controller", [pytest.param(TurnsAway(), marks=pytest.mark.gate), AlwaysTheSame(), AlwaysTheSame(3.0)]
+    "controller",
+    [pytest.param(TurnsAway(), marks=pytest.mark.gate), AlwaysTheSame(), AlwaysTheSame(3.0)],
 )
 def test_runs_in_lockstep_are_the_single_ones(controller, motion):
     worlds = [cup(), burning(), arena(), *(generate("trap", seed=seed) for seed in range(4))]
@@ -91,7 +103,10 @@ def test_loops_of_many_periods_end_after_their_first_period_each():
 def test_it_is_the_controller_for_one_robot_to_the_bit():
     for seed in range(5):
         world = generate("trap", seed=seed)
-        many, one = (simulate(world, who, seed=seed, steps=3000) for who in (TurnsAway(), OneByOne(TurnsAway())))
+        many, one = (
+            simulate(world, who, seed=seed, steps=3000)
+            for who in (TurnsAway(), OneByOne(TurnsAway()))
+        )
         assert (many.verdict, many.trace_digest) == (one.verdict, one.trace_digest)
 
 
@@ -103,13 +118,17 @@ def test_beams_noise_and_starts_are_each_robots_own():
 
         def act_many(self, observation, memory):
             command, after = super().act_many(observation, memory)
-            return command._replace(speed=np.minimum(command.speed, 3.0 * observation.beams[:, 2])), after
+            return command._replace(
+                speed=np.minimum(command.speed, 3.0 * observation.beams[:, 2])
+            ), after
 
     starts = [Pose(0.35, 0.35, 0.0), Pose(0.75, 0.35, 1.0)]
     runs = simulate_many(arena(16), Looks(), starts=starts, seeds=4, digest=True, steps=300)
     for row in runs.to_numpy():
         world = replace(arena(16), start=starts[row["start"]])
-        assert tuple(row[field].item() for field in FIELDS) == single(world, Looks(), int(row["seed"]), steps=300)
+        assert tuple(row[field].item() for field in FIELDS) == single(
+            world, Looks(), int(row["seed"]), steps=300
+        )
 
 
 def test_one_that_raises_crashes_where_it_does_alone():
@@ -122,7 +141,10 @@ def test_one_that_raises_crashes_where_it_does_alone():
 
     with pytest.warns(UserWarning, match="Raises raised for some of many robots"):
         runs = simulate_many(arena(), Raises(), seeds=20, steps=1)
-    assert 2 <= (runs.verdicts == "crash").sum() <= 12 and set(runs.verdicts) == {"crash", "stalled"}
+    assert 2 <= (runs.verdicts == "crash").sum() <= 12 and set(runs.verdicts) == {
+        "crash",
+        "stalled",
+    }
     for row in runs.to_numpy():
         assert row["verdict"] == single(arena(), Raises(), int(row["seed"]), steps=1)[0]
 
@@ -155,9 +177,17 @@ def test_a_variable_of_an_imported_module_is_noticed_too():
 
 
 def test_worlds_in_which_robots_are_faster_or_larger_run_with_the_others():
-    worlds = [arena(), replace(arena(), robot_speed=20.0), replace(arena(), robot_radius=0.03), cup()]
+    worlds = [
+        arena(),
+        replace(arena(), robot_speed=20.0),
+        replace(arena(), robot_radius=0.03),
+        cup(),
+    ]
     assert_all_single(
-        worlds, TurnsAway(), simulate_many(worlds, TurnsAway(), seeds=2, digest=True, steps=400), steps=400
+        worlds,
+        TurnsAway(),
+        simulate_many(worlds, TurnsAway(), seeds=2, digest=True, steps=400),
+        steps=400,
     )
 
 
@@ -170,7 +200,10 @@ def test_memory_and_commands_must_keep_their_shapes():
         def act_many(self, observation, memory):
             return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
 
-    assert "came back in shape (1,), and was given in (1, 1)" in simulate(arena(), Flat()).evidence.error
+    assert (
+        "came back in shape (1,), and was given in (1, 1)"
+        in simulate(arena(), Flat()).evidence.error
+    )
     assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence.error
 
 
@@ -179,7 +212,8 @@ def loops(world):
 
 
 @pytest.mark.parametrize(
-    ("speed", "verdict"), [(np.nan, "invalid-command"), ("fast", "crash"), ([1.0, 2.0], "invalid-command")]
+    ("speed", "verdict"),
+    [(np.nan, "invalid-command"), ("fast", "crash"), ([1.0, 2.0], "invalid-command")],
 )
 def test_nonsense_gets_the_verdict_that_it_gets_alone(speed, verdict):
     class Nonsense(TurnsAway):
@@ -216,14 +250,27 @@ def test_the_columns_have_the_names_of_the_numbers():
 def test_the_layout_of_columns_is_that_of_numbers():
     @dataclass(frozen=True)
     class Keeps(TurnsAway):
-        senses = ("bump", "heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed")
+        senses = (
+            "bump",
+            "heading",
+            "x",
+            "y",
+            "target_heading",
+            "target_distance",
+            "time_step",
+            "top_speed",
+        )
 
         def reset(self):
             return (0.0,) * (layout.OBS_SIZE - 1)
 
         def act_many(self, observation, memory):
-            return Commands(1.0, 0.5), np.stack([np.nan_to_num(column) for column in observation[1:-1]], axis=1)
+            return Commands(1.0, 0.5), np.stack(
+                [np.nan_to_num(column) for column in observation[1:-1]], axis=1
+            )
 
     trace = simulate(arena(), Keeps(), steps=5, record=True).trace
     told = trace.states[-1, layout.STATE_MEMORY :].view(np.float64)
-    assert told[layout.OBS_X - 1] == trace.x[-1] and told[layout.OBS_TIME_STEP - 1] == trace.time_step
+    assert (
+        told[layout.OBS_X - 1] == trace.x[-1] and told[layout.OBS_TIME_STEP - 1] == trace.time_step
+    )

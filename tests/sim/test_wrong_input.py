@@ -1,4 +1,7 @@
-"""What is handed to the simulator from Python: classes and objects alike, and a sentence for what does not fit."""
+"""What is handed to the simulator from Python.
+
+Classes and objects alike, and a sentence for what does not fit.
+"""
 
 import math
 from dataclasses import replace
@@ -35,7 +38,9 @@ class NeedsAnArgument(GoToTarget):
 
 
 def test_a_class_drives_as_an_object_of_it():
-    assert simulate(arena(), GoToTarget).trace_digest == simulate(arena(), GoToTarget()).trace_digest
+    assert (
+        simulate(arena(), GoToTarget).trace_digest == simulate(arena(), GoToTarget()).trace_digest
+    )
 
 
 def test_many_runs_take_a_class_and_call_it_by_its_name():
@@ -115,7 +120,11 @@ def test_numbers_of_numpy_are_numbers_of_seeds_and_seeds(seeds):
 
 def test_numbers_of_numpy_are_stored_as_plain_ones():
     options = RunOptions(steps=np.int64(5), time_step=np.float64(0.03), seed=np.uint64(7))
-    assert [type(value) for value in (options.steps, options.time_step, options.seed)] == [int, float, int]
+    assert [type(value) for value in (options.steps, options.time_step, options.seed)] == [
+        int,
+        float,
+        int,
+    ]
 
 
 @pytest.mark.parametrize("workers", [-1, 0, "2", 1.5])
@@ -138,7 +147,9 @@ def test_what_is_no_list_of_worlds_is_refused(worlds):
         simulate_many(worlds, "turn-left")
 
 
-@pytest.mark.parametrize("starts", [[(0.3, 0.3)], Pose(0.3, 0.3), [Pose("a", 0.0)], [Pose(math.nan, 0.3)], "ab", 5])
+@pytest.mark.parametrize(
+    "starts", [[(0.3, 0.3)], Pose(0.3, 0.3), [Pose("a", 0.0)], [Pose(math.nan, 0.3)], "ab", 5]
+)
 def test_a_start_that_is_no_pose_is_refused(starts):
     with pytest.raises(InvalidParameter, match="start"):
         simulate_many(arena(), "turn-left", starts=starts)
@@ -178,4 +189,7 @@ def test_a_recorded_episode_prints_itself_in_a_few_lines():
 
 
 def test_a_trace_prints_how_long_it_is():
-    assert repr(simulate(arena(), Circle(), record=True).trace) == "Trace(129 steps, 0.015 s each, 130 points)"
+    assert (
+        repr(simulate(arena(), Circle(), record=True).trace)
+        == "Trace(129 steps, 0.015 s each, 130 points)"
+    )

@@ -19,7 +19,9 @@ from worldgen.world import Pose, Target, World
 def world(**changes):
     walls = np.zeros((12, 20), bool)
     walls[2:5, 10] = True
-    return dataclasses.replace(World(walls, Pose(0.35, 0.35, 0.0), Target(1.75, 0.95, 0.05)), **changes)
+    return dataclasses.replace(
+        World(walls, Pose(0.35, 0.35, 0.0), Target(1.75, 0.95, 0.05)), **changes
+    )
 
 
 def eastwards(steps=40, loop_from=None):
@@ -62,9 +64,15 @@ def test_a_cell_burns_when_the_world_says_so():
 @pytest.mark.gate
 def test_the_same_runs_give_the_same_bytes_of_bounded_size():
     runs = [eastwards(5000), eastwards(700)]
-    data = draw_gif(world(), runs, title="two robots, with a title that is far too long for one line of the picture")
+    data = draw_gif(
+        world(),
+        runs,
+        title="two robots, with a title that is far too long for one line of the picture",
+    )
     assert data == draw_gif(
-        world(), runs, title="two robots, with a title that is far too long for one line of the picture"
+        world(),
+        runs,
+        title="two robots, with a title that is far too long for one line of the picture",
     )
     assert len(list(frames(data))) == MOST_FRAMES and len(data) < 500_000
 

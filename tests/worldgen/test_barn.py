@@ -27,7 +27,10 @@ def body(shape, pose="0 0 0 0 0 0", name="m", inner=""):
 
 
 def posts(places, radius="0.075000"):
-    return "".join(body(CYLINDER.format(radius), f"{x} {y} 0 0 0 0", f"p{n}") for n, (x, y) in enumerate(places))
+    return "".join(
+        body(CYLINDER.format(radius), f"{x} {y} 0 0 0 0", f"p{n}")
+        for n, (x, y) in enumerate(places)
+    )
 
 
 @pytest.fixture
@@ -37,7 +40,8 @@ def found(tmp_path):
     def read(models, **options):
         path = tmp_path / "w.world"
         path.write_text(
-            f"<?xml version='1.0'?>\n<!-- a world -->\n<sdf version='1.6'>\n<world name='w'>{models}</world></sdf>"
+            f"<?xml version='1.0'?>\n<!-- a world -->\n<sdf version='1.6'>\n<world "
+            f"name='w'>{models}</world></sdf>"
         )
         assert find_format(path).name == "barn"
         return read_map(path, options=options)
@@ -88,10 +92,16 @@ def test_a_state_moves_a_model_and_slanted_boxes_are_taken_whole(found):
 
 def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
     flat, high = body(BOX.format("9 9 0.01")), body(BOX.format("9 9 1"), "0 0 5 0 0 0")
-    tilted, mesh = body(BOX.format("9 9 1"), "0 0 0 0.3 0 0"), body("<geometry><mesh><uri>x</uri></mesh></geometry>")
+    tilted, mesh = (
+        body(BOX.format("9 9 1"), "0 0 0 0.3 0 0"),
+        body("<geometry><mesh><uri>x</uri></mesh></geometry>"),
+    )
     include = "<include><uri>model://sun</uri></include><include><uri>model://table</uri></include>"
     back = found(body(BOX.format("1 1 1")) + flat + high + tilted + mesh + include)
-    assert back.walls.all() and "2 shapes that lie flat on the floor, or above 2 m, are left out" in back.notes
+    assert (
+        back.walls.all()
+        and "2 shapes that lie flat on the floor, or above 2 m, are left out" in back.notes
+    )
     assert back.unread == ("1 model of other files", "1 shape of <mesh>", "1 tilted shape of <box>")
 
 
@@ -108,12 +118,18 @@ def test_what_stops_no_robot_is_left_out_and_what_is_not_read_is_named(found):
             "\n" + body(CYLINDER.format("wide")),
             {"code": "wrong-count", "line": 5, "name": "<radius>", "text": "wide", "count": 1},
         ),
-        (body(BOX.format("1 1")), {"code": "wrong-count", "line": 4, "name": "<size>", "text": "1 1", "count": 3}),
+        (
+            body(BOX.format("1 1")),
+            {"code": "wrong-count", "line": 4, "name": "<size>", "text": "1 1", "count": 3},
+        ),
         (
             body(BOX.format("1 1 1"), "0 0 0"),
             {"code": "wrong-count", "line": 4, "name": "<pose>", "text": "0 0 0", "count": 6},
         ),
-        (body(BOX.format("1 1 1")).replace("frame=''", "relative_to='x'"), {"code": "unsupported", "line": 4}),
+        (
+            body(BOX.format("1 1 1")).replace("frame=''", "relative_to='x'"),
+            {"code": "unsupported", "line": 4},
+        ),
         (
             body(BOX.format("1 1 1")) + body(BOX.format("1 1 1"), "1e7 0.01 0 0 0 0"),
             {"code": "wrong-size", "cell_size": 0.1},
@@ -127,7 +143,8 @@ def test_a_fault_is_one_sentence_with_its_line(found, models, expected):
 
 
 BOMB = (
-    b"<?xml version='1.0'?>\n<!DOCTYPE a [\n<!ENTITY x 'xxxxxxxx'>\n<!ENTITY y '&x;&x;&x;&x;'>\n]>\n"
+    b"<?xml version='1.0'?>\n<!DOCTYPE a [\n<!ENTITY x 'xxxxxxxx'>\n<!ENTITY y "
+    b"'&x;&x;&x;&x;'>\n]>\n"
     b"<sdf><world>&y;</world></sdf>"
 )
 
@@ -136,7 +153,10 @@ BOMB = (
     ("data", "expected"),
     [
         (BOMB, {"code": "unsupported", "line": 2, "name": "a"}),
-        (b"<!DOCTYPE sdf SYSTEM 'file:///etc/passwd'><sdf/>", {"code": "unsupported", "line": 1, "name": "sdf"}),
+        (
+            b"<!DOCTYPE sdf SYSTEM 'file:///etc/passwd'><sdf/>",
+            {"code": "unsupported", "line": 1, "name": "sdf"},
+        ),
         (b"<sdf>&nbsp;</sdf>", {"code": "not-xml", "line": 1}),
         (b"<?xml version='1.0' encoding='klingon'?><sdf/>", {"code": "not-xml", "line": 1}),
         (b"", {"code": "not-xml", "line": 1, "column": 1}),

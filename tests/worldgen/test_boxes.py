@@ -22,7 +22,10 @@ def masks(height, width):
 
 @functools.cache
 def fewest(bits):
-    """How many boxes cover the bits of a grid of ``SIDES``, each once: some box has the first cell as a corner."""
+    """How many boxes cover the bits of a grid of ``SIDES``, each once.
+
+    Some box has the first cell as a corner.
+    """
     width, height = SIDES
     if not bits:
         return 0
@@ -52,7 +55,9 @@ def test_every_solid_cell_lies_in_one_box_and_no_free_one_does(seed, share):
     boxes = merged_boxes(solid)
     for ix, iy, right, top in boxes.tolist():
         times[iy:top, ix:right] += 1
-    assert np.array_equal(times, solid) and boxes.tolist() == sorted(boxes.tolist(), key=lambda box: (box[1], box[0]))
+    assert np.array_equal(times, solid) and boxes.tolist() == sorted(
+        boxes.tolist(), key=lambda box: (box[1], box[0])
+    )
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -65,6 +70,8 @@ def test_a_transposed_world_has_as_many_boxes(seed):
 def test_a_border_that_opens_later_has_a_wall_round_it(name):
     walls = np.pad(np.zeros((2, 2), np.bool_), 1, constant_values=True)
     opens = Timeline.of([(1.0, 0, 1, CellState.FREE)])
-    world = World(walls, Pose(0.15, 0.15), Target(0.25, 0.25, 0.05), robot_radius=0.04, timeline=opens)
+    world = World(
+        walls, Pose(0.15, 0.15), Target(0.25, 0.25, 0.05), robot_radius=0.04, timeline=opens
+    )
     assert b"border" in export_world(world, name).data
     assert b"border" not in export_world(world, name, at=0.0).data

@@ -13,7 +13,15 @@ from hypothesis.extra import numpy as hnp
 from tests.helpers.foreign_maps import GAP, solid, write_each_kind
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.interop.census import CensusMap, CensusOptions, GridPlanners, Radius, folder_maps, take_census, tally
+from worldgen.interop.census import (
+    CensusMap,
+    CensusOptions,
+    GridPlanners,
+    Radius,
+    folder_maps,
+    take_census,
+    tally,
+)
 from worldgen.interop.census.case import cell_ends, draw_ends
 from worldgen.random_streams import RandomStream
 from worldgen.reach import check_certificate
@@ -76,7 +84,9 @@ def inflated(walls, blocks):
     solid_cells = np.argwhere(padded) - 1
     free = np.zeros_like(walls)
     for cell in np.ndindex(walls.shape):
-        free[cell] = not any(blocks(abs(cell[0] - row), abs(cell[1] - column)) for row, column in solid_cells)
+        free[cell] = not any(
+            blocks(abs(cell[0] - row), abs(cell[1] - column)) for row, column in solid_cells
+        )
     return free
 
 
@@ -126,12 +136,21 @@ def test_what_a_disc_reaches_a_smaller_one_reaches_too(question):
 CASES = [
     ("a gap of one cell stops a wider disc", GAP, (3, 1), (3, 7), 0.7, (True, True, True, True)),
     ("a gap of one cell lets half a cell through", GAP, (3, 2), (3, 6), 0.5, None),
-    ("touching corners let a point through, no disc", (".#", "#."), (0, 0), (1, 1), 0.1, (True, False, True, True)),
+    (
+        "touching corners let a point through, no disc",
+        (".#", "#."),
+        (0, 0),
+        (1, 1),
+        0.1,
+        (True, False, True, True),
+    ),
 ]
 
 
 @pytest.mark.parametrize(
-    ("rows", "start", "target", "cells", "expected"), [case[1:] for case in CASES], ids=[case[0] for case in CASES]
+    ("rows", "start", "target", "cells", "expected"),
+    [case[1:] for case in CASES],
+    ids=[case[0] for case in CASES],
 )
 def test_a_world_that_only_the_grid_passes_is_told_apart(rows, start, target, cells, expected):
     found = one(rows_map(*rows, start=start, target=target), Radius(cells, True))
@@ -142,7 +161,9 @@ def test_a_world_that_only_the_grid_passes_is_told_apart(rows, start, target, ce
 
 
 def test_a_disc_without_room_at_the_start_is_blocked_there():
-    found = one(rows_map("#####", "#...#", "#...#", "#...#", "#####", start=(1, 1), target=(2, 2)), WIDER)
+    found = one(
+        rows_map("#####", "#...#", "#...#", "#...#", "#####", start=(1, 1), target=(2, 2)), WIDER
+    )
     assert found.result == "blocked" and not found.room and found.grid_only
 
 
@@ -155,7 +176,9 @@ def test_every_kind_of_map_in_a_folder_gives_the_known_counts(tmp_path):
     narrow, wide = tally(census)
     assert narrow.counts["reachable"] == 5
     assert wide.counts["four_only"] == wide.counts["blocked"] >= 3
-    assert sum(question.grid_only and question.room for question in named) == 0  # the start touches the wall
+    assert (
+        sum(question.grid_only and question.room for question in named) == 0
+    )  # the start touches the wall
 
 
 def test_a_radius_in_metres_is_another_number_of_cells_in_every_map(tmp_path):
@@ -215,7 +238,9 @@ def test_a_map_without_room_for_the_largest_disc_is_refused_where_clear_ends_are
 def test_shares_come_with_clopper_and_pearsons_interval():
     found = asked(rows_map(*GAP, start=(3, 2), target=(3, 6)), HALF)
     (counted,) = tally(replace(found, questions=found.questions * 10))
-    assert counted.share("reachable") == 1.0 and counted.interval("reachable") == interval_95(10, 10)
+    assert counted.share("reachable") == 1.0 and counted.interval("reachable") == interval_95(
+        10, 10
+    )
 
 
 @pytest.mark.parametrize("text", ["", "x", "-1", "inf", "nan", "0.3 km"])

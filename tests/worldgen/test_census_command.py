@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from tests.helpers.command_line import worldgen
-from tests.helpers.foreign_maps import GAP, write_each_kind, write_octile, write_scenario, write_text
+from tests.helpers.foreign_maps import (
+    GAP,
+    write_each_kind,
+    write_octile,
+    write_scenario,
+    write_text,
+)
 from worldgen import Pose, Target, World, read_world, write_world
 from worldgen.commands.census import census as command
 from worldgen.interop.census.report import CSV_COLUMNS
@@ -102,7 +108,9 @@ def test_a_folder_gives_a_table_with_a_column_a_radius(tmp_path):
     result = worldgen("census", tmp_path, "--radius", "0.5c", "--radius", "0.7c", "--seed", 1)
     assert result.code == 0
     head, _, columns, *_ = result.out.splitlines()
-    assert head.startswith("5 maps of 9 x 7 cells, 0 refused; 5 starts and targets, 3 named by the map, 2 drawn")
+    assert head.startswith(
+        "5 maps of 9 x 7 cells, 0 refused; 5 starts and targets, 3 named by the map, 2 drawn"
+    )
     assert columns.split() == ["0.5", "cells", "0.7", "cells"]
     assert "reachable for the disc" in result.out and "100.0 % (47.8 to 100.0)" in result.out
 
@@ -111,7 +119,11 @@ def test_json_has_counts_shares_and_intervals(tmp_path):
     write_each_kind(tmp_path)
     found = objects(tmp_path, "--radius", "0.5c", "--seed", 1)
     (radius,) = found["radii"]
-    assert radius["reachable"] == {"count": 5, "share": 1.0, "interval": [pytest.approx(0.4782, abs=1e-4), 1.0]}
+    assert radius["reachable"] == {
+        "count": 5,
+        "share": 1.0,
+        "interval": [pytest.approx(0.4782, abs=1e-4), 1.0],
+    }
     assert found["pairs"] == {"named": 3, "drawn": 2} and radius["undecided"]["count"] == 0
 
 
@@ -124,14 +136,21 @@ def test_equal_seeds_write_equal_bytes(tmp_path, generator):
 
 def test_csv_has_a_line_a_question(tmp_path, generator):
     table = tmp_path / "t.csv"
-    worldgen("census", generator("few"), "--pairs", 2, "--radius", "0.3c", "--seed", 1, "--csv", table)
+    worldgen(
+        "census", generator("few"), "--pairs", 2, "--radius", "0.3c", "--seed", 1, "--csv", table
+    )
     rows = list(csv.DictReader(io.StringIO(table.read_text())))
-    assert [(row["map"], row["pair"], row["named"]) for row in rows] == [("only", "0", "0"), ("only", "1", "0")]
+    assert [(row["map"], row["pair"], row["named"]) for row in rows] == [
+        ("only", "0", "0"),
+        ("only", "1", "0"),
+    ]
     assert rows[0]["result"] == "reachable" and rows[0]["radius"] == "0.03"
 
 
 def test_options_of_a_generator_become_what_their_defaults_are(generator):
-    found = objects(generator("maps"), "--count", 3, "--seed", 1, "--option", "side=9", "--option", "density=0")
+    found = objects(
+        generator("maps"), "--count", 3, "--seed", 1, "--option", "side=9", "--option", "density=0"
+    )
     assert found["maps"] == 3 and found["radii"][0]["reachable"]["count"] == 3
 
 
@@ -152,7 +171,10 @@ def test_what_cannot_be_read_is_listed_and_the_rest_judged(tmp_path):
     (tmp_path / "bad.npy").write_bytes(b"\x93NUMPY\x01\x00")
     (tmp_path / "README.md").write_text("words")
     found = objects(tmp_path, "--seed", 1)
-    assert found["maps"] == 1 and [one["name"] for one in found["refused"]] == ["bad.map", "bad.npy"]
+    assert found["maps"] == 1 and [one["name"] for one in found["refused"]] == [
+        "bad.map",
+        "bad.npy",
+    ]
     assert found["refused"][0]["reason"].startswith("line 5: character 'x' at column 2")
 
 
@@ -166,26 +188,40 @@ def test_a_scenario_of_another_size_is_listed_and_the_map_judged_with_drawn_ends
 
 def test_a_map_of_the_thesis_brings_its_own_start_and_target(tmp_path):
     write_world(
-        World(np.pad(np.zeros((8, 8), bool), 1, constant_values=True), Pose(0.3, 0.3), TARGET), tmp_path / "w.grid"
+        World(np.pad(np.zeros((8, 8), bool), 1, constant_values=True), Pose(0.3, 0.3), TARGET),
+        tmp_path / "w.grid",
     )
     worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex")
     found = objects(tmp_path / "old.gex", "--seed", 1)
-    assert found["pairs"] == {"named": 1, "drawn": 0} and found["radii"][1]["reachable"]["count"] == 1
+    assert (
+        found["pairs"] == {"named": 1, "drawn": 0} and found["radii"][1]["reachable"]["count"] == 1
+    )
 
 
 def test_a_world_that_changes_with_time_is_refused(tmp_path):
     worldgen("fire", "--size", 12, "--seed", 1, "--out", tmp_path / "f.grid")
     result = worldgen("census", tmp_path, "--seed", 1)
-    assert result.code == 2 and "f.grid: the world changes with time; a census judges still maps" in result.err
+    assert (
+        result.code == 2
+        and "f.grid: the world changes with time; a census judges still maps" in result.err
+    )
 
 
 def test_what_a_generator_yields_wrongly_is_listed_and_the_rest_judged(generator):
-    refused = {one["name"]: one["reason"] for one in objects(generator("rubbish"), "--seed", 1)["refused"]}
+    refused = {
+        one["name"]: one["reason"] for one in objects(generator("rubbish"), "--seed", 1)["refused"]
+    }
     expected = {
-        "map 2": "a int came", "flat": "shape (4,)", "words": "type <U1", "greys": "other than 0 and 1",
-        "outside": "target (3, 0) lies outside", "no cell": "start 1 is no cell", "ragged": "shape (0,)",
-        "empty": "3 x 0 cells", "map 10": "a NoneType came",
-    }  # fmt: skip
+        "map 2": "a int came",
+        "flat": "shape (4,)",
+        "words": "type <U1",
+        "greys": "other than 0 and 1",
+        "outside": "target (3, 0) lies outside",
+        "no cell": "start 1 is no cell",
+        "ragged": "shape (0,)",
+        "empty": "3 x 0 cells",
+        "map 10": "a NoneType came",
+    }
     assert refused.keys() == expected.keys()
     assert all(part in refused[name] for name, part in expected.items())
 
@@ -204,7 +240,9 @@ def test_maps_in_metres_are_checked_like_the_others(generator):
 
 def test_maps_of_one_name_and_of_odd_names_are_counted_and_kept_apart(generator, tmp_path):
     table, kept = tmp_path / "t.csv", tmp_path / "kept"
-    found = objects(generator("alike"), "--seed", 1, "--radius", "0.6c", "--csv", table, "--out", kept)
+    found = objects(
+        generator("alike"), "--seed", 1, "--radius", "0.6c", "--csv", table, "--out", kept
+    )
     assert found["maps"] == found["pairs"]["named"] == len(list(kept.iterdir())) == 5
     names = [line.split(",")[0] for line in table.read_text().splitlines()[1:]]
     assert names == ["m", "m-2", "m-2-2", "n" * 300, "\\udcff"]
@@ -213,7 +251,9 @@ def test_maps_of_one_name_and_of_odd_names_are_counted_and_kept_apart(generator,
 def test_a_generator_that_breaks_leaves_the_table_of_what_came_before(generator):
     result = worldgen("census", generator("breaks"), "--seed", 1)
     assert result.code == 2 and result.out.startswith("1 map of 4 x 4 cells")
-    assert "map 2 failed: RuntimeError: out of mazes; the table is of the 1 maps before" in result.err
+    assert (
+        "map 2 failed: RuntimeError: out of mazes; the table is of the 1 maps before" in result.err
+    )
 
 
 def test_ctrl_c_leaves_the_table_of_what_came_before(generator, monkeypatch):
@@ -222,18 +262,28 @@ def test_ctrl_c_leaves_the_table_of_what_came_before(generator, monkeypatch):
 
     monkeypatch.setattr("worldgen.interop.census.take.draw_ends", stop)
     result = worldgen("census", generator("few"), "--seed", 1)
-    assert result.code == 130 and "interrupted after 0 maps" in result.err and result.out.startswith("0 maps")
+    assert (
+        result.code == 130
+        and "interrupted after 0 maps" in result.err
+        and result.out.startswith("0 maps")
+    )
 
 
 WRONG = [
     (["none"], "no map could be judged; the first reason: none: cannot be read: No such file"),
     (["EMPTY"], "holds no map; `worldgen formats` lists"),
-    (["EMPTY/words.md"], "no map could be judged; the first reason: words.md: is no map that is known"),
+    (
+        ["EMPTY/words.md"],
+        "no map could be judged; the first reason: words.md: is no map that is known",
+    ),
     (["GEN:maps", "--radius", "0"], "radius=0 m is outside"),
     (["GEN:maps", "--radius", "1e10"], "radius=1e+10 m is outside"),
     (["GEN:maps", "--radius", "wide"], "radius='wide' is no radius"),
     (["GEN:maps", "--option", "side"], "option='side' is not NAME=VALUE"),
-    (["GEN:maps", "--option", "depth=3"], "has no option 'depth'; it has side, density, border, kind"),
+    (
+        ["GEN:maps", "--option", "depth=3"],
+        "has no option 'depth'; it has side, density, border, kind",
+    ),
     (["GEN:maps", "--option", "side=big"], "option side='big' is no int"),
     (["GEN:maps", "--option", "border=perhaps"], "option border='perhaps' is no bool"),
     (["GEN:maps", "--cell-size", "0"], "cell_size=0 m is outside"),
@@ -261,11 +311,17 @@ def test_wrong_input_is_one_sentence_and_code_2(tmp_path, generator, args, messa
     given = [arg.replace("EMPTY", str(folder)).replace("GEN:", generator("")) for arg in args]
     result = worldgen("census", *given, "--count", 2, "--seed", 1)
     assert result.code == 2 and message in result.err
-    assert result.err.replace("loading\n", "").count("\n") <= 2 and "Traceback" not in result.err and not result.out
+    assert (
+        result.err.replace("loading\n", "").count("\n") <= 2
+        and "Traceback" not in result.err
+        and not result.out
+    )
 
 
 def test_the_largest_radius_is_blocked_everywhere_and_soon(generator):
-    found = objects(generator("maps"), "--count", 5, "--radius", "2000", "--radius", "20000c", "--seed", 1)
+    found = objects(
+        generator("maps"), "--count", 5, "--radius", "2000", "--radius", "20000c", "--seed", 1
+    )
     assert [radius["no_room"]["count"] for radius in found["radii"]] == [5, 5]
 
 
@@ -286,5 +342,10 @@ def test_arrays_are_read_top_row_first(tmp_path):
 
 def test_the_page_names_every_option_and_every_key():
     page = (Path(__file__).parents[2] / "docs" / "census.md").read_text()
-    options = [option for parameter in command.params for option in parameter.opts if option.startswith("--")]
+    options = [
+        option
+        for parameter in command.params
+        for option in parameter.opts
+        if option.startswith("--")
+    ]
     assert [word for word in [*options, *ROWS, *CSV_COLUMNS] if f"`{word}" not in page] == []

@@ -26,5 +26,10 @@ def test_the_recipe_in_the_document_is_the_example():
 
 
 def test_the_document_names_every_way_every_source_and_every_step():
-    for word in (*HOW, *SOURCES, *VERBS, *(option for options in VERBS.values() for option in options)):
+    for word in (
+        *HOW,
+        *SOURCES,
+        *VERBS,
+        *(option for options in VERBS.values() for option in options),
+    ):
         assert f"`{word}`" in TEXT or f"`{word} = " in TEXT, word

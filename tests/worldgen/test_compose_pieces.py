@@ -9,7 +9,17 @@ from hypothesis import strategies as st
 
 from tests.helpers.pieces import pieces, states_at
 from tests.helpers.raising import raises
-from worldgen.compose import Piece, above, beside, drawn, of_cells, of_family, of_world, read, rectangle
+from worldgen.compose import (
+    Piece,
+    above,
+    beside,
+    drawn,
+    of_cells,
+    of_family,
+    of_world,
+    read,
+    rectangle,
+)
 from worldgen.errors import InvalidParameter
 from worldgen.files.grid import write_world
 from worldgen.generation import generate
@@ -40,11 +50,22 @@ def test_a_quarter_turn_of_any_angle_is_the_exact_one(piece):
     assert piece.turn(90) == piece.rotate(1) and piece.turn(-90) == piece.rotate(3)
 
 
-@given(pieces(), pieces(), st.integers(-8, 8), st.integers(-8, 8), st.sampled_from(HOW), st.sampled_from("xy"))
+@given(
+    pieces(),
+    pieces(),
+    st.integers(-8, 8),
+    st.integers(-8, 8),
+    st.sampled_from(HOW),
+    st.sampled_from("xy"),
+)
 def test_placing_commutes_with_mirroring(host, piece, x, y, how, axis):
     placed = host.place(piece, at=(x, y), how=how, outside="clip").mirror(axis)
-    mirrored = (host.width - x - piece.width, y) if axis == "x" else (x, host.height - y - piece.height)
-    assert host.mirror(axis).place(piece.mirror(axis), at=mirrored, how=how, outside="clip") == placed
+    mirrored = (
+        (host.width - x - piece.width, y) if axis == "x" else (x, host.height - y - piece.height)
+    )
+    assert (
+        host.mirror(axis).place(piece.mirror(axis), at=mirrored, how=how, outside="clip") == placed
+    )
 
 
 @given(pieces(), pieces(), st.integers(-8, 8), st.integers(-8, 8), st.sampled_from(HOW))
@@ -81,7 +102,9 @@ def test_cells_at_any_time_are_what_both_pieces_have_at_that_time(host, piece, x
 @given(pieces(), st.integers(1, 3), st.integers(1, 3))
 def test_a_tiled_piece_holds_the_piece_in_every_tile(piece, columns, rows):
     tiled = piece.tile(columns, rows)
-    last = tiled.crop((columns - 1) * piece.width, (rows - 1) * piece.height, piece.width, piece.height)
+    last = tiled.crop(
+        (columns - 1) * piece.width, (rows - 1) * piece.height, piece.width, piece.height
+    )
     assert dataclasses.replace(last, marks=piece.marks) == piece
 
 
@@ -128,8 +151,14 @@ def test_a_turn_by_any_angle_goes_the_same_way_round():
 
 def test_a_mirrored_heading_looks_the_other_way():
     piece = rectangle(4, 2).with_start(1, 1, degrees=30)
-    assert piece.mirror("x").marks["start"].heading == piece.with_start(1, 1, degrees=150).marks["start"].heading
-    assert piece.mirror("y").marks["start"].heading == piece.with_start(1, 1, degrees=-30).marks["start"].heading
+    assert (
+        piece.mirror("x").marks["start"].heading
+        == piece.with_start(1, 1, degrees=150).marks["start"].heading
+    )
+    assert (
+        piece.mirror("y").marks["start"].heading
+        == piece.with_start(1, 1, degrees=-30).marks["start"].heading
+    )
 
 
 def test_a_piece_cannot_be_changed():
@@ -144,7 +173,10 @@ def test_a_world_goes_through_a_piece_unchanged():
     for name in ("trap", "fire", "shift"):
         world = generate(name, 3)
         made = of_world(world).layout()
-        assert dataclasses.replace(world, certificate=None, provenance=None, timeline=made.timeline) == made
+        assert (
+            dataclasses.replace(world, certificate=None, provenance=None, timeline=made.timeline)
+            == made
+        )
         assert of_world(made) == of_world(world)
 
 
@@ -196,19 +228,35 @@ def test_start_and_target_are_the_hosts_unless_said_otherwise():
 
 @pytest.mark.parametrize(
     ("where", "corner"),
-    [("lower-left", (1, 1)), ("upper-right", (5, 4)), ("centre", (3, 2)), ("left", (1, 2)), ("b", (4, 3))],
+    [
+        ("lower-left", (1, 1)),
+        ("upper-right", (5, 4)),
+        ("centre", (3, 2)),
+        ("left", (1, 2)),
+        ("b", (4, 3)),
+    ],
 )
 def test_a_word_says_where_a_piece_goes(where, corner):
     host = rectangle(8, 6).with_mark("b", 5.0, 3.0)
-    assert host.place(rectangle(2, 1, solid=True), at=where) == host.place(rectangle(2, 1, solid=True), at=corner)
+    assert host.place(rectangle(2, 1, solid=True), at=where) == host.place(
+        rectangle(2, 1, solid=True), at=corner
+    )
 
 
 @pytest.mark.parametrize(
     ("where", "anchor", "corner"),
-    [((4, 3), "centre", (3, 3)), ((6.5, 2), "upper-right", (5, 1)), ("b", "lower-left", (5, 3)), ((3, 3), "a", (2, 3))],
+    [
+        ((4, 3), "centre", (3, 3)),
+        ((6.5, 2), "upper-right", (5, 1)),
+        ("b", "lower-left", (5, 3)),
+        ((3, 3), "a", (2, 3)),
+    ],
 )
 def test_an_anchor_says_what_of_the_piece_goes_there(where, anchor, corner):
-    host, piece = rectangle(8, 6).with_mark("b", 5.0, 3.0), rectangle(2, 1, solid=True).with_mark("a", 1, 0)
+    host, piece = (
+        rectangle(8, 6).with_mark("b", 5.0, 3.0),
+        rectangle(2, 1, solid=True).with_mark("a", 1, 0),
+    )
     assert host.place(piece, at=where, anchor=anchor) == host.place(piece, at=corner)
 
 
@@ -242,19 +290,43 @@ def test_a_foreign_map_becomes_a_piece_without_start():
 WRONG = {
     "axis": (lambda p: p.mirror("z"), {"code": "unknown-name", "axis": "z"}),
     "quarters": (lambda p: p.rotate(0.5), {"code": "not-a-number", "name": "rotate", "value": 0.5}),
-    "crop": (lambda p: p.crop(2, 2, 4, 1), {"code": "outside-grid", "width": 4, "height": 1, "x": 2}),
+    "crop": (
+        lambda p: p.crop(2, 2, 4, 1),
+        {"code": "outside-grid", "width": 4, "height": 1, "x": 2},
+    ),
     "inside": (lambda p: p.inside(2), {"code": "not-a-number", "name": "crop width", "low": 1}),
-    "pad": (lambda p: p.pad(1, -1, 0, 0), {"code": "not-a-number", "name": "pad right", "value": -1}),
+    "pad": (
+        lambda p: p.pad(1, -1, 0, 0),
+        {"code": "not-a-number", "name": "pad right", "value": -1},
+    ),
     "fill": (lambda p: p.pad(1, 1, 0, 0, fill="wall"), {"code": "unknown-name", "fill": "wall"}),
     "tile": (lambda p: p.tile(0, 1), {"code": "not-a-number", "name": "tile columns"}),
-    "huge": (lambda p: p.scale(5000), {"code": "too-large", "what": "scale", "width": 20000, "height": 15000}),
+    "huge": (
+        lambda p: p.scale(5000),
+        {"code": "too-large", "what": "scale", "width": 20000, "height": 15000},
+    ),
     "mask": (lambda p: p.masked(rectangle(2, 2)), {"code": "wrong-shape", "width": 4, "height": 3}),
-    "sticks-out": (lambda p: p.place(p, at=(1, 0)), {"code": "outside-grid", "width": 4, "height": 3, "x": 1}),
-    "how": (lambda p: p.place(p, how="under"), {"code": "unknown-name", "name": "how", "value": "under"}),
+    "sticks-out": (
+        lambda p: p.place(p, at=(1, 0)),
+        {"code": "outside-grid", "width": 4, "height": 3, "x": 1},
+    ),
+    "how": (
+        lambda p: p.place(p, how="under"),
+        {"code": "unknown-name", "name": "how", "value": "under"},
+    ),
     "word": (lambda p: p.place(p, at="middle"), {"code": "unknown-name", "at": "middle"}),
-    "anchor": (lambda p: p.place(p, at=(0, 0), anchor="c"), {"code": "unknown-name", "anchor": "c"}),
-    "anchored": (lambda p: p.place(p, at="left", anchor="left"), {"code": "conflict", "anchor": "left", "at": "left"}),
-    "half": (lambda p: p.place(p, at=(0.5, 0)), {"code": "not-a-number", "name": "at x", "value": 0.5}),
+    "anchor": (
+        lambda p: p.place(p, at=(0, 0), anchor="c"),
+        {"code": "unknown-name", "anchor": "c"},
+    ),
+    "anchored": (
+        lambda p: p.place(p, at="left", anchor="left"),
+        {"code": "conflict", "anchor": "left", "at": "left"},
+    ),
+    "half": (
+        lambda p: p.place(p, at=(0.5, 0)),
+        {"code": "not-a-number", "name": "at x", "value": 0.5},
+    ),
     "no-seed": (lambda p: p.place(p, at="anywhere"), {"code": "needs-seed", "at": "anywhere"}),
     "no-room": (
         lambda p: p.place(p, at="anywhere", seed=1),
@@ -265,7 +337,10 @@ WRONG = {
         lambda p: p.for_robot(cell_size=0.1).place(p.for_robot(cell_size=0.2)),
         {"code": "cell-sizes-differ", "host": 0.1, "piece": 0.2},
     ),
-    "mark": (lambda p: p.with_start(4.5, 0), {"code": "outside-grid", "name": "start", "x": 4.5, "width": 4}),
+    "mark": (
+        lambda p: p.with_start(4.5, 0),
+        {"code": "outside-grid", "name": "start", "x": 4.5, "width": 4},
+    ),
     "nan": (lambda p: p.with_start(float("nan"), 0), {"code": "not-a-number"}),
     "dig": (lambda p: p.dig("a", (0, 0)), {"code": "unknown-name", "name": "a"}),
     "ragged": (lambda p: drawn("##\n#"), {"code": "ragged-rows", "row": 2, "signs": 1, "width": 2}),

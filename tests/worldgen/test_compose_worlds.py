@@ -13,10 +13,14 @@ HOSTS, PARTS = ("trap", "rooms", "forest"), ("cave", "fire", "maze", "trap")
 
 
 @given(st.sampled_from(HOSTS), st.sampled_from(PARTS), st.integers(0, 50), st.integers(0, 3))
-def test_the_independent_checker_accepts_the_witness_of_a_composed_world(host, piece, seed, quarters):
+def test_the_independent_checker_accepts_the_witness_of_a_composed_world(
+    host, piece, seed, quarters
+):
     def build(rng):
         part = of_family(piece, rng.child("piece"), size=14).rotate(quarters)
-        return of_family(host, rng.child("host"), size=32).place(part.inside(), at="way", seed=rng.child("place"))
+        return of_family(host, rng.child("host"), size=32).place(
+            part.inside(), at="way", seed=rng.child("place")
+        )
 
     try:
         world = first_solvable(build, seed)
@@ -59,7 +63,9 @@ def test_drawn_compositions_are_tried_until_one_can_be_solved():
     def build(rng):
         gate = rectangle(1, 3 + rng.below(2), solid=True)
         room = rectangle(12, 4).border().with_start(2, 3).with_target(12, 3)
-        return room.place(gate.pad(0, 0, 0, 4 - gate.height, fill="free"), at=(6, 1)).for_robot(radius=0.04)
+        return room.place(gate.pad(0, 0, 0, 4 - gate.height, fill="free"), at=(6, 1)).for_robot(
+            radius=0.04
+        )
 
     assert not any(first_solvable(build, seed).walls[4, 6] for seed in range(6))
 

@@ -61,7 +61,9 @@ def test_a_command_reads_its_own_table_only(project):
 
 
 def test_paths_and_controllers_are_relative_to_the_file(project, monkeypatch):
-    folder = project('[tool.worldgen.run]\ncontroller = "robot.py:Robot+sensor_noise=0.1"\ntrace = "out/t.csv"\n')
+    folder = project(
+        '[tool.worldgen.run]\ncontroller = "robot.py:Robot+sensor_noise=0.1"\ntrace = "out/t.csv"\n'
+    )
     (folder / "out").mkdir()
     (folder / "below").mkdir()
     made("--seed", 1)
@@ -138,7 +140,11 @@ def stranger(monkeypatch):
     def owned(status):
         def seen(path, **options):
             found = status(path, **options)
-            return os.stat_result((*found[:4], strange, *found[5:10])) if path.name.startswith("pyproject") else found
+            return (
+                os.stat_result((*found[:4], strange, *found[5:10]))
+                if path.name.startswith("pyproject")
+                else found
+            )
 
         return seen
 
@@ -147,7 +153,9 @@ def stranger(monkeypatch):
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
-@pytest.mark.parametrize("text", ["[tool.worldgen.trap]\nseed = 5\n", "[tool.worldgen.trap\nseed = 5\n"])
+@pytest.mark.parametrize(
+    "text", ["[tool.worldgen.trap]\nseed = 5\n", "[tool.worldgen.trap\nseed = 5\n"]
+)
 def test_a_file_that_a_stranger_put_into_the_folder_itself_is_not_read(project, stranger, text):
     folder = project(text)
     assert made("--seed", 1)["seed"] == 1
@@ -160,12 +168,16 @@ def test_a_link_that_a_stranger_put_into_the_folder_is_not_followed(project, mon
     folder = project("[tool.worldgen.trap]\nseed = 5\n")
     mine, strange = os.stat_result, os.geteuid() + 1
     found = (folder / "pyproject.toml").lstat()
-    monkeypatch.setattr(configuration.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10])))
+    monkeypatch.setattr(
+        configuration.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10]))
+    )
     assert not configuration._has_same_owner(folder / "pyproject.toml", folder)
 
 
 def test_every_controller_of_several_in_one_value_is_relative_to_the_file(project, monkeypatch):
-    folder = project('[tool.worldgen.compare]\ncontroller = "./robot.py:Robot,turn-left,./other.py:Robot"\n')
+    folder = project(
+        '[tool.worldgen.compare]\ncontroller = "./robot.py:Robot,turn-left,./other.py:Robot"\n'
+    )
     (folder / "below").mkdir()
     monkeypatch.chdir(folder / "below")
     option = click.Option(["--controller", "controllers"], multiple=True)
@@ -185,7 +197,10 @@ def test_run_with_two_controllers_points_to_compare():
 
 
 def test_an_option_that_may_be_repeated_may_be():
-    assert "given twice" not in worldgen("fuzz", "--controller", "turn-left", "--family", "a", "--family", "b").err
+    assert (
+        "given twice"
+        not in worldgen("fuzz", "--controller", "turn-left", "--family", "a", "--family", "b").err
+    )
 
 
 def test_a_switch_that_is_given_twice_says_the_same():
@@ -199,7 +214,10 @@ def test_a_quiet_command_prints_results_only(tmp_path):
 
 def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
-    assert worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").error_code == "file-exists"
+    assert (
+        worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").error_code
+        == "file-exists"
+    )
 
 
 def test_a_hidden_package_is_an_error_even_if_quiet(monkeypatch, capsys):
@@ -230,7 +248,9 @@ def registered(group):
 
 @pytest.mark.parametrize("command", [*commands(cli)])
 def test_every_command_has_quiet_verbose_and_json(command):
-    flags = {flag for parameter in command.get_params(click.Context(command)) for flag in parameter.opts}
+    flags = {
+        flag for parameter in command.get_params(click.Context(command)) for flag in parameter.opts
+    }
     wanted = {"--quiet", "--verbose", "-q", "-v", "--json"}
     assert wanted - flags == ({"--json"} if command.name == "studio" else set())
 
@@ -239,4 +259,8 @@ def test_show_prints_the_facts_of_a_world_as_json(project):
     project("")
     made("--seed", 1)
     facts = json.loads(worldgen("show", "w.grid", "--json", "--png", "w.png").out)
-    assert (facts["file"], facts["certificate"], facts["pictures"]) == ("w.grid", "witness", ["w.png"])
+    assert (facts["file"], facts["certificate"], facts["pictures"]) == (
+        "w.grid",
+        "witness",
+        ["w.png"],
+    )

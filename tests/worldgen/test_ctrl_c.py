@@ -24,7 +24,10 @@ def usual():
 
 @pytest.fixture(autouse=True)
 def until_nobody_repeats_it(usual, monkeypatch):
-    """Waits for the threads that press Ctrl-C again, if there are any; ``threading`` does not know them."""
+    """Waits for the threads that press Ctrl-C again, if there are any.
+
+    ``threading`` does not know them.
+    """
     ends = []
 
     def start(function, arguments):
@@ -86,7 +89,9 @@ FALLS = [in_callback_of_the_collection, in_callback_of_a_weak_reference, in_a_fi
 
 
 @pytest.mark.parametrize("fall", FALLS)
-def test_one_that_falls_where_nobody_can_catch_it_is_heard_once_after_it(fall, until_nobody_repeats_it):
+def test_one_that_falls_where_nobody_can_catch_it_is_heard_once_after_it(
+    fall, until_nobody_repeats_it
+):
     happened = []
 
     def press():
@@ -123,7 +128,9 @@ def test_none_is_lost_beside_a_busy_thread():
 
 def test_whoever_handles_it_by_then_gets_it_once(monkeypatch, until_nobody_repeats_it):
     other_is_there = threading.Event()
-    monkeypatch.setattr("worldgen.cli.ctrl_c.time", SimpleNamespace(sleep=lambda _: other_is_there.wait()))
+    monkeypatch.setattr(
+        "worldgen.cli.ctrl_c.time", SimpleNamespace(sleep=lambda _: other_is_there.wait())
+    )
     heard = []
     with no_ctrl_c_lost():
         in_callback_of_a_weak_reference(ctrl_c)
@@ -136,11 +143,15 @@ def test_whoever_handles_it_by_then_gets_it_once(monkeypatch, until_nobody_repea
 def test_afterwards_all_is_as_it_was():
     before = signal.getsignal(signal.SIGINT), sys.unraisablehook
     with no_ctrl_c_lost():
-        assert signal.getsignal(signal.SIGINT) is not before[0] and sys.unraisablehook is not before[1]
+        assert (
+            signal.getsignal(signal.SIGINT) is not before[0] and sys.unraisablehook is not before[1]
+        )
     assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == before
 
 
-@pytest.mark.parametrize("raised", [ValueError("no Ctrl-C"), KeyboardInterrupt("of a program's own")])
+@pytest.mark.parametrize(
+    "raised", [ValueError("no Ctrl-C"), KeyboardInterrupt("of a program's own")]
+)
 def test_what_else_is_dropped_is_told_as_ever(monkeypatch, raised, until_nobody_repeats_it):
     told = []
     monkeypatch.setattr(sys, "unraisablehook", lambda dropped: told.append(dropped.exc_value))

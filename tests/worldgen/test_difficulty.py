@@ -23,7 +23,9 @@ def drawn(*rows, radius=0.4, path=None):
     points = [start, target] if path is None else path
     x, y = np.array(points, float).T
     certificate = Witness(np.arange(len(points), dtype=float) * 10, x, y, radius)
-    return World(cells == "#", Pose(*start), Target(*target, 0.5), 1.0, radius, certificate=certificate)
+    return World(
+        cells == "#", Pose(*start), Target(*target, 0.5), 1.0, radius, certificate=certificate
+    )
 
 
 def test_every_metric_is_described_and_every_description_is_of_a_metric():
@@ -36,14 +38,19 @@ def test_a_straight_way_has_detour_1_and_no_turns():
 
 
 def test_a_way_round_a_corner_turns_by_a_right_angle():
-    found = measure(drawn("####", "#.G#", "#.##", "#S##", "####", path=[(1.5, 1.5), (1.5, 3.5), (2.5, 3.5)]))
+    found = measure(
+        drawn("####", "#.G#", "#.##", "#S##", "####", path=[(1.5, 1.5), (1.5, 3.5), (2.5, 3.5)])
+    )
     assert (found.length, found.turns, found.detour) == (3.0, 1.5708, 1.34164)
     assert found.turning == 0.702481
 
 
 @pytest.mark.parametrize("degrees", range(0, 181, 9))
 def test_angles_are_those_of_the_arc_tangent(degrees):
-    dot, cross = round(10**6 * math.cos(math.radians(degrees))), round(10**6 * math.sin(math.radians(degrees)))
+    dot, cross = (
+        round(10**6 * math.cos(math.radians(degrees))),
+        round(10**6 * math.sin(math.radians(degrees))),
+    )
     assert angle(dot, cross) == pytest.approx(math.atan2(cross, dot), abs=1e-14)
 
 
@@ -67,9 +74,15 @@ def test_measured_headers_survive_writing_and_leave_the_digest_alone():
     assert world_digest(measured) == world_digest(world)
 
 
-@pytest.mark.parametrize(("value", "came"), [('"high"', "text"), ("true", "true or false"), ("[1]", "a list")])
+@pytest.mark.parametrize(
+    ("value", "came"), [('"high"', "text"), ("true", "true or false"), ("[1]", "a list")]
+)
 def test_a_metric_in_a_file_is_a_number(value, came):
-    text = dumps(generate("corridor", 1)).decode().replace("\n\n[cert", f"\nmetrics = {{ detour = {value} }}\n\n[cert")
+    text = (
+        dumps(generate("corridor", 1))
+        .decode()
+        .replace("\n\n[cert", f"\nmetrics = {{ detour = {value} }}\n\n[cert")
+    )
     with raises(FormatError, "wrong-type", line=12, what="provenance.metrics.detour"):
         loads(text.encode(), "w.grid")
 

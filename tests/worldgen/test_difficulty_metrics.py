@@ -18,7 +18,7 @@ from worldgen.difficulty import METRICS, measure
 from worldgen.difficulty import junctions as junctions_module
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.nodes import nodes_of
-from worldgen.difficulty.path import way_of
+from worldgen.difficulty.path import witness_path_of
 from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of
 from worldgen.families.parts.mazes.board import ways_out
@@ -76,10 +76,19 @@ def test_dispersion_counts_changes_between_wall_and_free_within_three_cells():
 
 
 def test_a_u_before_the_robot_is_a_pocket_as_deep_as_its_arms():
-    rows = ["###########", "#.........#", "#....G....#", "#.........#", "#.#######.#", "#.#.....#.#", "#.#.....#.#"]
+    rows = [
+        "###########",
+        "#.........#",
+        "#....G....#",
+        "#.........#",
+        "#.#######.#",
+        "#.#.....#.#",
+        "#.#.....#.#",
+    ]
     world = drawn(*rows, "#.........#", "#....S....#", "###########", radius=0.3)
     found = measure(replace(world, certificate=None))
-    # Under the crossbar the robot is 3 from the target; past an arm's foot it comes at 3.5 aside and 5 below.
+    # Under the crossbar the robot is 3 from the target; past an arm's foot it comes at 3.5 aside
+    # and 5 below.
     assert found.concavity == pytest.approx(math.hypot(3.5, 5.0) - 3.0, rel=1e-5)
     assert found.retreat == pytest.approx(math.hypot(3.5, 5.0) - 6.0, rel=1e-5)
 
@@ -89,7 +98,9 @@ def test_where_every_way_leads_back_it_is_said_how_far():
     found = measure(replace(world, certificate=None))
     farthest = math.hypot(6, 2)  # the lower right corner
     assert found.retreat == pytest.approx(farthest - math.hypot(3, 2), rel=1e-5)
-    assert found.concavity == pytest.approx(farthest - 2.0, rel=1e-5)  # the blind end is right below the target
+    assert found.concavity == pytest.approx(
+        farthest - 2.0, rel=1e-5
+    )  # the blind end is right below the target
 
 
 @pytest.mark.nightly
@@ -97,7 +108,7 @@ def test_where_every_way_leads_back_it_is_said_how_far():
 @pytest.mark.parametrize("name", ["maze", "cave", "forest", "trap"])
 def test_pockets_are_those_of_a_search_over_levels(name, seed):
     world = generate(name, seed, size=16)
-    nodes, way = nodes_of(world, world.walls), way_of(world, world.certificate)
+    nodes, way = nodes_of(world, world.walls), witness_path_of(world, world.certificate)
     deepest, retreat = pockets(nodes, way, target_disc(world))
     assert (deepest, retreat) == pytest.approx(_by_levels(world, nodes), abs=1e-6)
 
@@ -147,7 +158,9 @@ def test_decisions_in_a_perfect_maze_are_the_junctions_on_its_way(monkeypatch, p
 
     monkeypatch.setattr(worldgen.families.builtin.maze, "grow", spied)
     size, radius = 2 + 8 * (passage + 1) - 1, 0.04 if passage == 1 else 0.07
-    world = generate("maze", 3, algorithm=algorithm, passage=passage, size=size, robot_radius=radius)
+    world = generate(
+        "maze", 3, algorithm=algorithm, passage=passage, size=size, robot_radius=radius
+    )
     assert measure(world).decisions == _junctions(world, made["links"], passage + 1)
 
 
@@ -186,8 +199,16 @@ def test_a_pillar_in_the_way_does_not_make_a_million_decisions():
 @st.composite
 def _small_worlds(draw):
     height, width = draw(st.integers(3, 8)), draw(st.integers(3, 8))
-    walls = np.array(draw(st.lists(st.sampled_from([0, 0, 0, 1]), min_size=height * width, max_size=height * width)))
-    x, y, tx, ty = (draw(st.integers(1, 4 * side - 1)) / 4 for side in (width, height, width, height))
+    walls = np.array(
+        draw(
+            st.lists(
+                st.sampled_from([0, 0, 0, 1]), min_size=height * width, max_size=height * width
+            )
+        )
+    )
+    x, y, tx, ty = (
+        draw(st.integers(1, 4 * side - 1)) / 4 for side in (width, height, width, height)
+    )
     reach = draw(st.sampled_from([0.25, 0.5, 1.5]))
     return World(walls.reshape(height, width) > 0, Pose(x, y), Target(tx, ty, reach), 1.0, 0.1)
 
@@ -207,7 +228,9 @@ def test_the_bottleneck_is_what_verify_calls_the_largest_disc(name):
 
 @given(st.integers(1, 12), st.integers(1, 12), st.data())
 def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
-    marks = np.array(data.draw(st.lists(st.booleans(), min_size=height * width, max_size=height * width)), bool)
+    marks = np.array(
+        data.draw(st.lists(st.booleans(), min_size=height * width, max_size=height * width)), bool
+    )
     marks = marks.reshape(height, width)
     marks[0, 0] = True
     y, x = np.indices(marks.shape)
@@ -216,7 +239,9 @@ def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
 
 
 @given(
-    hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9))), st.integers(-99, 99), st.integers(-99, 99)
+    hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9))),
+    st.integers(-99, 99),
+    st.integers(-99, 99),
 )
 def test_nodes_come_in_the_order_of_their_distance(clear, x, y):
     expected = np.flatnonzero(clear)
@@ -229,7 +254,7 @@ def test_nodes_come_in_the_order_of_their_distance(clear, x, y):
 
 def test_samples_lie_in_the_middle_of_equal_parts():
     world = drawn("#######", "#S...G#", "#######")
-    samples = samples_of(way_of(world, world.certificate))
+    samples = samples_of(witness_path_of(world, world.certificate))
     assert samples.x.tolist() == [1.75 + 0.5 * k for k in range(8)]
     assert samples.weight.tolist() == [0.5] * 8
 
@@ -239,11 +264,19 @@ def test_places_in_each_others_discs_are_one_decision():
     assert len(list(spots.groups())) == 2
 
 
-@given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 90), st.integers(1, 60)), elements=st.just(False)), st.data())
+@given(
+    hnp.arrays(
+        np.bool_, st.tuples(st.integers(1, 90), st.integers(1, 60)), elements=st.just(False)
+    ),
+    st.data(),
+)
 def test_distances_above_the_most_that_matters_are_above_it(marks, data):
     marks = marks.copy()
     for _ in range(data.draw(st.integers(1, 30))):
-        marks[data.draw(st.integers(0, marks.shape[0] - 1)), data.draw(st.integers(0, marks.shape[1] - 1))] = True
+        marks[
+            data.draw(st.integers(0, marks.shape[0] - 1)),
+            data.draw(st.integers(0, marks.shape[1] - 1)),
+        ] = True
     most = data.draw(st.integers(0, 3000))
     y, x = np.indices(marks.shape)
     expected = np.min([(x - mx) ** 2 + (y - my) ** 2 for my, mx in np.argwhere(marks)], axis=0)

@@ -8,7 +8,7 @@ from tests.helpers.command_line import worldgen as run
 from tests.helpers.raising import raises
 from worldgen.difficulty import measure, search_world
 from worldgen.difficulty.model import INPUTS, WEIGHTS, difficulty
-from worldgen.difficulty.search import Search, wish_for
+from worldgen.difficulty.search import Search, constraint_for
 from worldgen.difficulty.space import KEPT, drawn, free_parameters, varied
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
@@ -18,7 +18,9 @@ from worldgen.random_streams import RandomStream
 
 
 def test_the_world_found_is_as_wished_and_generate_makes_it_again():
-    world = search_world("maze", "detour > 2.5 and decisions <= 12", seed=1, algorithm="backtracker")
+    world = search_world(
+        "maze", "detour > 2.5 and decisions <= 12", seed=1, algorithm="backtracker"
+    )
     found = measure(world)
     assert found.detour > 2.5 and found.decisions <= 12
     made = world.provenance
@@ -27,15 +29,19 @@ def test_the_world_found_is_as_wished_and_generate_makes_it_again():
 
 
 def test_equal_searches_find_equal_worlds():
-    assert search_world("cave", "detour > 1.3", seed=5) == search_world("cave", "detour > 1.3", seed=5)
+    assert search_world("cave", "detour > 1.3", seed=5) == search_world(
+        "cave", "detour > 1.3", seed=5
+    )
 
 
 def test_a_world_of_a_given_difficulty():
-    assert measure(search_world("trap", difficulty=0.6, seed=2)).difficulty == pytest.approx(0.6, abs=0.025)
+    assert measure(search_world("trap", difficulty=0.6, seed=2)).difficulty == pytest.approx(
+        0.6, abs=0.025
+    )
 
 
 def test_guided_search_finds_what_drawing_does_not():
-    wish, maze = wish_for("detour > 3 and bottleneck < 1.2r"), FAMILIES.get("maze")
+    wish, maze = constraint_for("detour > 3 and bottleneck < 1.2r"), FAMILIES.get("maze")
     guided, drawing = Search(maze, wish, 2, {}), Search(maze, wish, 2, {}, guided=False)
     while guided.tried < 200 and not (guided.nearest and guided.nearest.violation == 0.0):
         guided.step()
@@ -87,7 +93,9 @@ def test_the_command_writes_what_it_finds_and_says_how_to_make_it_again(tmp_path
 
 
 def test_the_command_ends_with_1_when_nothing_fits(tmp_path):
-    result = run("trap", "--where", "detour > 900", "--tries", 3, "--seed", 4, "--out", tmp_path / "w.grid")
+    result = run(
+        "trap", "--where", "detour > 900", "--tries", 3, "--seed", 4, "--out", tmp_path / "w.grid"
+    )
     assert result.code == 1 and "the nearest has detour" in result.err
     assert not (tmp_path / "w.grid").exists()
 
@@ -118,7 +126,11 @@ def test_what_should_make_a_world_harder_makes_it_more_difficult(name):
 
 @pytest.mark.parametrize(
     ("concavity", "detour", "radius", "number"),
-    [(0.0, 1.0, 0.1, 0.15974440894568692), (1.0, 1.5, 0.1, 0.7560708216850298), (5.0, 9.0, 0.07, 0.8776638904276601)],
+    [
+        (0.0, 1.0, 0.1, 0.15974440894568692),
+        (1.0, 1.5, 0.1, 0.7560708216850298),
+        (5.0, 9.0, 0.07, 0.8776638904276601),
+    ],
 )
 def test_the_difficulty_of_known_metrics_is_the_published_number(concavity, detour, radius, number):
     assert difficulty({"concavity": concavity, "detour": detour}, radius) == number

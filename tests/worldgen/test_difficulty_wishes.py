@@ -84,22 +84,53 @@ def test_an_unknown_name_comes_with_the_list_of_names():
 
 
 def test_the_names_asked_for_are_known():
-    assert parse("detour > 3 and (length < 2r or not decisions > 1)").names == {"detour", "length", "decisions"}
+    assert parse("detour > 3 and (length < 2r or not decisions > 1)").names == {
+        "detour",
+        "length",
+        "decisions",
+    }
 
 
 def test_nearer_worlds_violate_less():
     wish = parse("detour > 3 and bottleneck < 1.2r")
-    far = [wish.violation({"detour": detour, "bottleneck": 0.1}, 0.07) for detour in (1.0, 2.0, 2.9, 3.5)]
+    far = [
+        wish.violation({"detour": detour, "bottleneck": 0.1}, 0.07)
+        for detour in (1.0, 2.0, 2.9, 3.5)
+    ]
     assert far == sorted(far, reverse=True) and far[-1] > 0
 
 
 _parts = st.sampled_from(
-    ["and", "or", "not", "(", ")", "<", "<=", "==", "!=", ">", "+", "-", "*", "/", "3", "1.5r", "2m", "detour", "solid"]
+    [
+        "and",
+        "or",
+        "not",
+        "(",
+        ")",
+        "<",
+        "<=",
+        "==",
+        "!=",
+        ">",
+        "+",
+        "-",
+        "*",
+        "/",
+        "3",
+        "1.5r",
+        "2m",
+        "detour",
+        "solid",
+    ]
 )
 
 
 @pytest.mark.gate
-@given(st.text(max_size=40) | st.lists(_parts, max_size=12).map(" ".join) | st.lists(_parts, max_size=12).map("".join))
+@given(
+    st.text(max_size=40)
+    | st.lists(_parts, max_size=12).map(" ".join)
+    | st.lists(_parts, max_size=12).map("".join)
+)
 def test_any_text_is_a_wish_or_refused(text):
     try:
         wish = parse(text)
@@ -111,7 +142,9 @@ def test_any_text_is_a_wish_or_refused(text):
 
 _numbers = st.sampled_from(["1", "2.5", "detour", "length", "(detour + 1)", "-length", "2r"])
 _conditions = st.recursive(
-    st.builds("{} {} {}".format, _numbers, st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), _numbers),
+    st.builds(
+        "{} {} {}".format, _numbers, st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), _numbers
+    ),
     lambda inner: (
         st.builds("({} {} {})".format, inner, st.sampled_from(["and", "or"]), inner)
         | st.builds("not ({})".format, inner)

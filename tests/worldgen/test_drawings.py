@@ -44,4 +44,6 @@ def test_an_open_world_is_told_by_its_walls_farther_down(tmp_path):
 def test_an_array_is_what_numpy_loads():
     cells = np.load(io.BytesIO(export_world(drawn(ROOM), "npy").data))
     assert cells.dtype == np.bool_ and cells.flags.c_contiguous
-    assert cells.astype(int).tolist() == [[int(letter == "#") for letter in row] for row in ROOM.split()]
+    assert cells.astype(int).tolist() == [
+        [int(letter == "#") for letter in row] for row in ROOM.split()
+    ]

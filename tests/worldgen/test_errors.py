@@ -20,24 +20,40 @@ from worldgen.errors import (
 )
 
 
-@pytest.mark.parametrize("kind", [GenerationFailed, InvalidParameter, InvalidWorld, OutputError, WorldgenError])
+@pytest.mark.parametrize(
+    "kind", [GenerationFailed, InvalidParameter, InvalidWorld, OutputError, WorldgenError]
+)
 def test_an_error_reads_as_its_problem_and_its_remedy(kind):
-    error = kind("too-narrow", "door={door:g} m is less than {least:g} m", "widen the door", door=0.5, least=0.75)
+    error = kind(
+        "too-narrow",
+        "door={door:g} m is less than {least:g} m",
+        "widen the door",
+        door=0.5,
+        least=0.75,
+    )
     assert str(error) == "door=0.5 m is less than 0.75 m; widen the door"
 
 
 @pytest.mark.parametrize("kind", [FormatError, NotAGrid])
 def test_an_error_in_a_file_reads_as_the_place_and_the_message(kind):
-    error = kind("no-magic", "begins with {first!q}", "give a map", line=1, source="a.grid", first=b"\x1bx")
+    error = kind(
+        "no-magic", "begins with {first!q}", "give a map", line=1, source="a.grid", first=b"\x1bx"
+    )
     assert str(error) == r"a.grid:1: begins with '\x1bx'; give a map"
 
 
 def test_a_message_without_a_remedy_reads_as_its_problem():
-    assert str(Message("empty", "there is nothing in {file}", file="a.zip")) == "there is nothing in a.zip"
+    assert (
+        str(Message("empty", "there is nothing in {file}", file="a.zip"))
+        == "there is nothing in a.zip"
+    )
 
 
 def test_a_list_in_a_message_reads_with_commas():
-    assert str(Message("unknown-name", "known: {known!l}", known=["box", "dict"])) == "known: box, dict"
+    assert (
+        str(Message("unknown-name", "known: {known!l}", known=["box", "dict"]))
+        == "known: box, dict"
+    )
 
 
 def test_an_empty_list_in_a_message_reads_as_its_template_says():
@@ -45,7 +61,9 @@ def test_an_empty_list_in_a_message_reads_as_its_template_says():
 
 
 def test_facts_are_values_that_json_holds():
-    facts = Message("x", "words", path=Path("a/b"), number=np.int64(3), both=(np.float64(0.5), Path("c"))).facts
+    facts = Message(
+        "x", "words", path=Path("a/b"), number=np.int64(3), both=(np.float64(0.5), Path("c"))
+    ).facts
     assert json.loads(json.dumps(facts)) == {"path": "a/b", "number": 3, "both": [0.5, "c"]}
 
 

@@ -31,8 +31,12 @@ def pieces(cells):
 
 
 @given(SEEDS, SHAPES, st.integers(14, 70), ROCK, st.integers(0, 6), st.sampled_from(sorted(RADII)))
-def test_every_free_cell_can_be_reached_by_the_robots_square(seed, shape, size, rock, rounds, robot_radius):
-    world = layout(seed, shape=shape, size=size, rock=rock, rounds=rounds, robot_radius=robot_radius)
+def test_every_free_cell_can_be_reached_by_the_robots_square(
+    seed, shape, size, rock, rounds, robot_radius
+):
+    world = layout(
+        seed, shape=shape, size=size, rock=rock, rounds=rounds, robot_radius=robot_radius
+    )
     square = np.ones((RADII[robot_radius],) * 2)
     places = ndimage.binary_erosion(~world.walls, square)
     assert ndimage.label(places)[1] == 1
@@ -45,17 +49,33 @@ def test_a_cave_spans_the_square(seed, shape, size):
     assert np.ptp(rows) >= size // 3 and np.ptp(columns) >= size // 3
 
 
-@given(SEEDS, SHAPES, st.integers(10, 60), ROCK, st.integers(-1, 5), st.sampled_from([0.02, 0.07, 0.1, 0.13]))
+@given(
+    SEEDS,
+    SHAPES,
+    st.integers(10, 60),
+    ROCK,
+    st.integers(-1, 5),
+    st.sampled_from([0.02, 0.07, 0.1, 0.13]),
+)
 @settings(max_examples=40)
 def test_no_cave_needs_a_second_attempt(seed, shape, size, rock, rounds, robot_radius):
     if size - 2 < 9 and robot_radius == 0.13:
         return
-    params = {"shape": shape, "size": size, "rock": rock, "rounds": rounds, "robot_radius": robot_radius}
+    params = {
+        "shape": shape,
+        "size": size,
+        "rock": rock,
+        "rounds": rounds,
+        "robot_radius": robot_radius,
+    }
     assert np.array_equal(generate("cave", seed, **params).walls, layout(seed, **params).walls)
 
 
 def test_more_rock_leaves_less_floor():
-    floors = [sum((~layout(seed, size=60, rock=rock).walls).sum() for seed in range(5)) for rock in (35, 45, 52, 60)]
+    floors = [
+        sum((~layout(seed, size=60, rock=rock).walls).sum() for seed in range(5))
+        for rock in (35, 45, 52, 60)
+    ]
     assert floors == sorted(floors, reverse=True)
 
 
@@ -75,7 +95,10 @@ def test_the_automaton_smooths_the_rock():
 
 
 def test_a_larger_grain_makes_wider_halls():
-    widths = [ndimage.distance_transform_cdt(~layout(2, size=120, grain=grain).walls).max() for grain in (1, 3, 6)]
+    widths = [
+        ndimage.distance_transform_cdt(~layout(2, size=120, grain=grain).walls).max()
+        for grain in (1, 3, 6)
+    ]
     assert widths[0] < widths[1] < widths[2]
 
 

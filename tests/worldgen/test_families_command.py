@@ -23,7 +23,9 @@ def test_every_parameter_is_an_option_with_its_help_and_bounds(name):
     options = {option.name: option for option in family_command(name).params}
     for known in FAMILIES.get(name).parameters:
         option = options[known.name]
-        assert option.help == known.note and (known.bounds is None or known.bounds.rule in option.help)
+        assert option.help == known.note and (
+            known.bounds is None or known.bounds.rule in option.help
+        )
         assert option.default == known.python_default
 
 
@@ -34,7 +36,9 @@ def test_every_number_has_bounds_which_its_default_keeps_and_generate_too(name):
             low = known.bounds.low - 1
             while low == known.bounds.chosen:
                 low -= 1
-            with pytest.raises(InvalidParameter, match=f"{known.name}=.* (outside|below|not above|above 0)"):
+            with pytest.raises(
+                InvalidParameter, match=f"{known.name}=.* (outside|below|not above|above 0)"
+            ):
                 generate(name, 1, **{known.name: low})
 
 
@@ -47,9 +51,22 @@ def test_options_left_out_are_the_defaults_of_the_library(name, tmp_path):
 
 
 def test_options_reach_the_family(tmp_path):
-    options = ["--size", 61, "--algorithm", "backtracker", "--braid", 0.5, "--passage", 4, "--wall", 2]
+    options = [
+        "--size",
+        61,
+        "--algorithm",
+        "backtracker",
+        "--braid",
+        0.5,
+        "--passage",
+        4,
+        "--wall",
+        2,
+    ]
     run("maze", *options, "--robot-radius", 0.15, "--seed", 1, "--out", tmp_path / "w.grid")
-    expected = generate("maze", 1, size=61, algorithm="backtracker", braid=0.5, passage=4, wall=2, robot_radius=0.15)
+    expected = generate(
+        "maze", 1, size=61, algorithm="backtracker", braid=0.5, passage=4, wall=2, robot_radius=0.15
+    )
     assert read_world(tmp_path / "w.grid") == with_metrics(expected)
 
 
@@ -74,7 +91,8 @@ def test_one_line_tells_what_was_made(tmp_path):
     made = generate("corridor", 3, size=12).certificate
     assert result.out == ""
     assert result.err == (
-        f"{path}: corridor 12 x 12 cells, witness {made.length:.4g} m in {made.duration:.4g} s, seed 3\n"
+        f"{path}: corridor 12 x 12 cells, witness {made.length:.4g} m in {made.duration:.4g} s, "
+        f"seed 3\n"
     )
 
 
@@ -82,7 +100,10 @@ def test_a_drawn_seed_is_printed_and_makes_the_same_world(tmp_path):
     first = run("maze", "--out", tmp_path / "a.grid")
     seed = first.err.split()[1]
     run("maze", "--seed", seed, "--out", tmp_path / "b.grid")
-    assert first.err.startswith("seed ") and (tmp_path / "a.grid").read_bytes() == (tmp_path / "b.grid").read_bytes()
+    assert (
+        first.err.startswith("seed ")
+        and (tmp_path / "a.grid").read_bytes() == (tmp_path / "b.grid").read_bytes()
+    )
 
 
 def test_two_drawn_seeds_differ():
@@ -111,7 +132,9 @@ def test_json_without_out_says_what_would_be_made():
 
 
 def test_count_writes_a_folder_of_rising_seeds(tmp_path):
-    result = run("maze", "--count", 3, "--seed", 8, "--size", 12, "--out", tmp_path / "a" / "b", "--json")
+    result = run(
+        "maze", "--count", 3, "--seed", 8, "--size", 12, "--out", tmp_path / "a" / "b", "--json"
+    )
     listed = json.loads(result.out)["files"]
     assert [entry["seed"] for entry in listed] == [8, 9, 10]
     for entry in listed:
@@ -160,14 +183,21 @@ def _stop_at(monkeypatch, seed, error):
 
 @pytest.mark.parametrize(
     ("error", "code"),
-    [(KeyboardInterrupt(), 130), (GenerationFailed("no-layout-found", "maze: none of 64 layouts"), 2)],
+    [
+        (KeyboardInterrupt(), 130),
+        (GenerationFailed("no-layout-found", "maze: none of 64 layouts"), 2),
+    ],
     ids=["ctrl-c", "failed"],
 )
 def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, error, code):
     _stop_at(monkeypatch, 10, error)
     result = run("maze", "--count", 5, "--seed", 8, "--size", 12, "--out", tmp_path)
     assert result.code == code and f"{tmp_path}: 2 of 5 worlds are written" in result.err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["manifest.jsonl", "maze-8.grid", "maze-9.grid"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "manifest.jsonl",
+        "maze-8.grid",
+        "maze-9.grid",
+    ]
 
 
 @pytest.mark.gate
@@ -184,7 +214,10 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
         (["--count", 2], "--count 2 writes 2 files; name a folder for them with --out"),
         (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
         (["--count", 2, "--out", __file__], "is a file; name a folder for more than one world"),
-        (["--count", 2, "--out", "w.grid"], "w.grid names one world's file; for 2 name a folder or an archive"),
+        (
+            ["--count", 2, "--out", "w.grid"],
+            "w.grid names one world's file; for 2 name a folder or an archive",
+        ),
         (["--out", "w.zip"], "w.zip names an archive; say with --count how many worlds go into it"),
     ],
     ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
@@ -210,7 +243,8 @@ def test_the_command_loads_nothing_heavy():
     code = (
         "import sys; from tests.helpers.command_line import worldgen; "
         "print(worldgen('maze', '--size', 60, '--seed', 1).code, "
-        "[name for name in ('numba', 'scipy', 'shapely', 'PIL', 'hypothesis', 'rich') if name in sys.modules])"
+        "[name for name in ('numba', 'scipy', 'shapely', 'PIL', 'hypothesis', 'rich') if name in "
+        "sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "0 []\n"

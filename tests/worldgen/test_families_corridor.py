@@ -79,7 +79,9 @@ def test_bends_left_out_are_drawn(shape, drawn):
     assert seen == set(range(drawn[0], drawn[1] + 1))
 
 
-@pytest.mark.parametrize(("shape", "branches"), [("bends", -1), ("dead-ends", 100), ("junctions", 100)])
+@pytest.mark.parametrize(
+    ("shape", "branches"), [("bends", -1), ("dead-ends", 100), ("junctions", 100)]
+)
 def test_the_most_bends_and_branches_that_are_allowed_can_be_had(shape, branches):
     for seed in range(10):
         world = layout(seed, size=60, shape=shape, bends=210, branches=branches, **THIN)
@@ -106,7 +108,10 @@ def test_a_winding_corridor_spans_the_square(seed, size, bends):
 @given(seed=SEEDS, shape=st.sampled_from(["bends", "dead-ends", "junctions"]))
 def test_the_robot_looks_along_the_corridor(seed, shape):
     world = layout(seed, shape=shape)
-    ahead = world.start.x + 0.2 * np.cos(world.start.heading), world.start.y + 0.2 * np.sin(world.start.heading)
+    ahead = (
+        world.start.x + 0.2 * np.cos(world.start.heading),
+        world.start.y + 0.2 * np.sin(world.start.heading),
+    )
     assert not world.walls[int(ahead[1] / 0.1), int(ahead[0] / 0.1)]
 
 
@@ -115,10 +120,22 @@ def test_the_robot_looks_along_the_corridor(seed, shape):
     [
         ({"bends": -2}, {"code": "out-of-range", "name": "bends", "value": -2, "high": 1000}),
         ({"bends": 21}, {"code": "out-of-range", "name": "bends", "value": 21, "high": 20}),
-        ({"bends": 1001, "size": 2000}, {"code": "out-of-range", "name": "bends", "value": 1001, "high": 1000}),
-        ({"branches": 3}, {"code": "no-effect", "name": "branches", "value": 3, "setting": "shape=bends"}),
-        ({"branches": 11, "shape": "dead-ends"}, {"code": "out-of-range", "name": "branches", "value": 11, "high": 10}),
-        ({"width": 1}, {"code": "narrower-than-robot", "name": "width", "width": 1, "robot_width": 1.4}),
+        (
+            {"bends": 1001, "size": 2000},
+            {"code": "out-of-range", "name": "bends", "value": 1001, "high": 1000},
+        ),
+        (
+            {"branches": 3},
+            {"code": "no-effect", "name": "branches", "value": 3, "setting": "shape=bends"},
+        ),
+        (
+            {"branches": 11, "shape": "dead-ends"},
+            {"code": "out-of-range", "name": "branches", "value": 11, "high": 10},
+        ),
+        (
+            {"width": 1},
+            {"code": "narrower-than-robot", "name": "width", "width": 1, "robot_width": 1.4},
+        ),
         ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
         ({"width": 14}, {"code": "no-room", "size": 30, "least": 31}),
         ({"shape": "zigzag"}, {"code": "unknown-name", "name": "shape", "value": "zigzag"}),

@@ -15,7 +15,7 @@ from worldgen.families.builtin.fire import FIREBREAK, fire
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide
-from worldgen.support.grid_search import free_windows, shortest_way
+from worldgen.support.grid_search import free_windows, shortest_path
 from worldgen.timeline import CellState, Timeline
 
 SEEDS = st.integers(0, 2**64 - 1)
@@ -40,7 +40,12 @@ def burning(world):
 
 
 def beside(place):
-    return [(place[0] + 1, place[1]), (place[0] - 1, place[1]), (place[0], place[1] + 1), (place[0], place[1] - 1)]
+    return [
+        (place[0] + 1, place[1]),
+        (place[0] - 1, place[1]),
+        (place[0], place[1] + 1),
+        (place[0], place[1] - 1),
+    ]
 
 
 def in_the_end(world):
@@ -55,10 +60,16 @@ def in_the_end(world):
 def test_a_way_is_shortest_by_a_foreign_graph_search(seed, over):
     windows = free_windows(layout(seed, over=over).walls, 2, 2)
     cells = np.flatnonzero(windows).tolist()
-    links = [(a, a + step) for step in (1, windows.shape[1]) for a in cells if windows.flat[a + step]]
-    graph = sparse.coo_array((np.ones(len(links)), np.transpose(links)), shape=(windows.size, windows.size))
-    steps = csgraph.shortest_path(graph, directed=False, unweighted=True, indices=cells[0])[cells[-1]]
-    assert len(shortest_way(windows, cells[0], cells[-1])) - 1 == steps
+    links = [
+        (a, a + step) for step in (1, windows.shape[1]) for a in cells if windows.flat[a + step]
+    ]
+    graph = sparse.coo_array(
+        (np.ones(len(links)), np.transpose(links)), shape=(windows.size, windows.size)
+    )
+    steps = csgraph.shortest_path(graph, directed=False, unweighted=True, indices=cells[0])[
+        cells[-1]
+    ]
+    assert len(shortest_path(windows, cells[0], cells[-1])) - 1 == steps
 
 
 @given(SEEDS, OVER)
@@ -73,7 +84,9 @@ def test_every_cell_burns_once_and_comes_out(seed, over):
 def test_fire_spreads_from_cell_to_cell(seed, over, ignitions):
     caught, _ = burning(layout(seed, over=over, ignitions=ignitions))
     without_cause = [
-        place for place, time in caught.items() if not any(caught.get(other, time) < time for other in beside(place))
+        place
+        for place, time in caught.items()
+        if not any(caught.get(other, time) < time for other in beside(place))
     ]
     assert 1 <= len(without_cause) <= ignitions
     assert all(caught[place] == 0.0 for place in without_cause)
@@ -106,7 +119,9 @@ def test_the_number_of_events_is_bounded(seed, over, spread_cells, burn_through)
     world = layout(seed, over=over, size=25, spread_cells=spread_cells, burn_through=burn_through)
     caught, _ = burning(world)
     assert sum(not world.walls[place] for place in caught) <= spread_cells
-    assert sum(world.walls[place] for place in caught) <= burn_through * 2 * 6  # two wide, at most six thick
+    assert (
+        sum(world.walls[place] for place in caught) <= burn_through * 2 * 6
+    )  # two wide, at most six thick
 
 
 @given(SEEDS, OVER, st.floats(0.0, 1.0))
@@ -127,7 +142,9 @@ def test_ways_close_and_open(over):
 
 
 def test_without_debris_nothing_closes():
-    assert not any((layout(seed, debris=0.0).timeline.states == CellState.SOLID).any() for seed in range(10))
+    assert not any(
+        (layout(seed, debris=0.0).timeline.states == CellState.SOLID).any() for seed in range(10)
+    )
 
 
 def test_all_debris_closes_all_but_the_way_that_is_left():
@@ -167,10 +184,16 @@ def test_floor_round_the_start_never_burns(seed, over, robot_radius):
             assert np.hypot(dx, dy) >= robot_radius / world.cell_size + FIREBREAK - 1e-9
 
 
-@given(SEEDS, OVER, st.sampled_from([0.05, 0.07, 0.1, 0.14]), st.floats(0.0, 1.0), st.integers(0, 9))
+@given(
+    SEEDS, OVER, st.sampled_from([0.05, 0.07, 0.1, 0.14]), st.floats(0.0, 1.0), st.integers(0, 9)
+)
 @settings(max_examples=30)
-def test_what_is_left_in_the_end_lets_the_robot_through(seed, over, robot_radius, debris, burn_through):
-    world = layout(seed, over=over, robot_radius=robot_radius, debris=debris, burn_through=burn_through)
+def test_what_is_left_in_the_end_lets_the_robot_through(
+    seed, over, robot_radius, debris, burn_through
+):
+    world = layout(
+        seed, over=over, robot_radius=robot_radius, debris=debris, burn_through=burn_through
+    )
     assert decide(in_the_end(world)).result == REACHABLE
 
 
@@ -179,7 +202,9 @@ def test_what_is_left_in_the_end_lets_the_robot_through(seed, over, robot_radius
 def test_debris_never_shuts_the_target_in(robot_radius):
     """A robot as wide as whole cells has nothing to spare; its target may lie between two cells."""
     for seed in range(40):
-        world = layout(seed, over="trap", size=25, robot_radius=robot_radius, debris=1.0, spread_cells=1000)
+        world = layout(
+            seed, over="trap", size=25, robot_radius=robot_radius, debris=1.0, spread_cells=1000
+        )
         assert decide(in_the_end(world)).result == REACHABLE
 
 
@@ -189,7 +214,10 @@ def test_every_hole_joins_floor_to_floor(seed, over):
     hole = world.walls & ~in_the_end(world).walls
     for rows, columns in ndimage.find_objects(ndimage.label(hole)[0]):
         assert hole[rows, columns].all()
-        across = world.walls[rows, [columns.start - 1, columns.stop]], world.walls[[rows.start - 1, rows.stop], columns]
+        across = (
+            world.walls[rows, [columns.start - 1, columns.stop]],
+            world.walls[[rows.start - 1, rows.stop], columns],
+        )
         assert not across[0].any() or not across[1].any()
 
 
@@ -219,10 +247,19 @@ def test_over_a_trap_every_shape_comes_up():
         ({"ignitions": 0}, {"code": "out-of-range", "name": "ignitions", "low": 1, "high": 100}),
         ({"spread": 0.0}, {"code": "out-of-range", "name": "spread", "low": 0.01}),
         ({"burn": -1.0}, {"code": "out-of-range", "name": "burn", "low": 0.01}),
-        ({"spread_cells": 0}, {"code": "out-of-range", "name": "spread_cells", "low": 1, "high": 100000}),
+        (
+            {"spread_cells": 0},
+            {"code": "out-of-range", "name": "spread_cells", "low": 1, "high": 100000},
+        ),
         ({"debris": 1.5}, {"code": "out-of-range", "name": "debris", "value": 1.5}),
-        ({"burn_through": -1}, {"code": "out-of-range", "name": "burn_through", "value": -1, "high": 1000}),
-        ({"size": 10, "robot_radius": 0.3}, {"code": "no-room", "size": 10, "robot_radius": 0.3, "over": "maze"}),
+        (
+            {"burn_through": -1},
+            {"code": "out-of-range", "name": "burn_through", "value": -1, "high": 1000},
+        ),
+        (
+            {"size": 10, "robot_radius": 0.3},
+            {"code": "no-room", "size": 10, "robot_radius": 0.3, "over": "maze"},
+        ),
         ({"size": 10, "robot_radius": 0.3, "over": "trap"}, {"code": "no-room", "over": "trap"}),
     ],
     ids=lambda value: str(value)[:30],

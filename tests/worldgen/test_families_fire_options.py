@@ -25,7 +25,9 @@ def outbreaks(world):
     """Cells that catch from no other, by time."""
     caught, _ = burning(world)
     alone = [
-        place for place in caught if not any(caught.get(other, math.inf) < caught[place] for other in beside(place))
+        place
+        for place in caught
+        if not any(caught.get(other, math.inf) < caught[place] for other in beside(place))
     ]
     return sorted((caught[place], place) for place in alone if not world.walls[place])
 
@@ -39,7 +41,12 @@ def test_fire_breaks_out_in_the_cells_that_are_given():
 @given(SEEDS, st.integers(2, 5))
 @settings(max_examples=20)
 def test_fires_apart_break_out_one_after_another(seed, ignitions):
-    times = [time for time, _ in outbreaks(layout(seed, over="rooms", ignitions=ignitions, apart=3.0, spread=5.0))]
+    times = [
+        time
+        for time, _ in outbreaks(
+            layout(seed, over="rooms", ignitions=ignitions, apart=3.0, spread=5.0)
+        )
+    ]
     assert times[0] == 0.0 and all(later - time >= 1.5 for time, later in itertools.pairwise(times))
 
 
@@ -47,16 +54,28 @@ def test_fires_apart_break_out_one_after_another(seed, ignitions):
 @settings(max_examples=20)
 def test_fire_at_the_rim_breaks_out_no_deeper_than_floor_near_the_border(seed, over):
     world = layout(seed, over=over, ignite_at="rim", ignitions=3)
-    depth = [min(iy, ix, world.height - 1 - iy, world.width - 1 - ix) for _, (iy, ix) in outbreaks(world)]
+    depth = [
+        min(iy, ix, world.height - 1 - iy, world.width - 1 - ix) for _, (iy, ix) in outbreaks(world)
+    ]
     floor = np.argwhere(~world.walls)
     shallow = np.minimum(floor, world.height - 1 - floor).min()
-    assert all(there <= shallow + 4 for there in depth)  # the robot may stand in a corner, and nothing burns round it
+    assert all(
+        there <= shallow + 4 for there in depth
+    )  # the robot may stand in a corner, and nothing burns round it
 
 
 def test_wind_carries_fire_to_where_it_blows():
     ratios = []
     for seed in range(10):
-        world = layout(seed, over="forest+density=0.2", size=60, wind=0.8, wind_to=0, ignitions=1, spread_cells=400)
+        world = layout(
+            seed,
+            over="forest+density=0.2",
+            size=60,
+            wind=0.8,
+            wind_to=0,
+            ignitions=1,
+            spread_cells=400,
+        )
         (_, (_, ix)), *_ = outbreaks(world)
         columns = [place[1] - ix for place in burning(world)[0] if not world.walls[place]]
         ratios.append((max(columns), -min(columns)))
@@ -83,7 +102,9 @@ def test_uneven_fuel_makes_some_places_burn_much_longer():
 def test_cleared_debris_opens_every_cell_again():
     world = layout(2, debris=0.8, clear=1.0)
     line = world.timeline
-    assert (line.states == CellState.SOLID).any() and not (in_the_end(world).walls & ~world.walls).any()
+    assert (line.states == CellState.SOLID).any() and not (
+        in_the_end(world).walls & ~world.walls
+    ).any()
 
 
 @given(SEEDS, GROUNDS)
@@ -95,10 +116,18 @@ def test_what_is_monotone_never_opens(seed, over):
 
 
 @pytest.mark.gate
-@given(SEEDS, GROUNDS, st.booleans(), st.sampled_from([0.0, 0.5, 3.0]), st.sampled_from(["mixed", "way", "rim"]))
+@given(
+    SEEDS,
+    GROUNDS,
+    st.booleans(),
+    st.sampled_from([0.0, 0.5, 3.0]),
+    st.sampled_from(["mixed", "way", "rim"]),
+)
 @settings(max_examples=40)
 def test_the_witness_may_begin_as_late_as_was_asked_for(seed, over, monotone, margin, place):
-    world = generate("fire", seed % 1000, over=over, monotone=monotone, margin=margin, ignite_at=place)
+    world = generate(
+        "fire", seed % 1000, over=over, monotone=monotone, margin=margin, ignite_at=place
+    )
     assert witness_margin(world, world.certificate) >= margin
     for delay in (margin / 3, margin):
         report = check_certificate(world, delayed(world, world.certificate, delay))
@@ -122,7 +151,9 @@ def test_a_witness_does_not_hold_longer_than_its_margin():
         if margin < math.inf:
             tight += 1
             assert check_certificate(world, delayed(world, world.certificate, margin)).valid
-            assert not check_certificate(world, delayed(world, world.certificate, margin + 1e-4)).valid
+            assert not check_certificate(
+                world, delayed(world, world.certificate, margin + 1e-4)
+            ).valid
     assert tight >= 6
 
 
@@ -131,11 +162,20 @@ def test_a_witness_does_not_hold_longer_than_its_margin():
     [
         ({"ignite_cells": "3;4"}, {"code": "wrong-form", "text": "3;4", "part": "3;4"}),
         ({"ignite_cells": "0:0"}, {"code": "cannot-burn", "cell": "0:0", "what": "a wall"}),
-        ({"ignite_cells": "30:3"}, {"code": "outside-grid", "cell": "30:3", "width": 30, "height": 30}),
+        (
+            {"ignite_cells": "30:3"},
+            {"code": "outside-grid", "cell": "30:3", "width": 30, "height": 30},
+        ),
         ({"apart": -1.0}, {"code": "out-of-range", "name": "apart"}),
-        ({"scatter": 0.95}, {"code": "out-of-range", "name": "scatter", "value": 0.95, "high": 0.9}),
+        (
+            {"scatter": 0.95},
+            {"code": "out-of-range", "name": "scatter", "value": 0.95, "high": 0.9},
+        ),
         ({"wind": 1.0}, {"code": "out-of-range", "name": "wind", "high": 0.9}),
-        ({"wind": 0.5, "wind_to": 4}, {"code": "out-of-range", "name": "wind_to", "value": 4, "high": 3}),
+        (
+            {"wind": 0.5, "wind_to": 4},
+            {"code": "out-of-range", "name": "wind_to", "value": 4, "high": 3},
+        ),
         ({"wind_to": 2}, {"code": "no-effect", "name": "wind_to", "value": 2, "setting": "wind=0"}),
         ({"fuel": 1.1}, {"code": "out-of-range", "name": "fuel", "value": 1.1}),
         ({"grain": 0}, {"code": "out-of-range", "name": "grain", "low": 1, "high": 1000}),

@@ -50,17 +50,24 @@ def test_no_two_trunks_are_closer_than_the_gap(seed, growth, gap, robot_radius):
 
 
 def test_the_gap_is_not_larger_than_it_must_be():
-    assert min(least_gap_sq(layout(seed, gap=1.0)) for seed in range(5)) == 2  # 1.4 cells asked, the root of 2 kept
+    assert (
+        min(least_gap_sq(layout(seed, gap=1.0)) for seed in range(5)) == 2
+    )  # 1.4 cells asked, the root of 2 kept
 
 
 @given(SEEDS, GROWTHS, st.integers(1, 6), st.integers(0, 4))
 def test_trunks_are_discs_of_the_diameters_asked_for(seed, growth, thinnest, more):
     world = layout(seed, growth=growth, thinnest=thinnest, thickest=thinnest + more, size=50)
     labels, _ = trunks(world)
-    allowed = {thickness: len(disc_cells(thickness)) for thickness in range(thinnest, thinnest + more + 1)}
+    allowed = {
+        thickness: len(disc_cells(thickness)) for thickness in range(thinnest, thinnest + more + 1)
+    }
     for rows, columns in ndimage.find_objects(labels):
         side = rows.stop - rows.start
-        assert columns.stop - columns.start == side and world.walls[rows, columns].sum() == allowed[side]
+        assert (
+            columns.stop - columns.start == side
+            and world.walls[rows, columns].sum() == allowed[side]
+        )
 
 
 @pytest.mark.parametrize("diameter", range(1, 20))
@@ -85,19 +92,30 @@ def test_planting_is_that_of_the_reference(seed):
     plain = bytearray(len(places))
     tables = []
     for offsets in (cells, halos):
-        tables += [np.concatenate(offsets).tolist(), np.cumsum([len(each) for each in offsets]).tolist()]
+        tables += [
+            np.concatenate(offsets).tolist(),
+            np.cumsum([len(each) for each in offsets]).tolist(),
+        ]
     planting.put_down(bytearray(barred.tobytes()), plain, places.tolist(), kinds.tolist(), *tables)
     assert put_down(barred, places, kinds, cells, halos).tobytes() == plain
 
 
 def test_less_density_fells_trunks():
-    counts = [sum(trunks(layout(seed, density=share, size=60))[1] for seed in range(5)) for share in (1.0, 0.6, 0.2)]
+    counts = [
+        sum(trunks(layout(seed, density=share, size=60))[1] for seed in range(5))
+        for share in (1.0, 0.6, 0.2)
+    ]
     assert counts[0] > 1.4 * counts[1] > 2.8 * counts[2]
 
 
 def test_thickets_are_uneven():
     def spread(growth):
-        walls = np.stack([layout(seed, growth=growth, size=122, thickest=2).walls[1:-1, 1:-1] for seed in range(3)])
+        walls = np.stack(
+            [
+                layout(seed, growth=growth, size=122, thickest=2).walls[1:-1, 1:-1]
+                for seed in range(3)
+            ]
+        )
         parts = walls.reshape(3, 6, 20, 6, 20).mean(axis=(2, 4))
         return parts.std() / parts.mean()
 
@@ -118,7 +136,13 @@ def test_start_and_target_are_out_of_sight(growth):
         assert not in_sight(world.walls, *ends)
 
 
-@given(SEEDS, GROWTHS, st.integers(10, 50), st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]), st.sampled_from([1.0, 1.3]))
+@given(
+    SEEDS,
+    GROWTHS,
+    st.integers(10, 50),
+    st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]),
+    st.sampled_from([1.0, 1.3]),
+)
 @settings(max_examples=40)
 def test_no_forest_needs_a_second_attempt(seed, growth, size, robot_radius, gap):
     params = {"growth": growth, "size": size, "robot_radius": robot_radius, "gap": gap}
@@ -147,7 +171,10 @@ def test_a_small_forest_loads_nothing_heavy():
         ({"density": 0.0}, {"code": "out-of-range", "name": "density"}),
         ({"density": 1.1}, {"code": "out-of-range", "name": "density", "value": 1.1}),
         ({"thinnest": 0}, {"code": "out-of-range", "name": "thinnest", "low": 1, "high": 64}),
-        ({"thinnest": 3, "thickest": 2}, {"code": "below-minimum", "name": "thickest", "value": 2, "low": 3}),
+        (
+            {"thinnest": 3, "thickest": 2},
+            {"code": "below-minimum", "name": "thickest", "value": 2, "low": 3},
+        ),
         ({"thickest": 25}, {"code": "out-of-range", "name": "thickest", "value": 25, "low": 1}),
         ({"gap": 20.0}, {"code": "no-room", "size": 30, "thinnest": 1}),
     ],

@@ -89,8 +89,14 @@ def test_a_ground_that_is_no_square_cannot_be_mirrored(plugin):
         ("mase", {"code": "unknown-name", "name": "mase", "noun": "family", "near": "maze"}),
         ("maze+size=40", {"code": "not-of-the-ground", "name": "size", "over": "maze+size=40"}),
         ("maze+robot-radius=0.1", {"code": "not-of-the-ground", "name": "robot_radius"}),
-        ("maze+passages=3", {"code": "unknown-name", "name": "passages", "owner": "over=maze+passages=3: maze"}),
-        ("maze+passage=wide", {"code": "not-a-number", "name": "passage", "text": "wide", "expected": "whole number"}),
+        (
+            "maze+passages=3",
+            {"code": "unknown-name", "name": "passages", "owner": "over=maze+passages=3: maze"},
+        ),
+        (
+            "maze+passage=wide",
+            {"code": "not-a-number", "name": "passage", "text": "wide", "expected": "whole number"},
+        ),
         ("maze+passage", {"code": "missing-value", "name": "passage"}),
         ("trap+inside=maybe", {"code": "not-a-truth-value", "name": "inside", "text": "maybe"}),
         ("maze+algorithm=ellen", {"code": "unknown-name", "name": "algorithm", "value": "ellen"}),

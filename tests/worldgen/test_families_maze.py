@@ -17,7 +17,14 @@ from tests.helpers.raising import raises
 from tests.helpers.tiers import some
 from worldgen.errors import InvalidParameter
 from worldgen.families.builtin.maze import maze
-from worldgen.families.parts.mazes import FIT_ANY_SHAPE, METHODS, grow, open_sides, shape_mask, spanning_tree
+from worldgen.families.parts.mazes import (
+    FIT_ANY_SHAPE,
+    METHODS,
+    grow,
+    open_sides,
+    shape_mask,
+    spanning_tree,
+)
 from worldgen.families.parts.mazes.board import ROOT, links_of_parents
 from worldgen.families.parts.mazes.shapes import LEAST
 from worldgen.family import stream_for
@@ -42,7 +49,9 @@ def full(rows, columns):
 
 def chi_square(algorithm, draws=40 * SPANNING_TREES_OF_3_BY_3):
     """Distance of the 3 x 3 trees drawn from all being equally often; 191 degrees of freedom."""
-    counts = Counter(grow(RandomStream(seed), full(3, 3), algorithm).tobytes() for seed in range(draws))
+    counts = Counter(
+        grow(RandomStream(seed), full(3, 3), algorithm).tobytes() for seed in range(draws)
+    )
     expected = draws / SPANNING_TREES_OF_3_BY_3
     unseen = SPANNING_TREES_OF_3_BY_3 - len(counts)
     return sum((count - expected) ** 2 / expected for count in counts.values()) + unseen * expected
@@ -107,7 +116,9 @@ def test_prim_and_kruskal_find_the_same_lightest_tree_of_the_same_weights():
 
 
 @pytest.mark.parametrize("words", [1, 16, 1000])
-@pytest.mark.parametrize("algorithm", [name for name in METHODS if METHODS[name].words is METHODS["wilson"].words])
+@pytest.mark.parametrize(
+    "algorithm", [name for name in METHODS if METHODS[name].words is METHODS["wilson"].words]
+)
 def test_a_maze_continues_where_its_words_ran_out(monkeypatch, algorithm, words):
     expected = grow(RandomStream(3), full(9, 9), algorithm)
     method = dataclasses.replace(METHODS[algorithm], words=lambda columns, rows: words)
@@ -149,7 +160,12 @@ def test_a_maze_of_2000_cells_is_made_without_recursion(algorithm):
     assert free.mean() > 0.49  # chambers and the doors between them, every second cell
 
 
-@given(seed=st.integers(0, 2**64 - 1), size=st.integers(10, 60), passage=st.integers(2, 5), wall=st.integers(1, 4))
+@given(
+    seed=st.integers(0, 2**64 - 1),
+    size=st.integers(10, 60),
+    passage=st.integers(2, 5),
+    wall=st.integers(1, 4),
+)
 def test_chambers_fill_the_square_up_to_one_cell_each(seed, size, passage, wall):
     chambers = (size - 2 + wall) // (passage + wall)
     if chambers < 2:
@@ -191,18 +207,28 @@ def dead_ends(world):
 def test_braiding_removes_the_share_of_dead_ends(algorithm, braid):
     for seed in range(5):
         plain, braided = (
-            dead_ends(layout(seed, size=41, algorithm=algorithm, passage=1, robot_radius=0.05, braid=share))
+            dead_ends(
+                layout(
+                    seed, size=41, algorithm=algorithm, passage=1, robot_radius=0.05, braid=share
+                )
+            )
             for share in (0.0, braid)
         )
         assert plain - round(braid * plain) - 1 <= braided <= plain - round(braid * plain)
 
 
 def test_a_fully_braided_maze_has_no_dead_end():
-    assert [dead_ends(layout(seed, size=31, passage=1, robot_radius=0.05, braid=1.0)) for seed in range(10)] == [0] * 10
+    assert [
+        dead_ends(layout(seed, size=31, passage=1, robot_radius=0.05, braid=1.0))
+        for seed in range(10)
+    ] == [0] * 10
 
 
 def dead_ends_of(**params):
-    return sum(dead_ends(layout(seed, size=61, passage=1, robot_radius=0.05, **params)) for seed in range(5))
+    return sum(
+        dead_ends(layout(seed, size=61, passage=1, robot_radius=0.05, **params))
+        for seed in range(5)
+    )
 
 
 def test_wilson_has_more_dead_ends_than_the_backtracker():
@@ -240,7 +266,10 @@ def test_a_mask_holds_the_maze_and_the_rest_is_rock(mask, braid):
 def test_start_and_target_lie_on_opposite_sides_of_a_mask(mask):
     for seed in range(8):
         world = layout(seed, size=40, mask=mask)
-        assert np.hypot(world.start.x - world.target.x, world.start.y - world.target.y) > 0.5 * 40 * world.cell_size
+        assert (
+            np.hypot(world.start.x - world.target.x, world.start.y - world.target.y)
+            > 0.5 * 40 * world.cell_size
+        )
 
 
 @pytest.mark.parametrize("rooms", [1, 2, 5, 9, 16])
@@ -248,7 +277,9 @@ def test_start_and_target_lie_on_opposite_sides_of_a_mask(mask):
 def test_as_many_rooms_as_asked_are_carved_and_none_touches_another(rooms, mask):
     for seed in range(4):
         world = layout(seed, size=61, rooms=rooms, mask=mask, passage=1, robot_radius=0.05)
-        halls = ndimage.binary_erosion(~world.walls, np.ones((3, 3)))  # 2 x 2 chambers without their walls
+        halls = ndimage.binary_erosion(
+            ~world.walls, np.ones((3, 3))
+        )  # 2 x 2 chambers without their walls
         assert ndimage.label(halls, np.ones((3, 3)))[1] == rooms
         assert ndimage.label(~world.walls)[1] == 1
 
@@ -267,7 +298,9 @@ def test_the_most_rooms_that_the_message_names_fit(mask):
 def test_a_shape_is_in_one_piece_with_two_ways_out_of_each_chamber(mask):
     for side in range(LEAST[mask], 60):
         inside = np.pad(shape_mask(mask, side), 1)
-        around = sum(np.roll(inside, shift, axis).astype(int) for shift in (1, -1) for axis in (0, 1))
+        around = sum(
+            np.roll(inside, shift, axis).astype(int) for shift in (1, -1) for axis in (0, 1)
+        )
         assert ndimage.label(inside)[1] == 1 and (around[inside] >= 2).all()
         assert inside[1:-1, 1:-1].all() == (mask == "square")
 
@@ -283,7 +316,10 @@ def test_start_and_target_are_in_opposite_corners(seed, size):
 @given(seed=st.integers(0, 2**64 - 1))
 def test_the_robot_faces_an_open_side(seed):
     world = layout(seed)
-    ahead = world.start.x + 0.2 * np.cos(world.start.heading), world.start.y + 0.2 * np.sin(world.start.heading)
+    ahead = (
+        world.start.x + 0.2 * np.cos(world.start.heading),
+        world.start.y + 0.2 * np.sin(world.start.heading),
+    )
     assert not world.walls[int(ahead[1] / 0.1), int(ahead[0] / 0.1)]
 
 
@@ -297,7 +333,10 @@ def test_no_maze_needs_a_second_attempt(seed, size, braid):
 @pytest.mark.parametrize(
     ("params", "expected"),
     [
-        ({"passage": 1}, {"code": "narrower-than-robot", "name": "passage", "width": 1, "robot_width": 1.4}),
+        (
+            {"passage": 1},
+            {"code": "narrower-than-robot", "name": "passage", "width": 1, "robot_width": 1.4},
+        ),
         ({"passage": 0}, {"code": "below-minimum", "name": "passage", "chosen": -1, "low": 1}),
         ({"passage": -2}, {"code": "below-minimum", "name": "passage", "chosen": -1, "value": -2}),
         ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
@@ -307,14 +346,26 @@ def test_no_maze_needs_a_second_attempt(seed, size, braid):
         ({"size": 10, "wall": 5}, {"code": "no-room", "passage": 2, "size": 10, "least": 11}),
         ({"size": 30, "robot_radius": 0.7}, {"code": "no-room", "passage": 14, "wall": 1}),
         ({"rooms": -1}, {"code": "below-minimum", "name": "rooms", "value": -1}),
-        ({"newest": 0.5}, {"code": "no-effect", "name": "newest", "share": 0.5, "algorithm": "wilson"}),
-        ({"oldest": 0.0, "algorithm": "prim"}, {"code": "no-effect", "name": "oldest", "algorithm": "prim"}),
-        ({"algorithm": "growing-tree", "newest": 1.5}, {"code": "out-of-range", "name": "newest", "value": 1.5}),
+        (
+            {"newest": 0.5},
+            {"code": "no-effect", "name": "newest", "share": 0.5, "algorithm": "wilson"},
+        ),
+        (
+            {"oldest": 0.0, "algorithm": "prim"},
+            {"code": "no-effect", "name": "oldest", "algorithm": "prim"},
+        ),
+        (
+            {"algorithm": "growing-tree", "newest": 1.5},
+            {"code": "out-of-range", "name": "newest", "value": 1.5},
+        ),
         (
             {"algorithm": "growing-tree", "newest": 0.7, "oldest": 0.4},
             {"code": "above-maximum", "newest": 0.7, "oldest": 0.4},
         ),
-        ({"algorithm": "eller", "mask": "disc"}, {"code": "conflict", "shape": "disc", "algorithm": "eller"}),
+        (
+            {"algorithm": "eller", "mask": "disc"},
+            {"code": "conflict", "shape": "disc", "algorithm": "eller"},
+        ),
         ({"size": 10, "mask": "ring"}, {"code": "no-room", "shape": "ring", "least": 6, "side": 3}),
         ({"size": 10, "rooms": 2}, {"code": "no-room", "rooms": 2, "most": 1}),
     ],

@@ -46,12 +46,17 @@ def test_every_room_can_be_reached_by_the_robots_square(seed, plan, size, wall, 
 
 
 @given(SEEDS, PLANS, st.integers(2, 6), st.integers(0, 4), st.integers(1, 3))
-def test_no_passage_is_narrower_than_a_door_and_no_wall_thinner_than_asked(seed, plan, door, more, wall):
+def test_no_passage_is_narrower_than_a_door_and_no_wall_thinner_than_asked(
+    seed, plan, door, more, wall
+):
     world = layout(seed, plan=plan, size=60, door=door, room=door + more, wall=wall)
-    assert min(run_lengths(~world.walls).min(), run_lengths(~world.walls.T).min()) >= min(door, wall)
+    assert min(run_lengths(~world.walls).min(), run_lengths(~world.walls.T).min()) >= min(
+        door, wall
+    )
     inside = np.pad(world.walls[1:-1, 1:-1], wall, constant_values=True)
     assert (
-        ndimage.binary_opening(inside, np.ones((wall, wall)))[wall:-wall, wall:-wall] == world.walls[1:-1, 1:-1]
+        ndimage.binary_opening(inside, np.ones((wall, wall)))[wall:-wall, wall:-wall]
+        == world.walls[1:-1, 1:-1]
     ).all()
 
 
@@ -67,7 +72,9 @@ def test_with_all_doors_shut_that_may_be_one_way_is_left(seed, plan):
 @pytest.mark.parametrize("plan", ["wings", "spine", "suite"])
 def test_shared_doors_close_loops(plan):
     def openings(shared):
-        return sum((~layout(seed, plan=plan, size=60, shared=shared).walls).sum() for seed in range(5))
+        return sum(
+            (~layout(seed, plan=plan, size=60, shared=shared).walls).sum() for seed in range(5)
+        )
 
     assert openings(0.0) < openings(0.3) < openings(1.0)
 
@@ -89,7 +96,13 @@ def test_start_and_target_are_apart_and_out_of_sight(seed, plan, size):
     assert not in_sight(world.walls, *halves(world))
 
 
-@given(SEEDS, PLANS, st.integers(10, 50), st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]), st.floats(0.0, 1.0))
+@given(
+    SEEDS,
+    PLANS,
+    st.integers(10, 50),
+    st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]),
+    st.floats(0.0, 1.0),
+)
 @settings(max_examples=40)
 def test_no_office_needs_a_second_attempt(seed, plan, size, robot_radius, closed):
     params = {"plan": plan, "size": size, "robot_radius": robot_radius, "closed": closed}
@@ -115,7 +128,10 @@ def test_a_small_office_loads_nothing_heavy():
     [
         ({"plan": "loft"}, {"code": "unknown-name", "name": "plan", "value": "loft"}),
         ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
-        ({"door": 1}, {"code": "narrower-than-robot", "name": "door", "width": 1, "robot_width": 1.4}),
+        (
+            {"door": 1},
+            {"code": "narrower-than-robot", "name": "door", "width": 1, "robot_width": 1.4},
+        ),
         ({"door": 4, "corridor": 3}, {"code": "below-minimum", "corridor": 3, "door": 4}),
         ({"door": 4, "room": 3}, {"code": "below-minimum", "name": "door", "room": 3, "least": 4}),
         ({"room": 1}, {"code": "below-minimum", "name": "robot", "room": 1, "least": 2}),

@@ -47,10 +47,23 @@ def test_the_robots_square_gets_to_the_survivor(seed, collapse, size, damage, de
     assert places[sy, sx] == places[ty, tx] > 0
 
 
-@given(SEEDS, COLLAPSES, st.integers(10, 50), SHARES, SHARES, st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]))
+@given(
+    SEEDS,
+    COLLAPSES,
+    st.integers(10, 50),
+    SHARES,
+    SHARES,
+    st.sampled_from([0.02, 0.05, 0.07, 0.1, 0.13]),
+)
 @settings(max_examples=40)
 def test_no_collapse_needs_a_second_attempt(seed, collapse, size, damage, debris, robot_radius):
-    params = {"collapse": collapse, "size": size, "damage": damage, "debris": debris, "robot_radius": robot_radius}
+    params = {
+        "collapse": collapse,
+        "size": size,
+        "damage": damage,
+        "debris": debris,
+        "robot_radius": robot_radius,
+    }
     assert np.array_equal(generate("rubble", seed, **params).walls, layout(seed, **params).walls)
 
 
@@ -59,7 +72,9 @@ def test_the_pocket_is_closed_but_for_one_way_in(pocket):
     for seed in range(30):
         world = layout(seed, size=50, pocket=pocket)
         column, row = cell(world, world.target)
-        distance = np.maximum(*np.meshgrid(*(_outside(np.arange(50), first) for first in (column, row))))
+        distance = np.maximum(
+            *np.meshgrid(*(_outside(np.arange(50), first) for first in (column, row)))
+        )
         shell = world.walls[distance == pocket + 1]
         assert world.walls[distance == 0].sum() == 0
         assert 2 <= (~shell).sum() <= 8 < shell.sum()
@@ -72,7 +87,10 @@ def _outside(index, first):
 @pytest.mark.parametrize("collapse", ["quake", "blast", "wing"])
 def test_more_damage_brings_more_walls_down(collapse):
     def down(damage):
-        worlds = [layout(seed, collapse=collapse, damage=damage, debris=0.0, pocket=0, size=60) for seed in range(4)]
+        worlds = [
+            layout(seed, collapse=collapse, damage=damage, debris=0.0, pocket=0, size=60)
+            for seed in range(4)
+        ]
         return sum(away(world, seed).sum() for seed, world in enumerate(worlds))
 
     counts = [down(damage) for damage in (0.0, 0.3, 0.6, 1.0)]
@@ -97,7 +115,9 @@ def test_a_blast_ruins_one_place_and_a_quake_many():
     def extent(collapse):
         parts = []
         for seed in range(8):
-            rows, columns = np.nonzero(away(layout(seed, collapse=collapse, damage=0.15, size=90), seed))
+            rows, columns = np.nonzero(
+                away(layout(seed, collapse=collapse, damage=0.15, size=90), seed)
+            )
             parts.append(rows.std() + columns.std())
         return np.mean(parts)
 

@@ -49,14 +49,20 @@ def test_every_change_is_a_swap_across_the_diagonal_from_the_upper_left(seed, ov
 @given(SEEDS, OVER)
 def test_the_number_of_walls_never_changes(seed, over):
     world = layout(seed, over=over, chance=0.5)
-    assert all({one.state, other.state} == {CellState.FREE, CellState.SOLID} for one, other in swaps(world))
+    assert all(
+        {one.state, other.state} == {CellState.FREE, CellState.SOLID} for one, other in swaps(world)
+    )
 
 
 @given(SEEDS, st.sampled_from([0.01, 0.1, 0.3, 0.5, 7.0]), st.floats(0.0, 100.0))
 def test_swaps_fall_on_whole_intervals_within_the_duration(seed, interval, duration):
     times = layout(seed, interval=interval, duration=duration, chance=0.5).timeline.times
     whole = np.round(times / interval)
-    assert np.allclose(times, whole * interval, atol=1e-9) and (whole >= 1).all() and (times <= duration + 1e-9).all()
+    assert (
+        np.allclose(times, whole * interval, atol=1e-9)
+        and (whole >= 1).all()
+        and (times <= duration + 1e-9).all()
+    )
 
 
 def test_times_are_the_decimals_that_they_mean():
@@ -75,10 +81,14 @@ def test_the_targets_cells_stay_as_they_are(seed, over):
 
 
 def test_about_one_draw_in_ten_swaps():
-    """Of the draws that would swap a wall and a free cell; the more are swapped, the fewer cells differ."""
+    """Of the draws that would swap a wall and a free cell.
+
+    The more are swapped, the fewer cells differ.
+    """
     params = {"over": "corridor", "size": 20, "duration": 600.0}
     tenth, every = (
-        sum(len(layout(seed, chance=chance, **params).timeline) for seed in range(20)) for chance in (0.1, 1.0)
+        sum(len(layout(seed, chance=chance, **params).timeline) for seed in range(20))
+        for chance in (0.1, 1.0)
     )
     assert 0.08 < tenth / every < 0.16
 
@@ -108,7 +118,9 @@ def test_a_layout_that_swaps_shut_the_way_is_left_out():
     assert left_out
     for seed in left_out[:3]:
         world = generate("shift", seed, **params)
-        assert check_certificate(world).valid and not np.array_equal(world.walls, layout(seed, **params).walls)
+        assert check_certificate(world).valid and not np.array_equal(
+            world.walls, layout(seed, **params).walls
+        )
 
 
 @given(SEEDS)

@@ -42,7 +42,10 @@ def turned_back(world, point, turn):
 def box(world, turn):
     """First and last edge of the obstacle in x and in y, in cells, in the same frame."""
     inside = np.rot90(world.walls, turn)[1:-1, 1:-1]
-    return [(int(k[0]) + 1, int(k[-1]) + 2) for k in (np.flatnonzero(inside.any(axis=axis)) for axis in (0, 1))]
+    return [
+        (int(k[0]) + 1, int(k[-1]) + 2)
+        for k in (np.flatnonzero(inside.any(axis=axis)) for axis in (0, 1))
+    ]
 
 
 def run_lengths(cells):
@@ -54,7 +57,9 @@ def run_lengths(cells):
 def corners(cells):
     """Turns of a wall one cell thick."""
     wall = np.pad(cells, 1)
-    beside = (np.roll(wall, 1, 1) | np.roll(wall, -1, 1)) & (np.roll(wall, 1, 0) | np.roll(wall, -1, 0))
+    beside = (np.roll(wall, 1, 1) | np.roll(wall, -1, 1)) & (
+        np.roll(wall, 1, 0) | np.roll(wall, -1, 0)
+    )
     return int((wall & beside).sum())
 
 
@@ -68,7 +73,9 @@ def test_a_u_has_the_depth_mouth_thickness_and_turn_asked_for(seed, depth, mouth
 
 @given(SEEDS, st.integers(1, 20), st.integers(2, 20), st.integers(1, 3), TURNS)
 def test_an_l_is_a_u_without_one_arm(seed, depth, mouth, thickness, turn):
-    world = layout(seed, size=40, shape="L", depth=depth, mouth=mouth, thickness=thickness, turn=turn)
+    world = layout(
+        seed, size=40, shape="L", depth=depth, mouth=mouth, thickness=thickness, turn=turn
+    )
     expected = np.ones((mouth + thickness, depth + thickness), bool)
     expected[thickness:, thickness:] = False
     assert any(np.array_equal(obstacle(world, turn), shape) for shape in (expected, expected[::-1]))
@@ -81,7 +88,9 @@ def test_a_spiral_winds_as_often_as_asked_for(seed, depth, mouth, turns, turn):
 
 
 @given(SEEDS, st.integers(1, 6), st.integers(2, 5), st.integers(1, 8), TURNS)
-def test_a_spiral_opens_to_where_it_was_turned_with_the_mouth_asked_for(seed, depth, mouth, turns, turn):
+def test_a_spiral_opens_to_where_it_was_turned_with_the_mouth_asked_for(
+    seed, depth, mouth, turns, turn
+):
     world = layout(seed, size=80, shape="spiral", depth=depth, mouth=mouth, turns=turns, turn=turn)
     cells = obstacle(world, turn)
     assert run_lengths(cells[:, -1])[:1] == [mouth] or run_lengths(cells[:, -1])[-1:] == [mouth]
@@ -165,7 +174,10 @@ def test_a_small_square_has_room_for_every_shape(shape):
     ("params", "expected"),
     [
         ({"depth": 0}, {"code": "below-minimum", "name": "depth", "low": 1}),
-        ({"depth": 1, "inside": True}, {"code": "below-minimum", "name": "depth", "value": 1, "low": 2}),
+        (
+            {"depth": 1, "inside": True},
+            {"code": "below-minimum", "name": "depth", "value": 1, "low": 2},
+        ),
         (
             {"depth": 3, "faces": "side", "robot_radius": 0.25},
             {"code": "below-minimum", "name": "depth", "value": 3, "low": 4},
@@ -177,16 +189,28 @@ def test_a_small_square_has_room_for_every_shape(shape):
         ({"turn": -2}, {"code": "out-of-range", "name": "turn", "value": -2, "high": 3}),
         ({"turns": 2}, {"code": "no-effect", "name": "turns", "value": 2, "setting": "shape=U"}),
         ({"turns": 0, "shape": "spiral"}, {"code": "below-minimum", "name": "turns", "low": 1}),
-        ({"turns": 20, "shape": "spiral"}, {"code": "no-room", "size": 30, "shape": "spiral", "turns": 20}),
+        (
+            {"turns": 20, "shape": "spiral"},
+            {"code": "no-room", "size": 30, "shape": "spiral", "turns": 20},
+        ),
         ({"depth": 24}, {"code": "no-room", "size": 30, "shape": "U", "mouth": 2}),
         ({"mouth": 27}, {"code": "no-room", "depth": 2}),
         ({"mouth": 2**40}, {"code": "no-room", "size": 30, "shape": "U"}),
-        ({"turns": 2**40, "shape": "spiral"}, {"code": "out-of-range", "name": "turns", "low": 1, "high": 28}),
+        (
+            {"turns": 2**40, "shape": "spiral"},
+            {"code": "out-of-range", "name": "turns", "low": 1, "high": 28},
+        ),
         ({"shape": "W"}, {"code": "unknown-name", "name": "shape", "value": "W"}),
         ({"parts": 2}, {"code": "no-effect", "name": "parts", "value": 2, "setting": "shape=U"}),
         ({"parts": 0, "shape": "comb"}, {"code": "below-minimum", "name": "parts", "low": 1}),
-        ({"parts": 9, "shape": "nested"}, {"code": "no-room", "size": 30, "shape": "nested", "mouth": 2}),
-        ({"turns": 2, "shape": "V"}, {"code": "no-effect", "name": "turns", "value": 2, "setting": "shape=V"}),
+        (
+            {"parts": 9, "shape": "nested"},
+            {"code": "no-room", "size": 30, "shape": "nested", "mouth": 2},
+        ),
+        (
+            {"turns": 2, "shape": "V"},
+            {"code": "no-effect", "name": "turns", "value": 2, "setting": "shape=V"},
+        ),
         ({"angle": 90}, {"code": "out-of-range", "name": "angle", "value": 90, "high": 89}),
         ({"angle": 45, "depth": 28}, {"code": "no-room", "mouth": 2}),
         ({"faces": "away"}, {"code": "unknown-name", "name": "faces", "value": "away"}),

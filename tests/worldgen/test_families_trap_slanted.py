@@ -1,4 +1,7 @@
-"""Later shapes of traps, and all of them at any angle: closed, as large as asked, between start and target."""
+"""Later shapes of traps, and all of them at any angle: closed.
+
+As large as asked, between start and target.
+"""
 
 import math
 
@@ -40,7 +43,16 @@ def halves(world):
 
 @given(SEEDS, st.integers(2, 8), st.integers(2, 4), st.integers(1, 2), st.integers(1, 5))
 def test_a_comb_has_its_teeth(seed, depth, mouth, thickness, teeth):
-    world = layout(seed, size=50, shape="comb", depth=depth, mouth=mouth, thickness=thickness, parts=teeth, turn=0)
+    world = layout(
+        seed,
+        size=50,
+        shape="comb",
+        depth=depth,
+        mouth=mouth,
+        thickness=thickness,
+        parts=teeth,
+        turn=0,
+    )
     cells = obstacle(world)
     assert cells.shape == (teeth * thickness + (teeth + 1) * mouth, thickness + depth)
     assert cells[:, :thickness].all() and ndimage.label(cells[:, thickness:])[1] == teeth
@@ -48,17 +60,31 @@ def test_a_comb_has_its_teeth(seed, depth, mouth, thickness, teeth):
 
 @given(SEEDS, st.integers(2, 5), st.integers(2, 4), st.integers(1, 2), st.integers(1, 3))
 def test_nested_traps_lie_in_each_other(seed, depth, mouth, thickness, levels):
-    world = layout(seed, size=60, shape="nested", depth=depth, mouth=mouth, thickness=thickness, parts=levels, turn=0)
+    world = layout(
+        seed,
+        size=60,
+        shape="nested",
+        depth=depth,
+        mouth=mouth,
+        thickness=thickness,
+        parts=levels,
+        turn=0,
+    )
     cells = obstacle(world)
     middle = cells[len(cells) // 2]
     walls = ndimage.label(middle)[1]
     assert walls == levels and ndimage.label(cells)[1] == levels
-    assert cells.shape == (mouth + 2 * thickness + 2 * (levels - 1) * (thickness + mouth), len(middle))
+    assert cells.shape == (
+        mouth + 2 * thickness + 2 * (levels - 1) * (thickness + mouth),
+        len(middle),
+    )
 
 
 @given(SEEDS, st.integers(2, 8), st.integers(2, 6), st.integers(1, 2))
 def test_a_pair_is_two_of_a_size_one_beside_and_behind_the_other(seed, depth, mouth, thickness):
-    world = layout(seed, size=60, shape="pair", depth=depth, mouth=mouth, thickness=thickness, turn=0)
+    world = layout(
+        seed, size=60, shape="pair", depth=depth, mouth=mouth, thickness=thickness, turn=0
+    )
     labels, count = ndimage.label(world.walls[1:-1, 1:-1])
     rear, front = sorted(ndimage.find_objects(labels), key=lambda piece: piece[1].start)
     assert count == 2 and front[1].start - rear[1].stop == mouth
@@ -68,7 +94,9 @@ def test_a_pair_is_two_of_a_size_one_beside_and_behind_the_other(seed, depth, mo
 
 @given(SEEDS, st.integers(2, 12), st.integers(2, 12), st.integers(1, 2))
 def test_a_v_is_pointed_and_closed(seed, depth, mouth, thickness):
-    cells = obstacle(layout(seed, size=50, shape="V", depth=depth, mouth=mouth, thickness=thickness, turn=0))
+    cells = obstacle(
+        layout(seed, size=50, shape="V", depth=depth, mouth=mouth, thickness=thickness, turn=0)
+    )
     assert ndimage.label(cells)[1] == 1
     gaps = [np.diff(np.flatnonzero(column)).max() - 1 for column in cells.T if column.sum() > 1]
     assert gaps[0] < gaps[-1] and gaps[-1] >= mouth  # widens to its mouth
@@ -86,7 +114,13 @@ def test_a_slanted_wall_has_no_hole(seed, shape, angle, thickness):
 @pytest.mark.gate
 @given(SEEDS, SHAPES, st.integers(1, 89), st.sampled_from([0.02, 0.07, 0.13, 0.2]))
 def test_a_robot_in_a_slanted_hollow_gets_out(seed, shape, angle, robot_radius):
-    params = {"size": 90, "shape": shape, "angle": angle, "robot_radius": robot_radius, "inside": True}
+    params = {
+        "size": 90,
+        "shape": shape,
+        "angle": angle,
+        "robot_radius": robot_radius,
+        "inside": True,
+    }
     assert np.array_equal(generate("trap", seed, **params).walls, layout(seed, **params).walls)
 
 
@@ -101,12 +135,26 @@ def test_the_obstacle_bars_the_straight_way(seed, shape, faces, angle, inside):
 @given(SEEDS, SHAPES, FACES, ANGLES, st.integers(20, 50), st.sampled_from([0.02, 0.07, 0.1]))
 @settings(max_examples=80)
 def test_no_slanted_trap_needs_a_second_attempt(seed, shape, faces, angle, size, robot_radius):
-    params = {"shape": shape, "faces": faces, "angle": angle, "size": size, "robot_radius": robot_radius}
+    params = {
+        "shape": shape,
+        "faces": faces,
+        "angle": angle,
+        "size": size,
+        "robot_radius": robot_radius,
+    }
     assert np.array_equal(generate("trap", seed, **params).walls, layout(seed, **params).walls)
 
 
 def test_an_angle_left_to_the_family_is_drawn():
-    assert len({obstacle(layout(seed, angle=-1, depth=6, mouth=6, turn=0)).tobytes() for seed in range(30)}) > 20
+    assert (
+        len(
+            {
+                obstacle(layout(seed, angle=-1, depth=6, mouth=6, turn=0)).tobytes()
+                for seed in range(30)
+            }
+        )
+        > 20
+    )
 
 
 @pytest.mark.parametrize("shape", ["V", "comb", "nested", "pair"])
@@ -130,7 +178,9 @@ def test_a_turned_box_keeps_its_area_and_its_extents(width, height, degrees, shi
     polygon = turned(box(shift, shift, shift + width, shift + height), degrees)
     cells = fill([polygon])
     assert width * height * 0.8 - 4 <= cells.sum() <= (width + 1.5) * (height + 1.5)
-    assert all(found <= most for found, most in zip(cells.shape[::-1], extents([polygon]), strict=True))
+    assert all(
+        found <= most for found, most in zip(cells.shape[::-1], extents([polygon]), strict=True)
+    )
 
 
 @pytest.mark.parametrize("quarters", range(4))

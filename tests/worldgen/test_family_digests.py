@@ -1,7 +1,8 @@
 """Families: every seed yields the bytes that it yielded when its digest was stored.
 
-``tests/data/family_digests.json`` holds a digest of the layouts of 200 seeds for each family and many of its
-parameters. A family whose layouts change on purpose gets a new version, and its digests are stored again.
+``tests/data/family_digests.json`` holds a digest of the layouts of 200 seeds for each family and
+many of its parameters. A family whose layouts change on purpose gets a new version, and its digests
+are stored again.
 """
 
 import hashlib
@@ -14,7 +15,9 @@ from worldgen.family import FAMILIES, stream_for
 from worldgen.files.grid.writer import world_digest
 
 SEEDS = 200
-STORED = json.loads((Path(__file__).parents[1] / "data" / "family_digests.json").read_text(encoding="utf-8"))
+STORED = json.loads(
+    (Path(__file__).parents[1] / "data" / "family_digests.json").read_text(encoding="utf-8")
+)
 
 
 def parameters(family, words):

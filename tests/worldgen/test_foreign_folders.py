@@ -1,6 +1,7 @@
-"""Folders of other people's maps: ``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all.
+"""Folders of other people's maps.
 
-docs/foreign-maps.md says which ones were read, and what came of it.
+``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/foreign-maps.md
+says which ones were read, and what came of it.
 """
 
 import os
@@ -18,7 +19,9 @@ from worldgen.interop import read_map
 FOLDER = os.environ.get("WORLDGEN_FOREIGN_MAPS")
 pytestmark = [
     pytest.mark.nightly,
-    pytest.mark.skipif(not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/foreign-maps.md says which"),
+    pytest.mark.skipif(
+        not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/foreign-maps.md says which"
+    ),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")
 
@@ -38,7 +41,10 @@ def ros_pairs():
 
 
 def expected(keys, picture):
-    """Solid cells, row 0 the lowest, as map_server publishes them; what it does not know is solid."""
+    """Solid cells, row 0 the lowest, as map_server publishes them.
+
+    What it does not know is solid.
+    """
     with Image.open(picture) as image:
         colours = image.convert("RGBA")
     rgba, greys = np.asarray(colours), np.asarray(colours.convert("L")).astype(float)
@@ -56,7 +62,9 @@ def test_ros_maps_have_the_cells_sizes_and_places_that_map_server_publishes():
             continue
         found = read_map(path, "ros")
         assert np.array_equal(found.walls, solid), path
-        assert (found.cell_size, list(found.origin)) == (keys["resolution"], keys["origin"][:2]), path
+        assert (found.cell_size, list(found.origin)) == (keys["resolution"], keys["origin"][:2]), (
+            path
+        )
         read += 1
     print(f"{read} ROS maps read")
     assert read
@@ -65,7 +73,14 @@ def test_ros_maps_have_the_cells_sizes_and_places_that_map_server_publishes():
 def test_every_file_that_looks_like_a_map_is_read_or_refused_in_one_sentence():
     counts = {"read": 0, "refused": 0}
     for path in sorted(Path(FOLDER).rglob("*")):
-        if path.is_file() and path.suffix.lower() in {".yaml", ".yml", ".world", ".map", ".tmj", ".inc"}:
+        if path.is_file() and path.suffix.lower() in {
+            ".yaml",
+            ".yml",
+            ".world",
+            ".map",
+            ".tmj",
+            ".inc",
+        }:
             try:
                 read_map(path)
                 counts["read"] += 1

@@ -23,7 +23,7 @@ from worldgen.interop import (
     Destination,
     Exported,
     Format,
-    RobotOptions,
+    ImportedRobot,
     export_world,
     find_format,
     guess_format,
@@ -40,7 +40,8 @@ from worldgen.world import Pose, Target, World
 PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
 BOTH_WAYS = [name for name in FORMATS if FORMATS.get(name).direction == "both"]
 WRITTEN = [name for name in FORMATS if FORMATS.get(name).write is not None]
-# Families have these sizes; a micromouse's maze and the thesis's maps ask for odd and for even ones.
+# Families have these sizes; a micromouse's maze and the thesis's maps ask for odd and for even
+# ones.
 SIZES = (13, 16)
 
 
@@ -48,7 +49,9 @@ def room(**changes):
     """A closed room of 6 x 6 cells that every format takes but the micromouse's."""
     walls = np.ones((6, 6), np.bool_)
     walls[1:-1, 1:-1] = False
-    return replace(World(walls, Pose(0.15, 0.15), Target(0.45, 0.45, 0.05), robot_radius=0.04), **changes)
+    return replace(
+        World(walls, Pose(0.15, 0.15), Target(0.45, 0.45, 0.05), robot_radius=0.04), **changes
+    )
 
 
 @st.composite
@@ -58,7 +61,10 @@ def family_worlds(draw):
     world = generate(draw(st.sampled_from(FAMILIES.names())), draw(st.integers(0, 3)), size=size)
     return replace(
         world,
-        start=replace(world.start, heading=draw(st.floats(-3.2, 3.2) | st.sampled_from([0.0, np.pi / 2, -np.pi]))),
+        start=replace(
+            world.start,
+            heading=draw(st.floats(-3.2, 3.2) | st.sampled_from([0.0, np.pi / 2, -np.pi])),
+        ),
         target=replace(world.target, radius=draw(st.floats(0.01, 1.0))),
         robot_speed=draw(st.floats(0.1, 30.0)),
     )
@@ -83,7 +89,9 @@ def test_import_after_export_is_the_same_world(name, tmp_path, world, origin):
     try:
         again, found = back(tmp_path, world, name, origin=origin, at=0.0)
     except InvalidWorld as refusal:
-        assert len(str(refusal)) > 20  # the thesis's maps are closed squares, a micromouse's maze has posts
+        assert (
+            len(str(refusal)) > 20
+        )  # the thesis's maps are closed squares, a micromouse's maze has posts
         return
     assert np.array_equal(again.walls, frozen_at(world, 0.0).walls)
     assert again.start == world.start and again.target == world.target
@@ -118,7 +126,9 @@ def test_a_world_that_changes_is_written_as_such_or_refused_until_a_time_is_give
     still = _or_none(changing, name, at=0.5)
     if still is not None:
         assert still.data == export_world(room(), name).data
-        assert "the world's 1 changes are not stored; the file has the cells at 0.5 s" in still.notes
+        assert (
+            "the world's 1 changes are not stored; the file has the cells at 0.5 s" in still.notes
+        )
 
 
 def _or_none(world, name, **options):
@@ -166,16 +176,22 @@ def world_of_the_page(tmp_path_factory):
 
 @pytest.mark.gate
 @pytest.mark.parametrize("name", FORMATS.names())
-def test_the_tables_command_works_on_the_world_of_the_page(name, world_of_the_page, tmp_path, monkeypatch):
+def test_the_tables_command_works_on_the_world_of_the_page(
+    name, world_of_the_page, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     shutil.copy(world_of_the_page, "w.grid")
     words = dict(commands_of_the_table())[name].split()
     done = worldgen(*words)
     assert done.code == 0, done.err
-    if FORMATS.get(name).read is not None or name == "sdf":  # the reader of barn takes all that is Gazebo's
+    if (
+        FORMATS.get(name).read is not None or name == "sdf"
+    ):  # the reader of barn takes all that is Gazebo's
         imported = worldgen("import", words[-1], "--out", "back.grid")
         assert imported.code == 0, imported.err
-        assert np.array_equal(read_world(Path("back.grid")).walls, read_world(world_of_the_page).walls)
+        assert np.array_equal(
+            read_world(Path("back.grid")).walls, read_world(world_of_the_page).walls
+        )
 
 
 @pytest.mark.gate
@@ -195,7 +211,12 @@ def test_a_maze_map_is_refused_as_what_it_is_and_not_as_another_programs_json(te
 
 
 def test_the_page_names_every_option_of_export():
-    options = [word for known in cli.get_command(None, "export").params for word in known.opts if word[:2] == "--"]
+    options = [
+        word
+        for known in cli.get_command(None, "export").params
+        for word in known.opts
+        if word[:2] == "--"
+    ]
     assert [word for word in options if f"`{word}`" not in PAGE] == []
 
 
@@ -204,7 +225,9 @@ def test_the_pages_own_format_works(tmp_path):
     (tmp_path / "count.py").write_text(code)
     write_world(room(), tmp_path / "w.grid")
     name = f"{tmp_path / 'count.py'}:count+letter=o"
-    assert worldgen("export", tmp_path / "w.grid", "--to", name, "--out", tmp_path / "n.txt").code == 0
+    assert (
+        worldgen("export", tmp_path / "w.grid", "--to", name, "--out", tmp_path / "n.txt").code == 0
+    )
     assert (tmp_path / "n.txt").read_text() == "o" * 20
 
 
@@ -230,12 +253,27 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
     [
         ("worldgen = 2\nsize = [6, 6]\n", {"code": "other-version", "line": 1, "version": 1}),
         ("worldgen = 1\n", {"code": "wrong-type", "key": "size"}),
-        ("worldgen = 1\nsize = [6, 6]\nstart = [1]\n", {"code": "wrong-type", "line": 3, "key": "start"}),
-        ("worldgen = 1\nsize = [6, 6]\nheading = nan\n", {"code": "wrong-type", "line": 3, "key": "heading"}),
-        ("worldgen = 1\nsize = [6, 6]\nrobot_radius = 0\n", {"code": "not-positive", "line": 3, "key": "robot_radius"}),
-        ("worldgen = 1\nsize = [6, 6]\nspeed = 1\n", {"code": "unknown-name", "line": 3, "name": "speed"}),
+        (
+            "worldgen = 1\nsize = [6, 6]\nstart = [1]\n",
+            {"code": "wrong-type", "line": 3, "key": "start"},
+        ),
+        (
+            "worldgen = 1\nsize = [6, 6]\nheading = nan\n",
+            {"code": "wrong-type", "line": 3, "key": "heading"},
+        ),
+        (
+            "worldgen = 1\nsize = [6, 6]\nrobot_radius = 0\n",
+            {"code": "not-positive", "line": 3, "key": "robot_radius"},
+        ),
+        (
+            "worldgen = 1\nsize = [6, 6]\nspeed = 1\n",
+            {"code": "unknown-name", "line": 3, "name": "speed"},
+        ),
         ("worldgen = [[[\n", {"code": "not-toml"}),
-        ("worldgen = 1\r\nsize = [6, 6]\r\nspeed = 1\r\n", {"code": "unknown-name", "line": 3, "name": "speed"}),
+        (
+            "worldgen = 1\r\nsize = [6, 6]\r\nspeed = 1\r\n",
+            {"code": "unknown-name", "line": 3, "name": "speed"},
+        ),
     ],
 )
 def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, expected):
@@ -260,12 +298,18 @@ def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_
         write_export(export_world(room(), "thesis"), tmp_path)
     assert not (tmp_path / "world.gex").exists()
     write_export(export_world(room(), "thesis", sidecar=False), tmp_path, force=True)
-    assert (tmp_path / "world.gex").read_bytes() == before and not (tmp_path / "world.gex.worldgen.toml").exists()
+    assert (tmp_path / "world.gex").read_bytes() == before and not (
+        tmp_path / "world.gex.worldgen.toml"
+    ).exists()
 
 
 def test_the_origin_of_an_imported_map_is_where_its_exports_lie(tmp_path):
-    imported = import_world(Path(__file__).parents[2] / "corpora" / "maps" / "mrpt-uwb-demo.yaml").world
-    made = replace(imported.provenance, params={**imported.provenance.params, "origin": [-7.5, 2.25]})
+    imported = import_world(
+        Path(__file__).parents[2] / "corpora" / "maps" / "mrpt-uwb-demo.yaml"
+    ).world
+    made = replace(
+        imported.provenance, params={**imported.provenance.params, "origin": [-7.5, 2.25]}
+    )
     assert origin_of(replace(imported, provenance=made)) == (-7.5, 2.25)
     assert origin_of(replace(imported, provenance=None)) == (0.0, 0.0)
 
@@ -273,11 +317,16 @@ def test_the_origin_of_an_imported_map_is_where_its_exports_lie(tmp_path):
 def test_another_robot_in_an_imported_map_stands_where_the_map_stood(tmp_path):
     path = write_export(export_world(room(), "ros", origin=(-7.5, 2.25)), tmp_path)[0]
     write_world(import_world(path).world, tmp_path / "w.grid")
-    assert origin_of(import_world(tmp_path / "w.grid", RobotOptions(radius=0.03)).world) == (-7.5, 2.25)
+    assert origin_of(import_world(tmp_path / "w.grid", ImportedRobot(radius=0.03)).world) == (
+        -7.5,
+        2.25,
+    )
 
 
 def test_at_a_time_what_burns_is_solid_and_later_changes_are_not_there_yet():
-    line = Timeline.of([(1.0, 2, 2, CellState.BURNING), (2.0, 2, 2, CellState.FREE), (2.0, 0, 0, CellState.FREE)])
+    line = Timeline.of(
+        [(1.0, 2, 2, CellState.BURNING), (2.0, 2, 2, CellState.FREE), (2.0, 0, 0, CellState.FREE)]
+    )
     world = room(timeline=line)
     solid = [bool(frozen_at(world, time).walls[2, 2]) for time in (0.0, 1.0, 1.9, 2.0)]
     assert solid == [False, True, True, False] and not frozen_at(world, 2.0).walls[0, 0]
@@ -297,7 +346,10 @@ def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
     [
         ("thesys", {"code": "unknown-name", "name": "thesys", "noun": "format", "near": "thesis"}),
         ("grid", {"code": "only-read", "format": "grid"}),
-        ("thesis+nois=on", {"code": "unknown-name", "name": "nois", "owner": "format thesis on the way out"}),
+        (
+            "thesis+nois=on",
+            {"code": "unknown-name", "name": "nois", "owner": "format thesis on the way out"},
+        ),
         ("thesis+noise=maybe", {"code": "unknown-name", "name": "noise", "value": "maybe"}),
         ("thesis+noise", {"code": "missing-value", "name": "noise", "owner": "thesis"}),
         ("worldgen.world:World", {"code": "wrong-type", "name": "worldgen.world:World"}),
@@ -344,7 +396,10 @@ def test_a_file_that_import_refuses_for_its_size_is_said_to_be_so(monkeypatch, l
     known = replace(FORMATS.get("npy"), most_bytes=size - less)
     monkeypatch.setattr(FORMATS, "get", lambda _: known)
     notes = export_world(room(), "npy").notes
-    assert any(f"up to {size - less} bytes, and this one has {size}; keep" in note for note in notes) == said
+    assert (
+        any(f"up to {size - less} bytes, and this one has {size}; keep" in note for note in notes)
+        == said
+    )
 
 
 @pytest.mark.parametrize("name", FORMATS.names())
@@ -353,7 +408,9 @@ def test_formats_says_what_can_be_asked_of_each(name):
     shown = worldgen("formats", name)
     assert shown.code == 0 and shown.out.startswith(f"{name} ({known.direction}): ")
     for flag, options in (("--from", known.read_options), ("--to", known.write_options)):
-        assert all(f"{flag} {name}+{option.name}=" in shown.out and option.help for option in options)
+        assert all(
+            f"{flag} {name}+{option.name}=" in shown.out and option.help for option in options
+        )
 
 
 @pytest.mark.parametrize("origin", [(np.inf, 0.0), (0.0, -1e13), (np.nan, 0.0)])
@@ -364,7 +421,7 @@ def test_an_origin_that_no_cell_is_near_is_refused(origin):
 
 def test_destinations_name_companions_and_shift_coordinates():
     destination = Destination("office.yaml", (0.1, -3.0))
-    assert destination.companion(".pgm") == "office.pgm"
+    assert destination.sibling_file(".pgm") == "office.pgm"
     assert (destination.x(0.2), destination.y(1.25)) == ("0.3", "-1.75")
     with raises(InvalidParameter, "reserved-name", name="office.yaml"):
-        destination.companion(".yaml")
+        destination.sibling_file(".yaml")

@@ -1,4 +1,7 @@
-"""Damaged and hostile files of every format that is read: a map or one sentence, in bounded time and memory."""
+"""Damaged and hostile files of every format that is read.
+
+A map or one sentence, in bounded time and memory.
+"""
 
 import json
 import subprocess
@@ -102,5 +105,7 @@ def test_hostile_files_are_refused_within_bounds_of_time_and_memory(kib, tmp_pat
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     outcomes = json.loads(done.stdout)
-    assert [one for one in outcomes if not one[2].startswith(("refused: ", "read")) or "\n" in one[2]] == []
+    assert [
+        one for one in outcomes if not one[2].startswith(("refused: ", "read")) or "\n" in one[2]
+    ] == []
     assert {name for name, _, outcome in outcomes if outcome != "read"} == set(READABLE)

@@ -10,7 +10,7 @@ import pytest
 from worldgen.families.parts.layout import Arena
 from worldgen.files.grid import dumps, loads
 from worldgen.generation import generate
-from worldgen.support.frozen import frozen, hand_over
+from worldgen.support.frozen import freeze, frozen
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -67,7 +67,7 @@ def test_an_image_of_0_and_255_seen_as_walls_is_written_as_walls():
 
 def test_a_view_that_is_handed_over_is_copied_all_the_same():
     walls = np.zeros((5, 5), bool)
-    assert frozen(hand_over(walls[::-1]), np.bool_) is not walls
+    assert frozen(freeze(walls[::-1]), np.bool_) is not walls
     assert walls.flags.writeable
 
 

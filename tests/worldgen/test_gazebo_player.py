@@ -12,7 +12,8 @@ from tests.helpers.drawn_worlds import drawn
 from worldgen.interop import export_world
 from worldgen.timeline import CellState, Timeline
 
-# Answers as the command does, keeps the simulated time in a file, and notes at which time which models are moved.
+# Answers as the command does, keeps the simulated time in a file, and notes at which time which
+# models are moved.
 STAND_IN = """#!{python}
 import json, pathlib, re, sys
 state = pathlib.Path(r"{state}")
@@ -37,29 +38,45 @@ ROOM = """
 
 
 def tiny():
-    events = [(0.25, 2, 1, CellState.SOLID), (0.25, 1, 1, CellState.BURNING), (1.0, 2, 1, CellState.FREE)]
+    events = [
+        (0.25, 2, 1, CellState.SOLID),
+        (0.25, 1, 1, CellState.BURNING),
+        (1.0, 2, 1, CellState.FREE),
+    ]
     return drawn(ROOM, timeline=Timeline.of(events))
 
 
 def played(tmp_path, name, command="ign"):
-    """What the script does to a world called so; the state of the stand-in, which runs a world called tiny."""
+    """What the script does to a world called so.
+
+    The state of the stand-in, which runs a world called tiny.
+    """
     files = export_world(tiny(), "sdf", file=f"{name}.sdf").files
     for file, data in files.items():
         (tmp_path / file).write_bytes(data)
     state = tmp_path / "state.json"
     state.write_text("[0.0, []]")
     stand_in = tmp_path / command
-    stand_in.write_text(STAND_IN.format(python=sys.executable, state=state).replace("{{", "{").replace("}}", "}"))
+    stand_in.write_text(
+        STAND_IN.format(python=sys.executable, state=state).replace("{{", "{").replace("}}", "}")
+    )
     stand_in.chmod(0o755)
     done = subprocess.run(
         [sys.executable, tmp_path / f"{name}_player.py"],
         env={**os.environ, "PATH": str(tmp_path)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    return done, json.loads(state.read_text())[1], json.loads(files[f"{name}_events.json"])["events"]
+    return (
+        done,
+        json.loads(state.read_text())[1],
+        json.loads(files[f"{name}_events.json"])["events"],
+    )
 
 
 @pytest.mark.gate
-@pytest.mark.skipif(os.name != "posix", reason="the stand-in is a script with a first line that names its interpreter")
+@pytest.mark.skipif(
+    os.name != "posix",
+    reason="the stand-in is a script with a first line that names its interpreter",
+)
 @pytest.mark.parametrize("command", ["ign", "gz"])
 def test_models_are_moved_at_the_simulated_times_of_the_changes(tmp_path, command):
     done, moves, events = played(tmp_path, "tiny", command)
@@ -67,7 +84,12 @@ def test_models_are_moved_at_the_simulated_times_of_the_changes(tmp_path, comman
     assert moves == events and [when for when, _, _ in events] == [0.0, 0.0, 0.25, 0.25, 1.0]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="the stand-in is a script with a first line that names its interpreter")
+@pytest.mark.skipif(
+    os.name != "posix",
+    reason="the stand-in is a script with a first line that names its interpreter",
+)
 def test_a_gazebo_that_runs_another_world_is_said(tmp_path):
     done, _, _ = played(tmp_path, "other")
-    assert done.returncode == 1 and re.match(r"/world/other/set_pose_vector refused: .*running this world", done.stderr)
+    assert done.returncode == 1 and re.match(
+        r"/world/other/set_pose_vector refused: .*running this world", done.stderr
+    )

@@ -44,7 +44,9 @@ def everything():
                 (4.5, 3, 3, CellState.FREE),
             ]
         ),
-        certificate=Witness([0.0, 1.0, 5.0, 8.0], [0.75, 0.75, 0.75, 2.75], [0.75, 1.75, 1.75, 1.75], 0.25),
+        certificate=Witness(
+            [0.0, 1.0, 5.0, 8.0], [0.75, 0.75, 0.75, 2.75], [0.75, 1.75, 1.75, 1.75], 0.25
+        ),
         provenance=Provenance(
             "fire",
             1,
@@ -65,7 +67,9 @@ def everything():
 
 
 def small(**changes):
-    return replace(World(np.zeros((2, 3), bool), Pose(0.05, 0.05), Target(0.25, 0.15, 0.05)), **changes)
+    return replace(
+        World(np.zeros((2, 3), bool), Pose(0.05, 0.05), Target(0.25, 0.15, 0.05)), **changes
+    )
 
 
 def complaint(data):
@@ -229,9 +233,13 @@ def test_minus_zero_is_read_as_zero():
 
 @pytest.mark.parametrize("cell_size", [0.1, 0.05, 0.3, 1.0])
 def test_marks_stand_for_cell_centres(cell_size):
-    text = f"%worldgen-grid 1\ncell_size = {cell_size}\nrobot_radius = 0.01\n%cells\n..G\nS..\n%end\n"
+    text = (
+        f"%worldgen-grid 1\ncell_size = {cell_size}\nrobot_radius = 0.01\n%cells\n..G\nS..\n%end\n"
+    )
     world = loads(text.encode())
-    assert world.start == Pose(float(f"{cell_size * 0.5:.12g}"), float(f"{cell_size * 0.5:.12g}"), 0.0)
+    assert world.start == Pose(
+        float(f"{cell_size * 0.5:.12g}"), float(f"{cell_size * 0.5:.12g}"), 0.0
+    )
     centre = [float(f"{cell_size * k:.12g}") for k in (2.5, 1.5, 0.5)]
     assert world.target == Target(*centre)
 
@@ -254,7 +262,11 @@ def test_a_start_outside_the_grid_is_refused(x):
 def test_a_world_at_the_ends_of_its_domain_comes_back_from_its_file(cell_size, share, pace):
     target = Target(0.0, 0.0, share * cell_size)
     timeline = Timeline.of([(LATEST, 1, 1, CellState.SOLID)])
-    numbers = {"cell_size": cell_size, "robot_radius": share * cell_size, "robot_speed": pace * cell_size}
+    numbers = {
+        "cell_size": cell_size,
+        "robot_radius": share * cell_size,
+        "robot_speed": pace * cell_size,
+    }
     world = World(np.zeros((3, 3), bool), Pose(0.0, 0.0), target, timeline=timeline, **numbers)
     assert loads(dumps(world)) == world
 
@@ -303,7 +315,18 @@ def test_an_empty_certificate_is_kept():
         ({"\ud800": 1}, {"code": "not-utf8"}),
         ("x" * MAX_HEADER_BYTES, {"code": "too-large"}),
     ],
-    ids=["nan", "inf", "tuple", "none", "numpy", "key", "integer", "surrogate", "surrogate-key", "long"],
+    ids=[
+        "nan",
+        "inf",
+        "tuple",
+        "none",
+        "numpy",
+        "key",
+        "integer",
+        "surrogate",
+        "surrogate-key",
+        "long",
+    ],
 )
 def test_what_the_format_cannot_hold_is_refused(value, expected):
     with raises(InvalidWorld, **expected):
@@ -342,7 +365,9 @@ def test_reading_imports_no_heavy_library():
         "import sys; from worldgen.files.grid import read_world; read_world(sys.argv[1]);"
         "print(*{'numba', 'scipy', 'shapely', 'PIL', 'click'} & set(sys.modules))"
     )
-    done = subprocess.run([sys.executable, "-c", code, GOLDEN], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, GOLDEN], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == ""
 
 

@@ -43,8 +43,15 @@ def test_an_example_is_a_world_that_survives_writing(text):
 
 
 def test_the_complete_example_shows_every_key_and_all_but_one_section():
-    missing = [word for word in (*schema.HEADER_KEYS, *schema.TABLE_KEYS) if word not in EXAMPLES[0]]
-    missing += [key for keys in schema.TABLE_KEYS.values() for key in keys if f"\n{key} = " not in EXAMPLES[0]]
+    missing = [
+        word for word in (*schema.HEADER_KEYS, *schema.TABLE_KEYS) if word not in EXAMPLES[0]
+    ]
+    missing += [
+        key
+        for keys in schema.TABLE_KEYS.values()
+        for key in keys
+        if f"\n{key} = " not in EXAMPLES[0]
+    ]
     missing += [name for name in schema.SECTIONS if f"\n%{name}\n" not in EXAMPLES[0]]
     assert missing == ["cut"]
 
@@ -60,7 +67,9 @@ def test_the_document_names_every_limit(name):
 
 
 def test_no_limit_of_the_code_is_left_out_above():
-    assert {name for name in schema.__all__ if name.startswith(("MAX_", "EXPANSION_"))} <= set(LIMITS)
+    assert {name for name in schema.__all__ if name.startswith(("MAX_", "EXPANSION_"))} <= set(
+        LIMITS
+    )
 
 
 def test_the_form_of_a_line_fits_its_example():

@@ -38,7 +38,9 @@ trace_digest = "00"
 1.0 0.25 0.15
 %end
 """
-CUT = GOOD.replace('"witness"', '"cut"').replace("%witness\n0.0 0.05 0.15\n1.0 0.25 0.15\n", "%cut\n1 1\n1 -1\n")
+CUT = GOOD.replace('"witness"', '"cut"').replace(
+    "%witness\n0.0 0.05 0.15\n1.0 0.25 0.15\n", "%cut\n1 1\n1 -1\n"
+)
 DRAWN = "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.04\n%cells\nS..\n..G\n%end\n"
 
 # name: (old, new, line, what the message says)
@@ -50,7 +52,12 @@ HEADER_FAULTS = {
     "windows": ("\n", "\r\n", 1, {"code": "carriage-return"}),
     "one-cr": ("seed = 7", "seed = 7\r", 9, {"code": "carriage-return"}),
     "no-cells": (GOOD[GOOD.index("%cells") :], "", 19, {"code": "cut-short"}),
-    "not-toml": ("cell_size = 0.1", "cell_size: 0.1", 2, {"code": "not-toml", "noun": "the header", "column": 10}),
+    "not-toml": (
+        "cell_size = 0.1",
+        "cell_size: 0.1",
+        2,
+        {"code": "not-toml", "noun": "the header", "column": 10},
+    ),
     "nul": ("cell_size = 0.1", "cell_size = 0.1 # \0", 2, {"code": "not-toml"}),
     "twice": ("robot_radius = 0.07", "cell_size = 0.07", 3, {"code": "not-toml"}),
     "table-twice": ("[failure]", "[provenance]", 14, {"code": "not-toml"}),
@@ -63,14 +70,24 @@ HEADER_FAULTS = {
         3,
         {"code": "unknown-name", "name": "robot_radios", "near": "robot_radius"},
     ),
-    "unknown-table": ("[failure]", "[failures]", 14, {"code": "unknown-name", "name": "failures", "near": "failure"}),
+    "unknown-table": (
+        "[failure]",
+        "[failures]",
+        14,
+        {"code": "unknown-name", "name": "failures", "near": "failure"},
+    ),
     "unknown-in-table": (
         "family =",
         "famly =",
         7,
         {"code": "unknown-name", "name": "famly", "what": "key in [provenance]", "near": "family"},
     ),
-    "misplaced": ("version = 1", "robot_speed = 1", 8, {"code": "wrong-place", "key": "robot_speed"}),
+    "misplaced": (
+        "version = 1",
+        "robot_speed = 1",
+        8,
+        {"code": "wrong-place", "key": "robot_speed"},
+    ),
     "no-cell-size": ("cell_size = 0.1\n", "", 19, {"code": "missing-key", "key": "cell_size"}),
     "no-radius": ("robot_radius = 0.07\n", "", 19, {"code": "missing-key", "key": "robot_radius"}),
     "no-start": (
@@ -79,7 +96,12 @@ HEADER_FAULTS = {
         19,
         {"code": "missing-key", "key": "start", "letter": "S"},
     ),
-    "no-target": ("target = [0.25, 0.15, 0.05]\n", "", 19, {"code": "missing-key", "key": "target", "letter": "G"}),
+    "no-target": (
+        "target = [0.25, 0.15, 0.05]\n",
+        "",
+        19,
+        {"code": "missing-key", "key": "target", "letter": "G"},
+    ),
     "text-size": (
         "cell_size = 0.1",
         'cell_size = "0.1"',
@@ -98,13 +120,43 @@ HEADER_FAULTS = {
         2,
         {"code": "wrong-type", "what": "cell_size", "kind": "a date or time"},
     ),
-    "zero-size": ("cell_size = 0.1", "cell_size = 0", 2, {"code": "not-positive", "key": "cell_size"}),
-    "huge-cells": ("cell_size = 0.1", "cell_size = 1e7", 2, {"code": "out-of-range", "name": "cell_size"}),
-    "tiny-radius": ("radius = 0.07", "radius = 1e-8", 3, {"code": "out-of-range", "name": "robot_radius"}),
-    "huge-target": ("0.15, 0.05]", "0.15, 3e3]", 5, {"code": "out-of-range", "name": "target radius"}),
-    "negative-radius": ("radius = 0.07", "radius = -1", 3, {"code": "not-positive", "key": "robot_radius"}),
+    "zero-size": (
+        "cell_size = 0.1",
+        "cell_size = 0",
+        2,
+        {"code": "not-positive", "key": "cell_size"},
+    ),
+    "huge-cells": (
+        "cell_size = 0.1",
+        "cell_size = 1e7",
+        2,
+        {"code": "out-of-range", "name": "cell_size"},
+    ),
+    "tiny-radius": (
+        "radius = 0.07",
+        "radius = 1e-8",
+        3,
+        {"code": "out-of-range", "name": "robot_radius"},
+    ),
+    "huge-target": (
+        "0.15, 0.05]",
+        "0.15, 3e3]",
+        5,
+        {"code": "out-of-range", "name": "target radius"},
+    ),
+    "negative-radius": (
+        "radius = 0.07",
+        "radius = -1",
+        3,
+        {"code": "not-positive", "key": "robot_radius"},
+    ),
     "nan": ("cell_size = 0.1", "cell_size = nan", 2, {"code": "not-finite", "what": "cell_size"}),
-    "overflow": ("cell_size = 0.1", "cell_size = 1e999", 2, {"code": "not-finite", "what": "cell_size"}),
+    "overflow": (
+        "cell_size = 0.1",
+        "cell_size = 1e999",
+        2,
+        {"code": "not-finite", "what": "cell_size"},
+    ),
     "huge-integer": ("cell_size = 0.1", "cell_size = 1" + 400 * "0", 2, {"code": "not-finite"}),
     "short-start": (
         "[0.05, 0.15, 0.0]",
@@ -118,14 +170,24 @@ HEADER_FAULTS = {
         4,
         {"code": "wrong-type", "what": "start[1]", "kind": "text"},
     ),
-    "start-number": ("[0.05, 0.15, 0.0]", "0.05", 4, {"code": "wrong-type", "key": "start", "came": "a number"}),
+    "start-number": (
+        "[0.05, 0.15, 0.0]",
+        "0.05",
+        4,
+        {"code": "wrong-type", "key": "start", "came": "a number"},
+    ),
     "start-outside": (
         "[0.05, 0.15, 0.0]",
         "[0.05, 0.25, 0.0]",
         4,
         {"code": "outside-grid", "name": "start", "height": 0.2},
     ),
-    "target-outside": ("[0.25, 0.15,", "[-0.1, 0.15,", 5, {"code": "outside-grid", "name": "target"}),
+    "target-outside": (
+        "[0.25, 0.15,",
+        "[-0.1, 0.15,",
+        5,
+        {"code": "outside-grid", "name": "target"},
+    ),
     "heading-inf": ("0.15, 0.0]", "0.15, inf]", 4, {"code": "not-finite", "what": "start[2]"}),
     "target-radius": ("0.15, 0.05]", "0.15, 0]", 5, {"code": "not-positive"}),
     "provenance-number": (
@@ -140,7 +202,12 @@ HEADER_FAULTS = {
         6,
         {"code": "wrong-type", "key": "provenance", "kind": "a list"},
     ),
-    "no-family": ('family = "maze"\n', "", 6, {"code": "missing-key", "key": "family", "table": "provenance"}),
+    "no-family": (
+        'family = "maze"\n',
+        "",
+        6,
+        {"code": "missing-key", "key": "family", "table": "provenance"},
+    ),
     "family-number": (
         'family = "maze"',
         "family = 1",
@@ -177,7 +244,12 @@ HEADER_FAULTS = {
         10,
         {"code": "wrong-type", "what": "provenance.params.a", "kind": "a date or time"},
     ),
-    "params-inf": ("{ size = 3 }", "{ a = { b = -inf } }", 10, {"code": "not-finite", "what": "provenance.params.a.b"}),
+    "params-inf": (
+        "{ size = 3 }",
+        "{ a = { b = -inf } }",
+        10,
+        {"code": "not-finite", "what": "provenance.params.a.b"},
+    ),
     "params-lines": (
         "{ size = 3 }",
         "{ a = [\n1,\n# b = 2\n07:00:00] }",
@@ -199,9 +271,24 @@ HEADER_FAULTS = {
     "params-huge": ("size = 3", "size = 0x1" + 256 * "0", 10, {"code": "too-large", "most": 1024}),
     "kind": ('kind = "witness"', 'kind = "proof"', 12, {"code": "unknown-name", "came": "'proof'"}),
     "kind-list": ('kind = "witness"', "kind = []", 12, {"code": "unknown-name", "came": "a list"}),
-    "no-clearance": ("clearance = 0.1\n", "", 11, {"code": "missing-key", "key": "clearance", "table": "certificate"}),
-    "clearance-inf": ("clearance = 0.1", "clearance = inf", 13, {"code": "not-finite", "what": "clearance"}),
-    "no-verdict": ('verdict = "loop"\n', "", 14, {"code": "missing-key", "key": "verdict", "table": "failure"}),
+    "no-clearance": (
+        "clearance = 0.1\n",
+        "",
+        11,
+        {"code": "missing-key", "key": "clearance", "table": "certificate"},
+    ),
+    "clearance-inf": (
+        "clearance = 0.1",
+        "clearance = inf",
+        13,
+        {"code": "not-finite", "what": "clearance"},
+    ),
+    "no-verdict": (
+        'verdict = "loop"\n',
+        "",
+        14,
+        {"code": "missing-key", "key": "verdict", "table": "failure"},
+    ),
     "verdict-number": (
         'verdict = "loop"',
         "verdict = 1",
@@ -229,12 +316,32 @@ HEADER_FAULTS = {
         10,
         {"code": "nested-too-deep", "most": 32},
     ),
-    "long-number": ("0.1\n", "0." + 3000 * "1" + "\n", 2, {"code": "too-large", "characters": 3000, "most": 2000}),
-    "long-header": ("cell_size", "#" + (1 << 20) * "x" + "\ncell_size", 2, {"code": "cut-short", "most": 1048576}),
+    "long-number": (
+        "0.1\n",
+        "0." + 3000 * "1" + "\n",
+        2,
+        {"code": "too-large", "characters": 3000, "most": 2000},
+    ),
+    "long-header": (
+        "cell_size",
+        "#" + (1 << 20) * "x" + "\ncell_size",
+        2,
+        {"code": "cut-short", "most": 1048576},
+    ),
 }
 SECTION_FAULTS = {
-    "section-name": ("%timeline", "%timelines", 23, {"code": "unknown-name", "name": "%timelines", "near": "timeline"}),
-    "section-space": ("%cells", "%cells ", 20, {"code": "unknown-name", "name": "%cells ", "near": "cells"}),
+    "section-name": (
+        "%timeline",
+        "%timelines",
+        23,
+        {"code": "unknown-name", "name": "%timelines", "near": "timeline"},
+    ),
+    "section-space": (
+        "%cells",
+        "%cells ",
+        20,
+        {"code": "unknown-name", "name": "%cells ", "near": "cells"},
+    ),
     "section-strange": ("%cells", "%\0\xff", 20, {"code": "unknown-name", "name": "%\u0000ÿ"}),
     "order": ("%timeline", "%witness", 26, {"code": "twice", "section": "%witness"}),
     "cells-later": ("%cells", "%timeline", 20, {"code": "wrong-order", "section": "%timeline"}),
@@ -246,17 +353,47 @@ SECTION_FAULTS = {
     "no-rows": ("...\n...\n", "", 20, {"code": "empty"}),
     "short-row": ("...\n...\n", "...\n..\n", 22, {"code": "ragged-rows", "cells": 2, "width": 3}),
     "long-row": ("...\n...\n", "...\n....\n", 22, {"code": "ragged-rows", "cells": 4, "width": 3}),
-    "uneven-but-divisible": ("...\n...\n", "...\n.\n.\n", 22, {"code": "ragged-rows", "cells": 1, "width": 3}),
+    "uneven-but-divisible": (
+        "...\n...\n",
+        "...\n.\n.\n",
+        22,
+        {"code": "ragged-rows", "cells": 1, "width": 3},
+    ),
     "empty-row": ("...\n...\n", "...\n\n...\n", 22, {"code": "empty"}),
     "empty-first-row": ("...\n...\n", "\n...\n", 21, {"code": "empty"}),
-    "bad-cell": ("...\n...\n", "...\n.x.\n", 22, {"code": "unknown-sign", "sign": "x", "column": 2, "solid": "#"}),
-    "wide-letter": ("...\n...\n", "...\n.é.\n", 22, {"code": "unknown-sign", "sign": "é", "column": 2}),
+    "bad-cell": (
+        "...\n...\n",
+        "...\n.x.\n",
+        22,
+        {"code": "unknown-sign", "sign": "x", "column": 2, "solid": "#"},
+    ),
+    "wide-letter": (
+        "...\n...\n",
+        "...\n.é.\n",
+        22,
+        {"code": "unknown-sign", "sign": "é", "column": 2},
+    ),
     "nul-cell": ("...\n...\n", "...\n.\0.\n", 22, {"code": "unknown-sign", "column": 2}),
     "space": ("...\n...\n", "...\n... \n", 22, {"code": "unknown-sign", "sign": " ", "column": 4}),
-    "wide": ("...\n...\n", 20001 * "." + "\n", 21, {"code": "too-large", "cells": 20001, "most": 20000}),
+    "wide": (
+        "...\n...\n",
+        20001 * "." + "\n",
+        21,
+        {"code": "too-large", "cells": 20001, "most": 20000},
+    ),
     "high": ("...\n...\n", 20001 * ".\n", 20021, {"code": "too-large", "most": 20000}),
-    "start-and-mark": ("...\n...\n", "...\n.S.\n", 22, {"code": "conflict", "key": "start", "letter": "S"}),
-    "target-and-mark": ("...\n...\n", "...\n.G.\n", 22, {"code": "conflict", "key": "target", "letter": "G"}),
+    "start-and-mark": (
+        "...\n...\n",
+        "...\n.S.\n",
+        22,
+        {"code": "conflict", "key": "start", "letter": "S"},
+    ),
+    "target-and-mark": (
+        "...\n...\n",
+        "...\n.G.\n",
+        22,
+        {"code": "conflict", "key": "target", "letter": "G"},
+    ),
     "few-words": (
         "1.0 0 0 burning",
         "1.0 0 burning",
@@ -271,15 +408,45 @@ SECTION_FAULTS = {
         24,
         {"code": "wrong-form", "field": "state", "word": "burned", "near": "burning"},
     ),
-    "time-word": ("1.0 0 0", "soon 0 0", 24, {"code": "wrong-form", "field": "time", "word": "soon"}),
-    "time-negative": ("1.0 0 0", "-1.0 0 0", 24, {"code": "wrong-form", "field": "time", "word": "-1.0"}),
+    "time-word": (
+        "1.0 0 0",
+        "soon 0 0",
+        24,
+        {"code": "wrong-form", "field": "time", "word": "soon"},
+    ),
+    "time-negative": (
+        "1.0 0 0",
+        "-1.0 0 0",
+        24,
+        {"code": "wrong-form", "field": "time", "word": "-1.0"},
+    ),
     "time-inf": ("2.0 0 0", "inf 0 0", 25, {"code": "wrong-form", "field": "time", "word": "inf"}),
     "time-late": ("2.0 0 0", "1.1e9 0 0", 25, {"code": "out-of-range", "name": "time"}),
-    "time-overflow": ("2.0 0 0", "1e999 0 0", 25, {"code": "wrong-form", "field": "time", "word": "1e999"}),
+    "time-overflow": (
+        "2.0 0 0",
+        "1e999 0 0",
+        25,
+        {"code": "wrong-form", "field": "time", "word": "1e999"},
+    ),
     "time-falling": ("2.0 0 0", "0.5 0 0", 25, {"code": "not-sorted", "time": 0.5}),
-    "index-float": ("1.0 0 0", "1.0 0.0 0", 24, {"code": "wrong-form", "field": "ix", "word": "0.0"}),
-    "index-outside-x": ("2.0 0 0", "2.0 3 0", 25, {"code": "out-of-range", "name": "ix", "index": 3, "last": 2}),
-    "index-outside-y": ("2.0 0 0", "2.0 0 2", 25, {"code": "out-of-range", "name": "iy", "index": 2, "last": 1}),
+    "index-float": (
+        "1.0 0 0",
+        "1.0 0.0 0",
+        24,
+        {"code": "wrong-form", "field": "ix", "word": "0.0"},
+    ),
+    "index-outside-x": (
+        "2.0 0 0",
+        "2.0 3 0",
+        25,
+        {"code": "out-of-range", "name": "ix", "index": 3, "last": 2},
+    ),
+    "index-outside-y": (
+        "2.0 0 0",
+        "2.0 0 2",
+        25,
+        {"code": "out-of-range", "name": "iy", "index": 2, "last": 1},
+    ),
     "index-overflow": (
         "2.0 0 0",
         "2.0 9999999999999999999 0",
@@ -288,9 +455,24 @@ SECTION_FAULTS = {
     ),
     "long-line": ("2.0 0 0", 5000 * "9" + " 0 0", 25, {"code": "wrong-form"}),
     "point-words": ("1.0 0.25 0.15", "1.0 0.25", 28, {"code": "wrong-form", "came": "1.0 0.25"}),
-    "point-nan": ("1.0 0.25 0.15", "1.0 nan 0.15", 28, {"code": "wrong-form", "field": "x", "word": "nan"}),
-    "point-overflow": ("0.0 0.05 0.15", "0.0 0.05 -1e400", 27, {"code": "wrong-form", "field": "y", "word": "-1e400"}),
-    "foreign-digits": ("0.0 0.05 0.15", "0.0 ٣ 0.15", 27, {"code": "wrong-form", "field": "x", "word": "٣"}),
+    "point-nan": (
+        "1.0 0.25 0.15",
+        "1.0 nan 0.15",
+        28,
+        {"code": "wrong-form", "field": "x", "word": "nan"},
+    ),
+    "point-overflow": (
+        "0.0 0.05 0.15",
+        "0.0 0.05 -1e400",
+        27,
+        {"code": "wrong-form", "field": "y", "word": "-1e400"},
+    ),
+    "foreign-digits": (
+        "0.0 0.05 0.15",
+        "0.0 ٣ 0.15",
+        27,
+        {"code": "wrong-form", "field": "x", "word": "٣"},
+    ),
     "tab": ("0.0 0.05 0.15", "0.0\t0.05 0.15", 27, {"code": "wrong-form"}),
 }
 
@@ -319,9 +501,19 @@ def test_a_fault_has_its_line_and_its_message(name):
     [
         ("1 -1", "1 -1 0", 28, {"code": "wrong-form", "section": "cut", "came": "1 -1 0"}),
         ("1 -1", "1 1.5", 28, {"code": "wrong-form", "field": "iy", "word": "1.5"}),
-        ("1 -1", "-9999999999999999999 0", 28, {"code": "wrong-form", "field": "ix", "word": "-9999999999999999999"}),
+        (
+            "1 -1",
+            "-9999999999999999999 0",
+            28,
+            {"code": "wrong-form", "field": "ix", "word": "-9999999999999999999"},
+        ),
         ("%cut", "%timeline", 26, {"code": "twice", "section": "%timeline"}),
-        ("%end", "%witness\n%end", 29, {"code": "wrong-order", "section": "%witness", "previous": "cut"}),
+        (
+            "%end",
+            "%witness\n%end",
+            29,
+            {"code": "wrong-order", "section": "%witness", "previous": "cut"},
+        ),
     ],
     ids=["words", "float", "overflow", "timeline", "both"],
 )
@@ -356,7 +548,11 @@ def test_a_fault_in_a_drawn_world_has_its_line_and_its_message(old, new, line, e
         (b"%worldgen-grid 1", 1, {"code": "cut-short"}),
         (b"%worldgen-grid 1 \n", 1, {"code": "other-version"}),
         (b"%worldgen-grid 1\nx = 1 # \xff\n%cells\n", 2, {"code": "not-utf8"}),
-        (GOOD.replace("...", ".\xff.", 1).encode("latin-1"), 21, {"code": "unknown-sign", "column": 2}),
+        (
+            GOOD.replace("...", ".\xff.", 1).encode("latin-1"),
+            21,
+            {"code": "unknown-sign", "column": 2},
+        ),
     ],
     ids=["empty", "gzip", "png", "one-line", "space", "not-utf8", "not-utf8-cells"],
 )
@@ -393,8 +589,14 @@ _IN_LINEAR_TIME = {"quotes", "open strings", "deep keys", "many tables"}  # thes
 
 @pytest.mark.gate
 @pytest.mark.parametrize("name", _SLOW_FOR_TOML)
-def test_a_header_that_takes_tomllib_quadratic_time_is_refused_before_tomllib_reads_it(name, monkeypatch):
+def test_a_header_that_takes_tomllib_quadratic_time_is_refused_before_tomllib_reads_it(
+    name, monkeypatch
+):
     read = []
-    monkeypatch.setattr(tomllib, "loads", lambda text, loads=tomllib.loads: read.append(text) or loads(text))
-    assert complaint(f"%worldgen-grid 1\n{_SLOW_FOR_TOML[name]}\n%cells\n.\n%end\n".encode()).line == 2
+    monkeypatch.setattr(
+        tomllib, "loads", lambda text, loads=tomllib.loads: read.append(text) or loads(text)
+    )
+    assert (
+        complaint(f"%worldgen-grid 1\n{_SLOW_FOR_TOML[name]}\n%cells\n.\n%end\n".encode()).line == 2
+    )
     assert bool(read) == (name in _IN_LINEAR_TIME)

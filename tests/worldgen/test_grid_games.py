@@ -1,4 +1,7 @@
-"""Maps of POGEMA, MiniGrid, micromouse contests and PointMaze: what is written, what is read, and each fault."""
+"""Maps of POGEMA, MiniGrid, micromouse contests and PointMaze.
+
+What is written, what is read, and each fault.
+"""
 
 import json
 import math
@@ -40,13 +43,19 @@ def rows_of(found):
 
 @pytest.mark.parametrize(
     ("name", "world", "text"),
-    [("pogema", drawn(ROOM), POGEMA), ("minigrid", drawn(ROOM), MINIGRID), ("micromouse", small_maze(), MOUSE)],
+    [
+        ("pogema", drawn(ROOM), POGEMA),
+        ("minigrid", drawn(ROOM), MINIGRID),
+        ("micromouse", small_maze(), MOUSE),
+    ],
 )
 def test_each_is_drawn_in_its_own_letters(name, world, text):
     assert export_world(world, name).data.decode() == text
 
 
-@pytest.mark.parametrize(("name", "text"), [("pogema", POGEMA), ("minigrid", MINIGRID), ("micromouse", MOUSE)])
+@pytest.mark.parametrize(
+    ("name", "text"), [("pogema", POGEMA), ("minigrid", MINIGRID), ("micromouse", MOUSE)]
+)
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_each_is_told_from_a_drawing_and_read(write, name, text, end):
     path = write(text.replace("\n", end))
@@ -91,7 +100,9 @@ def test_start_and_target_in_one_cell_or_a_wall_are_left_to_the_sidecar():
     assert "start and target are not drawn, for they are one cell" in export.lost
 
 
-@pytest.mark.parametrize(("word", "heading"), [(">>", 0.0), ("VV", -math.pi / 2), ("<<", math.pi), ("^^", math.pi / 2)])
+@pytest.mark.parametrize(
+    ("word", "heading"), [(">>", 0.0), ("VV", -math.pi / 2), ("<<", math.pi), ("^^", math.pi / 2)]
+)
 def test_the_agents_direction_is_the_heading(write, word, heading):
     assert read_map(write(MINIGRID.replace(">>", word))).start[2] == heading
     world = replace(drawn(ROOM), start=Pose(0.15, 0.25, heading))
@@ -120,14 +131,19 @@ def test_a_fault_in_a_minigrid_has_its_line(write, text, line, expected):
 
 def test_blanks_that_an_editor_took_away_are_no_fault(write):
     assert rows_of(read_map(write("WGWGWG\nWG\nWGWGWG\n"), "minigrid"))[1] == "#.."
-    assert rows_of(read_map(write(MOUSE.replace("| S   G |", "| S   G")), "micromouse"))[1] == "#...."
+    assert (
+        rows_of(read_map(write(MOUSE.replace("| S   G |", "| S   G")), "micromouse"))[1] == "#...."
+    )
 
 
 def test_a_maze_comes_back_from_a_micromouse_file(tmp_path):
     world = generate("maze", 2, size=17, robot_radius=0.04)
     path = write_export(export_world(world, "micromouse"), tmp_path)[0]
     again = import_world(path).world
-    assert (again.walls == world.walls).all() and (again.start, again.target) == (world.start, world.target)
+    assert (again.walls == world.walls).all() and (again.start, again.target) == (
+        world.start,
+        world.target,
+    )
 
 
 @pytest.mark.parametrize(
@@ -146,8 +162,16 @@ def test_a_world_that_is_no_micromouse_maze_is_refused(rows, expected):
 @pytest.mark.parametrize(
     ("text", "line", "expected"),
     [
-        (MOUSE.replace("o   o---o", "o   x---o"), 3, {"code": "wrong-form", "came": "x", "column": 5}),
-        (MOUSE.replace("o   o---o", "o - o---o"), 3, {"code": "wrong-form", "came": " - ", "column": 2}),
+        (
+            MOUSE.replace("o   o---o", "o   x---o"),
+            3,
+            {"code": "wrong-form", "came": "x", "column": 5},
+        ),
+        (
+            MOUSE.replace("o   o---o", "o - o---o"),
+            3,
+            {"code": "wrong-form", "came": " - ", "column": 2},
+        ),
         (MOUSE.replace(" S ", " X "), 2, {"code": "wrong-form", "came": " X ", "column": 2}),
         (MOUSE.replace(" G ", " S "), 2, {"code": "twice", "starts": 2}),
         ("o---o\n|   |\n", None, {"code": "wrong-size", "rows": 2}),
@@ -159,8 +183,15 @@ def test_a_fault_in_a_micromouse_maze_has_its_line(write, text, line, expected):
     assert caught.value.line == line
 
 
-@pytest.mark.parametrize(("name", "text"), [("pogema", POGEMA), ("minigrid", MINIGRID), ("micromouse", MOUSE)])
-@given(st.lists(st.tuples(st.integers(0, 60), st.sampled_from("#.aAbB@WG>oV-| S\n\r0é"), st.booleans()), max_size=5))
+@pytest.mark.parametrize(
+    ("name", "text"), [("pogema", POGEMA), ("minigrid", MINIGRID), ("micromouse", MOUSE)]
+)
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 60), st.sampled_from("#.aAbB@WG>oV-| S\n\r0é"), st.booleans()),
+        max_size=5,
+    )
+)
 def test_any_text_gives_a_map_or_a_fault_in_one_line(tmp_path, name, text, edits):
     for at, letter, instead in edits:
         text = text[:at] + letter + text[at + instead :]
@@ -175,4 +206,8 @@ def test_any_text_gives_a_map_or_a_fault_in_one_line(tmp_path, name, text, edits
 
 def test_a_maze_map_is_a_list_of_rows_with_a_wall_all_round():
     assert json.loads(export_world(drawn(ROOM), "pointmaze").data)[1] == [1, "r", 0, "g", 1]
-    assert json.loads(export_world(drawn("S.G"), "pointmaze").data) == [[1] * 5, [1, "r", 0, "g", 1], [1] * 5]
+    assert json.loads(export_world(drawn("S.G"), "pointmaze").data) == [
+        [1] * 5,
+        [1, "r", 0, "g", 1],
+        [1] * 5,
+    ]

@@ -1,4 +1,7 @@
-"""A user's folder or file called ``sim`` or ``fuzz``: the program works next to it, a test run reports it."""
+"""A user's folder or file called ``sim`` or ``fuzz``.
+
+The program works next to it, a test run reports it.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,9 @@ def test_worker_processes_work_next_to_a_folder_of_the_same_name(project):
 @pytest.mark.gate
 @pytest.mark.parametrize("project", ["sim/__init__.py"], indirect=True)
 def test_a_controller_next_to_a_folder_of_the_same_name_is_still_found(project):
-    (project / "mine.py").write_text("from sim.controllers import CONTROLLERS\nRobot = CONTROLLERS.get('wall-left')\n")
+    (project / "mine.py").write_text(
+        "from sim.controllers import CONTROLLERS\nRobot = CONTROLLERS.get('wall-left')\n"
+    )
     run_in(project, "-m", "worldgen", "maze", "--seed", "3", "--size", "12", "--out", "w.grid")
     result = run_in(project, "-m", "worldgen", "run", "w.grid", "--controller", "mine:Robot")
     assert result.returncode in {0, 1}, result.stderr

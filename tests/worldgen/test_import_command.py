@@ -34,7 +34,10 @@ def run(tmp_path, capsys):
 
     def run_import(*args):
         out = tmp_path / "w.grid"
-        cli.main(["import", *map(str, args), "--out", str(out), "--json", "--force"], standalone_mode=False)
+        cli.main(
+            ["import", *map(str, args), "--out", str(out), "--json", "--force"],
+            standalone_mode=False,
+        )
         captured = capsys.readouterr()
         return json.loads(captured.out), read_world(out), captured.err
 
@@ -50,17 +53,31 @@ def drawing(tmp_path, *rows, name="a.map"):
 
 SHIPPED = [
     ("maze", [MAZE], "reachable"),
-    ("maze, tight", [MAZE, "--radius", "0.1", "--start", "0.2,0.2", "--target", "2.9,2.7"], "reachable"),
-    ("maze, too tight", [MAZE, "--radius", "0.11", "--start", "0.8,0.85", "--target", "2.9,2.7"], "blocked"),
+    (
+        "maze, tight",
+        [MAZE, "--radius", "0.1", "--start", "0.2,0.2", "--target", "2.9,2.7"],
+        "reachable",
+    ),
+    (
+        "maze, too tight",
+        [MAZE, "--radius", "0.11", "--start", "0.8,0.85", "--target", "2.9,2.7"],
+        "blocked",
+    ),
     ("maze, scenario", [MAZE, "--scen", PROBLEMS, "--row", "16"], "reachable"),
     ("hall", [HALL], "reachable"),
-    ("hall, small", [HALL, "--radius", "0.35", "--start", "8,9", "--target", "2.2,1.2"], "reachable"),
+    (
+        "hall, small",
+        [HALL, "--radius", "0.35", "--start", "8,9", "--target", "2.2,1.2"],
+        "reachable",
+    ),
     ("hall, huge", [HALL, "--radius", "0.45", "--start", "8,9", "--target", "2.2,1.2"], "blocked"),
 ]
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED])
+@pytest.mark.parametrize(
+    ("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED]
+)
 def test_shipped_maps_are_decided_with_a_proof_that_the_checker_accepts(run, args, result):
     answer, world, _ = run(*args)
     assert answer["result"] == result
@@ -71,12 +88,20 @@ def test_shipped_maps_are_decided_with_a_proof_that_the_checker_accepts(run, arg
 def test_the_answer_is_the_file(run, tmp_path):
     answer, world, _ = run(MAZE, "--seed", 3)
     assert answer == {
-        "file": str(tmp_path / "w.grid"), "result": "reachable", "clearance": world.certificate.clearance,
-        "radius": 0.04, "radius_from": "0.4 cells, so that a corridor one cell wide lets it through", "unread": [],
-        "width": 32, "height": 32, "cell_size": 0.1,
+        "file": str(tmp_path / "w.grid"),
+        "result": "reachable",
+        "clearance": world.certificate.clearance,
+        "radius": 0.04,
+        "radius_from": "0.4 cells, so that a corridor one cell wide lets it through",
+        "unread": [],
+        "width": 32,
+        "height": 32,
+        "cell_size": 0.1,
         "start": [world.start.x, world.start.y, world.start.heading],
-        "target": [world.target.x, world.target.y, 0.04], "notes": [], "warnings": [],
-    }  # fmt: skip
+        "target": [world.target.x, world.target.y, 0.04],
+        "notes": [],
+        "warnings": [],
+    }
 
 
 def test_provenance_names_the_source_and_its_digest(run):
@@ -125,7 +150,12 @@ def test_without_a_heading_the_robot_looks_at_the_target(run):
 
 def test_a_scenario_runs_from_its_start_to_its_goal(run):
     _, world, _ = run(MAZE, "--scen", PROBLEMS, "--row", 1, "--cell-size", 0.5)
-    assert (world.start.x, world.start.y, world.target.x, world.target.y) == (8.75, 5.25, 7.75, 7.75)
+    assert (world.start.x, world.start.y, world.target.x, world.target.y) == (
+        8.75,
+        5.25,
+        7.75,
+        7.75,
+    )
     assert (world.robot_radius, world.provenance.params["optimal"]) == (0.2, 13.82842712)
 
 
@@ -136,7 +166,9 @@ def test_both_ends_lie_in_the_largest_region(tmp_path, run):
 
 
 def test_a_map_of_rooms_behind_narrow_doors_is_warned_of(tmp_path, run):
-    answer, _, err = run(drawing(tmp_path, "...@...@...", "...........", "...@...@..."), "--radius", 0.07)
+    answer, _, err = run(
+        drawing(tmp_path, "...@...@...", "...........", "...@...@..."), "--radius", 0.07
+    )
     assert "finds 3 separate regions" in answer["warnings"][0]
     assert "warning: a disc of radius 0.07 m" in err
 
@@ -182,7 +214,10 @@ def test_a_world_of_ours_keeps_its_places_its_robot_and_its_timeline(tmp_path, r
 
 
 def test_a_world_of_ours_gets_new_places_with_a_seed_and_new_numbers_where_given(tmp_path, run):
-    write_world(World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)), tmp_path / "old.grid.gz")
+    write_world(
+        World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)),
+        tmp_path / "old.grid.gz",
+    )
     _, world, _ = run(tmp_path / "old.grid.gz", "--seed", 1, "--radius", "0.1", "--speed", 3)
     assert {(world.start.x, world.start.y), (world.target.x, world.target.y)} in (
         {(0.2, 0.2), (0.7, 0.7)}, {(0.2, 0.7), (0.7, 0.2)},
@@ -230,16 +265,28 @@ REFUSED = [
         InvalidParameter,
         {"code": "wrong-form", "name": "start", "text": "1", "third": "HEADING"},
     ),
-    ([MAZE, "--start", "1,2,3,4"], InvalidParameter, {"code": "wrong-form", "name": "start", "text": "1,2,3,4"}),
+    (
+        [MAZE, "--start", "1,2,3,4"],
+        InvalidParameter,
+        {"code": "wrong-form", "name": "start", "text": "1,2,3,4"},
+    ),
     (
         [MAZE, "--target", "a,b"],
         InvalidParameter,
         {"code": "wrong-form", "name": "target", "text": "a,b", "third": "RADIUS"},
     ),
     ([MAZE, "--start", "1e999,0"], InvalidWorld, {"code": "outside-grid", "name": "start"}),
-    ([MAZE, "--start=-1,0.5"], InvalidWorld, {"code": "outside-grid", "name": "start", "y": 0.5, "width": 3.2}),
+    (
+        [MAZE, "--start=-1,0.5"],
+        InvalidWorld,
+        {"code": "outside-grid", "name": "start", "y": 0.5, "width": 3.2},
+    ),
     ([MAZE, "--target", "3,4"], InvalidWorld, {"code": "outside-grid", "name": "target"}),
-    ([MAZE, "--target", "0.2,0.2,0"], InvalidWorld, {"code": "not-positive", "name": "target radius"}),
+    (
+        [MAZE, "--target", "0.2,0.2,0"],
+        InvalidWorld,
+        {"code": "not-positive", "name": "target radius"},
+    ),
     ([MAZE, "--start", "0.2,0.15,1e999"], InvalidWorld, {"code": "not-finite"}),
     ([MAZE, "--radius", "0.07", "--start", "0.05,0.3"], InvalidWorld, {"code": "not-clear"}),
     (
@@ -253,7 +300,11 @@ REFUSED = [
         {"code": "not-clear", "y": 0.05, "distance": 0.05},
     ),
     ([MAZE, "--scen", "none.scen"], FormatError, {"code": "unreadable"}),
-    ([MAZE, "--scen", PROBLEMS, "--row", "231"], FormatError, {"code": "out-of-range", "row": 231, "rows": 230}),
+    (
+        [MAZE, "--scen", PROBLEMS, "--row", "231"],
+        FormatError,
+        {"code": "out-of-range", "row": 231, "rows": 230},
+    ),
     ([MAZE, "--scen", PROBLEMS, "--start", "1,1"], InvalidParameter, {"code": "conflict"}),
     ([HALL, "--scen", PROBLEMS], InvalidParameter, {"code": "conflict"}),
 ]
@@ -261,7 +312,9 @@ REFUSED = [
 
 @pytest.mark.gate
 @pytest.mark.parametrize(("args", "kind", "expected"), REFUSED, ids=range(len(REFUSED)))
-def test_what_cannot_be_imported_is_refused_and_nothing_is_written(tmp_path, monkeypatch, run, args, kind, expected):
+def test_what_cannot_be_imported_is_refused_and_nothing_is_written(
+    tmp_path, monkeypatch, run, args, kind, expected
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "junk").write_bytes(b"\x00\x01junk")
     (tmp_path / "m.pgm").write_bytes(b"P5\n1 1\n255\n\0")
@@ -300,7 +353,10 @@ def test_the_program_ends_with_2_and_one_line(tmp_path):
     ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("worldgen: a.map:3: the end of the file came") and done.stderr.count("\n") == 1
+    assert (
+        done.stderr.startswith("worldgen: a.map:3: the end of the file came")
+        and done.stderr.count("\n") == 1
+    )
 
 
 def test_every_shipped_map_is_credited():
@@ -326,9 +382,16 @@ YAML = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\
 @pytest.mark.parametrize(
     ("name", "text", "radius"),
     [
-        pytest.param("a.map", "type octile\nheight 3\nwidth 3\nmap\n...\n...\n...\n", 0.04, id="a corridor is a cell"),
+        pytest.param(
+            "a.map",
+            "type octile\nheight 3\nwidth 3\nmap\n...\n...\n...\n",
+            0.04,
+            id="a corridor is a cell",
+        ),
         pytest.param("a.txt", "....\n....\n....\n", 0.07, id="a drawing of ours"),
-        pytest.param("a.yaml", "image: a.pgm\nresolution: 0.5\n" + YAML, 0.22, id="a map of a real floor"),
+        pytest.param(
+            "a.yaml", "image: a.pgm\nresolution: 0.5\n" + YAML, 0.22, id="a map of a real floor"
+        ),
     ],
 )
 def test_the_default_robot_is_one_that_such_maps_are_drawn_for(tmp_path, run, name, text, radius):
@@ -350,24 +413,43 @@ def test_placed_ends_have_room_to_turn_where_the_map_has_it():
 
 
 def test_a_start_without_room_is_better_than_one_beside_its_target(tmp_path):
-    corridor = ["@" * 40, "@" + "." * 34 + "@" * 5, "@" * 34 + "....@@", "@" * 34 + "....@@", "@" * 40]
+    corridor = [
+        "@" * 40,
+        "@" + "." * 34 + "@" * 5,
+        "@" * 34 + "....@@",
+        "@" * 34 + "....@@",
+        "@" * 40,
+    ]
     world = import_world(drawing(tmp_path, *corridor)).world
     assert abs(world.start.x - world.target.x) > 2.0
 
 
 def test_a_blocked_world_is_written_and_ends_with_1(tmp_path, capsys):
     out = tmp_path / "w.grid"
-    args = ["import", MAZE, "--radius", "0.11", "--start", "0.8,0.85", "--target", "2.9,2.7", "--out", str(out)]
+    args = [
+        "import",
+        MAZE,
+        "--radius",
+        "0.11",
+        "--start",
+        "0.8,0.85",
+        "--target",
+        "2.9,2.7",
+        "--out",
+        str(out),
+    ]
     assert cli.main(args, standalone_mode=False) == 1
     assert "\nblocked: " in capsys.readouterr().out and decide(read_world(out)).result == "blocked"
 
 
 BOX = (
-    "<model name='{name}'><link name='l'><collision name='c'><geometry><box><size>{size}</size></box></geometry>"
+    "<model name='{name}'><link name='l'><collision "
+    "name='c'><geometry><box><size>{size}</size></box></geometry>"
     "</collision></link><pose>{pose} 0.5 0 0 0</pose></model>"
 )
 MESH = (
-    "<model name='shelf'><link name='l'><collision name='c'><geometry><mesh><uri>model://shelf.dae</uri></mesh>"
+    "<model name='shelf'><link name='l'><collision "
+    "name='c'><geometry><mesh><uri>model://shelf.dae</uri></mesh>"
     "</geometry></collision></link></model>"
 )
 
@@ -376,13 +458,17 @@ def gazebo(tmp_path, *parts):
     """A world of Gazebo: two walls of 6 m, 6 m apart, and what is given."""
     walls = [BOX.format(name=f"wall{x}", size="0.2 6 1", pose=f"{x} 0") for x in (-3, 3)]
     path = tmp_path / "shelf.world"
-    path.write_text(f"<sdf version='1.6'><world name='default'>{''.join([*walls, *parts])}</world></sdf>")
+    path.write_text(
+        f"<sdf version='1.6'><world name='default'>{''.join([*walls, *parts])}</world></sdf>"
+    )
     return path
 
 
 def test_a_world_with_a_mesh_is_undecided_and_not_written(tmp_path, capsys):
     out = tmp_path / "w.grid"
-    code = cli.main(["import", str(gazebo(tmp_path, MESH)), "--out", str(out), "--json"], standalone_mode=False)
+    code = cli.main(
+        ["import", str(gazebo(tmp_path, MESH)), "--out", str(out), "--json"], standalone_mode=False
+    )
     answer = json.loads(capsys.readouterr().out)
     assert (code, answer["result"], answer["file"], out.exists()) == (2, "undecided", None, False)
     assert answer["unread"] == ["1 shape of <mesh>"]
@@ -405,12 +491,17 @@ def test_what_was_not_read_cannot_open_a_world_that_is_blocked_without_it(tmp_pa
     ("part", "unread"),
     [
         ("<include><uri>model://shelf</uri></include>", "1 model of other files"),
-        ("<model name='m'><include><uri>model://shelf</uri></include></model>", "1 model of other files"),
+        (
+            "<model name='m'><include><uri>model://shelf</uri></include></model>",
+            "1 model of other files",
+        ),
         ("<population name='p'/>", "1 population of models"),
         (MESH.replace("mesh>", "heightmap>"), "1 shape of <heightmap>"),
         (MESH.replace("mesh>", "polyline>"), "1 shape of <polyline>"),
         (
-            MESH.replace("<mesh><uri>model://shelf.dae</uri></mesh>", "<plane><normal>1 0 0</normal></plane>"),
+            MESH.replace(
+                "<mesh><uri>model://shelf.dae</uri></mesh>", "<plane><normal>1 0 0</normal></plane>"
+            ),
             "1 tilted shape of <plane>",
         ),
     ],
@@ -421,14 +512,17 @@ def test_whatever_a_world_of_gazebo_has_and_is_not_read_is_named(tmp_path, part,
 
 
 @pytest.mark.parametrize(
-    "name", ["sun", "ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane"]
+    "name",
+    ["sun", "ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane"],
 )
 def test_sun_and_ground_stop_nobody(tmp_path, name):
     uri = name if "/" in name else f"model://{name}"
     assert import_world(gazebo(tmp_path, f"<include><uri>{uri}</uri></include>")).unread == ()
 
 
-@pytest.mark.parametrize("command", [["verify"], ["show"], ["measure"], ["run", "--controller", "bug2"]])
+@pytest.mark.parametrize(
+    "command", [["verify"], ["show"], ["measure"], ["run", "--controller", "bug2"]]
+)
 def test_a_foreign_map_given_to_another_command_gets_the_command_that_imports_it(command):
     done = worldgen(*command, MAZE)
     assert done.code == 2 and f"\n  worldgen import {MAZE} --out maze-32-32-2.grid\n" in done.err
@@ -442,4 +536,6 @@ def test_what_is_no_map_gets_no_such_hint(tmp_path, name):
 
 def test_the_command_that_imports_a_map_called_grid_writes_another_file(tmp_path):
     (tmp_path / "maze.grid").write_bytes(Path(MAZE).read_bytes())
-    assert worldgen("verify", tmp_path / "maze.grid").err.endswith("maze.grid --out maze-imported.grid\n")
+    assert worldgen("verify", tmp_path / "maze.grid").err.endswith(
+        "maze.grid --out maze-imported.grid\n"
+    )

@@ -18,7 +18,9 @@ def installed(tmp_path, monkeypatch):
         site = tmp_path / "worldgen-1.0.dist-info"
         for folder in (checkout, site):
             folder.mkdir()
-            (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: worldgen\nVersion: 1.0\n")
+            (folder / "METADATA").write_text(
+                "Metadata-Version: 2.1\nName: worldgen\nVersion: 1.0\n"
+            )
         if record is not None:
             text = record if isinstance(record, str) else json.dumps(record)
             (site / "direct_url.json").write_text(text)
@@ -34,13 +36,23 @@ def test_from_an_index_the_name_is_enough(installed):
 
 
 def test_from_a_repository_it_is_the_same_commit(installed):
-    installed({"url": "https://github.com/owner/worldgen.git", "vcs_info": {"vcs": "git", "commit_id": "abc123"}})
+    installed(
+        {
+            "url": "https://github.com/owner/worldgen.git",
+            "vcs_info": {"vcs": "git", "commit_id": "abc123"},
+        }
+    )
     assert requirement("gym") == "worldgen[gym] @ git+https://github.com/owner/worldgen.git@abc123"
     assert origin().github == "owner/worldgen"
 
 
 def test_another_host_is_not_taken_for_github(installed):
-    installed({"url": "https://example.org/github.com/owner/worldgen", "vcs_info": {"commit_id": "abc123"}})
+    installed(
+        {
+            "url": "https://example.org/github.com/owner/worldgen",
+            "vcs_info": {"commit_id": "abc123"},
+        }
+    )
     assert origin().github == ""
 
 
@@ -63,7 +75,8 @@ def test_an_archive_on_a_server_is_named(installed):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "no JSON", "[]", '{"url": 1, "vcs_info": 2}', '{"url": "file://[", "dir_info": {}}']
+    "text",
+    ["", "no JSON", "[]", '{"url": 1, "vcs_info": 2}', '{"url": "file://[", "dir_info": {}}'],
 )
 def test_a_damaged_record_is_no_obstacle(text, installed):
     installed(text)

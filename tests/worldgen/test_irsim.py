@@ -75,7 +75,9 @@ def test_a_world_whose_walls_fit_larger_cells_keeps_its_cell_size_in_the_sidecar
 
 def test_a_step_longer_than_a_cell_is_said():
     notes = export_world(drawn("S..G"), "irsim").notes
-    assert any("moves 0.2 m a step and looks for collisions at its end only" in note for note in notes)
+    assert any(
+        "moves 0.2 m a step and looks for collisions at its end only" in note for note in notes
+    )
     assert not export_world(drawn("S..G"), "irsim+step_time=0.05").notes
 
 
@@ -100,14 +102,18 @@ def obstacle(shape, state="[0.5, 0.3, 0]", more=""):
 
 
 def test_rectangles_turned_by_quarters_lie_on_cells_exactly(found):
-    back = found(obstacle("name: rectangle, length: 0.4, width: 0.2", "[0.5, 0.3, 1.57]"), cell_size=0.1)
+    back = found(
+        obstacle("name: rectangle, length: 0.4, width: 0.2", "[0.5, 0.3, 1.57]"), cell_size=0.1
+    )
     assert rows(back) == ["." * 10, *["....##...."] * 4, "." * 10]
     assert any("turned by 1.57 rad counts as turned by 1 quarters" in note for note in back.notes)
 
 
 def test_walls_turned_alike_are_said_once(found):
     more = "      - [0.2, 0.3, 1.57]\n      - [0.8, 0.3, 1.57]\n"
-    back = found(obstacle("name: rectangle, length: 0.4, width: 0.2", f"\n{more}", "    number: 2\n"))
+    back = found(
+        obstacle("name: rectangle, length: 0.4, width: 0.2", f"\n{more}", "    number: 2\n")
+    )
     assert sum("counts as turned" in note for note in back.notes) == 1
 
 
@@ -124,13 +130,15 @@ PARTS = [*[".........."] * 2, *[".##....##."] * 2, *[".........."] * 2]
         ("name: rectangle, length: 0.4, width: 0.02", "[0.5, 0.3, 0.785398]", SLANTED, 10),
         ("name: circle, radius: 0.2", "[0.5, 0.3]", DISC, 12),
         (
-            "name: polygon, vertices: [[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [0.1, 0.2], [0.1, 0], [-0.3, 0]]",
+            "name: polygon, vertices: [[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [0.1, 0.2], [0.1, "
+            "0], [-0.3, 0]]",
             "[0.5, 0.3, 0]", NOTCHED, 0,
         ),
         ("name: linestring, vertices: [[-0.3, -0.2], [0.3, 0.2]]", "[0.5, 0.3, 0]", LINE, 16),
         (
             "name: compound, parts: [{name: circle, radius: 0.1, pose: [0.3, 0, 0]}, "
-            "{name: rectangle, length: 0.2, width: 0.2, pose: [-0.3, 0, 0]}]", "[0.5, 0.3, 0]", PARTS, 4,
+            "{name: rectangle, length: 0.2, width: 0.2, pose: [-0.3, 0, "
+            "0]}]", "[0.5, 0.3, 0]", PARTS, 4,
         ),
     ],
 )  # fmt: skip
@@ -143,7 +151,10 @@ def test_every_cell_that_a_shape_reaches_into_is_solid(found, shape, state, cell
 
 def test_cells_are_as_large_as_the_rectangles_let_them_be(found):
     assert found(obstacle("name: rectangle, length: 0.3, width: 0.2")).cell_size == 0.05
-    assert found(obstacle("name: rectangle, length: 0.3, width: 0.2", "[0.5, 0.31, 0]")).cell_size == 0.01
+    assert (
+        found(obstacle("name: rectangle, length: 0.3, width: 0.2", "[0.5, 0.31, 0]")).cell_size
+        == 0.01
+    )
     assert found(obstacle("name: circle, radius: 0.2")).cell_size == 0.1
 
 
@@ -172,10 +183,13 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
     text = (
         "robot:\n  - number: 2\n    kinematics: {name: acker}\n"
         "    shape: {name: rectangle, length: 0.4, width: 0.3, wheelbase: 0.2}\n"
-        "    state: [[0.2, 0.1, 0.5], [0.7, 0.5]]\n    goal: [[0.1, 0.5], [0.9, 0.5, 1]]\n    vel_max: [0.5, 1]\n"
+        "    state: [[0.2, 0.1, 0.5], [0.7, 0.5]]\n    goal: [[0.1, 0.5], [0.9, 0.5, 1]]\n    "
+        "vel_max: [0.5, 1]\n"
     )
     back = found(text)
-    assert back.start == (0.2, 0.1, 0.5) and back.target == (0.9, 0.5, 0.1) and back.robot_speed == 0.5
+    assert (
+        back.start == (0.2, 0.1, 0.5) and back.target == (0.9, 0.5, 0.1) and back.robot_speed == 0.5
+    )
     assert back.robot_radius == pytest.approx(math.sqrt(0.3**2 + 0.15**2))
     assert "the file has 2 robots; the first was taken, the others left out" in back.notes
 
@@ -196,7 +210,10 @@ def test_obstacles_that_drive_or_are_drawn_count_as_not_read(found, more, senten
     ("text", "expected"),
     [
         ("world:\n  width: -1\n", {"code": "not-positive", "line": 2, "key": "width"}),
-        ("world:\n  width: wide\n", {"code": "not-a-number", "line": 2, "key": "width", "word": "wide"}),
+        (
+            "world:\n  width: wide\n",
+            {"code": "not-a-number", "line": 2, "key": "width", "word": "wide"},
+        ),
         ("world:\n  offset: [1, 2, 3]\n", {"code": "wrong-type", "line": 2}),
         ("world:\n  offset: [1, [2]]\n", {"code": "wrong-type", "line": 2, "key": "offset"}),
         (
@@ -207,9 +224,15 @@ def test_obstacles_that_drive_or_are_drawn_count_as_not_read(found, more, senten
             "world:\n  obstacle_map: ../m.png\n",
             {"code": "outside-folder", "line": 2, "key": "obstacle_map", "name": "'../m.png'"},
         ),
-        ("world:\n  obstacle_map: {name: perlin}\n", {"code": "unsupported", "line": 2, "kind": "perlin"}),
+        (
+            "world:\n  obstacle_map: {name: perlin}\n",
+            {"code": "unsupported", "line": 2, "kind": "perlin"},
+        ),
         ("world:\nobstacle:\n  - number: -3\n", {"code": "out-of-range", "line": 3, "number": -3}),
-        ("world:\nobstacle:\n  - shape: {name: map}\n", {"code": "unsupported", "line": 3, "shape": "map"}),
+        (
+            "world:\nobstacle:\n  - shape: {name: map}\n",
+            {"code": "unsupported", "line": 3, "shape": "map"},
+        ),
         (
             "world:\nobstacle:\n  - shape: {name: polygon, vertices: [[1, 2]]}\n",
             {"code": "wrong-count", "line": 3, "least": 3},
@@ -244,14 +267,19 @@ def test_a_million_obstacles_as_large_as_the_world_are_refused_in_time(found):
 )
 def test_outlines_that_would_take_minutes_are_refused_at_once(tmp_path, corners, expected):
     angle = 2 * math.pi / corners
-    turns = 7 if corners == 500 else 1  # several times round crosses itself; once, in and out, does not
+    turns = (
+        7 if corners == 500 else 1
+    )  # several times round crosses itself; once, in and out, does not
     points = [
-        f"[{50 + far * math.cos(turns * angle * n):.5f}, {50 + far * math.sin(turns * angle * n):.5f}]"
+        f"[{50 + far * math.cos(turns * angle * n):.5f}, "
+        f"{50 + far * math.sin(turns * angle * n):.5f}]"
         for n in range(corners)
         for far in [20 + 25 * (n % 2)]
     ]
     shape = f"{{name: polygon, vertices: [{', '.join(points)}]}}"
-    text = f"world: {{width: 100, height: 100}}\nobstacle:\n  - {{shape: {shape}, state: [0, 0, 0]}}\n"
+    text = (
+        f"world: {{width: 100, height: 100}}\nobstacle:\n  - {{shape: {shape}, state: [0, 0, 0]}}\n"
+    )
     (tmp_path / "w.yaml").write_text(text)
     with raises(FormatError, **expected):
         read_map(tmp_path / "w.yaml", "irsim+cell_size=0.1")

@@ -31,18 +31,25 @@ def test_one_world_is_a_list_of_its_metrics_with_units(folder):
 
 def test_several_worlds_are_a_table_with_a_line_each(folder):
     lines = run("measure", folder).out.splitlines()
-    assert [line.split()[0] for line in lines[2:]] == [str(folder / f"w{seed}.grid") for seed in (1, 2)]
+    assert [line.split()[0] for line in lines[2:]] == [
+        str(folder / f"w{seed}.grid") for seed in (1, 2)
+    ]
 
 
 def test_json_gives_every_metric_that_has_a_value(folder):
     found = json.loads(run("measure", folder, "--json").out)["files"]
-    assert found[1] == {"path": str(folder / "w2.grid"), "metrics": measure(generate("trap", 2)).as_dict()}
+    assert found[1] == {
+        "path": str(folder / "w2.grid"),
+        "metrics": measure(generate("trap", 2)).as_dict(),
+    }
 
 
 def test_csv_has_a_column_for_every_metric(folder):
     rows = list(csv.reader(io.StringIO(run("measure", folder, "--csv").out)))
     assert rows[0] == ["path", *METRICS]
-    values = {name: float(cell) for name, cell in zip(rows[0][1:], rows[1][1:], strict=True) if cell}
+    values = {
+        name: float(cell) for name, cell in zip(rows[0][1:], rows[1][1:], strict=True) if cell
+    }
     assert values == measure(generate("trap", 1)).as_dict()
 
 
@@ -52,7 +59,9 @@ def test_csv_and_json_at_once_are_refused(folder):
 
 def test_what_is_measured_is_the_world_not_what_its_header_says(folder):
     path = folder / "w1.grid"
-    text = path.read_text().replace("\n\n[certificate]", "\nmetrics = { detour = 99.0 }\n\n[certificate]")
+    text = path.read_text().replace(
+        "\n\n[certificate]", "\nmetrics = { detour = 99.0 }\n\n[certificate]"
+    )
     path.write_text(text)
     assert read_world(path).provenance.metrics == {"detour": 99.0}
     assert json.loads(run("measure", path, "--json").out)["metrics"]["detour"] < 99.0

@@ -38,7 +38,8 @@ def test_a_building_that_trimesh_wrote_is_cut_at_the_lidars_height(kind, tmp_pat
 def test_a_table_is_its_legs_below_its_top_and_whole_at_the_top(tmp_path):
     path = put(tmp_path, "b.stl", building_file("stl"))
     legs, top = (
-        read_map(path, options={"cell_size": 0.1, "slice_height": height}).walls[10:20, 10:20] for height in (0.2, 0.72)
+        read_map(path, options={"cell_size": 0.1, "slice_height": height}).walls[10:20, 10:20]
+        for height in (0.2, 0.72)
     )
     assert legs.sum() == 4 and top.all()
 
@@ -81,19 +82,25 @@ def test_a_3mf_files_own_unit_is_heeded(tmp_path):
 
 def test_a_y_up_obj_file_is_turned(tmp_path):
     mesh = building()
-    mesh.vertices = np.stack([mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1)
+    mesh.vertices = np.stack(
+        [mesh.vertices[:, 0], mesh.vertices[:, 2], -mesh.vertices[:, 1]], axis=1
+    )
     path = put(tmp_path, "b.obj", building_file("obj", mesh))
     assert np.array_equal(read_map(path, "obj+up=y+cell-size=0.1").walls, ground_floor(0.2))
 
 
 def test_a_mesh_of_odd_size_is_warned_of(tmp_path):
     mesh = trimesh.creation.box(bounds=[(0, 0, 0), (6000, 4000, 2500)])
-    found = read_map(put(tmp_path, "b.stl", building_file("stl", mesh)), options={"cell_size": 10.0})
+    found = read_map(
+        put(tmp_path, "b.stl", building_file("stl", mesh)), options={"cell_size": 10.0}
+    )
     assert len(found.warnings) == 1
 
 
 def test_surfaces_without_thickness_are_walls(tmp_path):
-    sheet = trimesh.Trimesh([(0, 0.55, 0), (2, 0.55, 0), (2, 0.55, 2), (0, 0.55, 2)], [(0, 1, 2), (0, 2, 3)])
+    sheet = trimesh.Trimesh(
+        [(0, 0.55, 0), (2, 0.55, 0), (2, 0.55, 2), (0, 0.55, 2)], [(0, 1, 2), (0, 2, 3)]
+    )
     floor = trimesh.creation.box(bounds=[(0, 0, -0.1), (2, 2, 0)])
     data = building_file("stl", trimesh.util.concatenate([floor, sheet]))
     found = read_map(put(tmp_path, "b.stl", data), options={"cell_size": 0.1})
@@ -125,7 +132,9 @@ def test_cells_that_went_out_as_a_mesh_come_back(name, tmp_path_factory, drawn):
 @pytest.mark.parametrize("name", WRITTEN)
 def test_trimesh_reads_what_was_written_with_the_walls_volume(name, tmp_path):
     world = read_world_of(building_file("stl"), tmp_path)
-    scene = trimesh.load_scene(io.BytesIO(export_world(world, f"{name}+height=0.5").data), file_type=name)
+    scene = trimesh.load_scene(
+        io.BytesIO(export_world(world, f"{name}+height=0.5").data), file_type=name
+    )
     assert scene.to_geometry().volume == pytest.approx(solid_volume(world, 0.5), rel=1e-4)
 
 
@@ -193,10 +202,18 @@ def test_points_without_triangles_are_refused(tmp_path):
 
 def test_components_of_a_3mf_file_that_multiply_are_refused(tmp_path):
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-    triple = "".join(f'<component objectid="{{0}}" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>' for x in range(4))
-    nested = "".join(f'<object id="{n}"><components>{triple.format(n - 1)}</components></object>' for n in range(1, 15))
+    triple = "".join(
+        f'<component objectid="{{0}}" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>' for x in range(4)
+    )
+    nested = "".join(
+        f'<object id="{n}"><components>{triple.format(n - 1)}</components></object>'
+        for n in range(1, 15)
+    )
     corners = "".join(f'<vertex x="{x}" y="{y}" z="{x + y}"/>' for x, y in ((0, 0), (1, 0), (0, 1)))
-    mesh = f'<mesh><vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
+    mesh = (
+        f'<mesh><vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" '
+        f'v3="2"/></triangles></mesh>'
+    )
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr(

@@ -11,7 +11,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.helpers.exported_meshes import TINY, any_worlds, glb_parts, solid_volume, stl_triangles, volume
+from tests.helpers.exported_meshes import (
+    TINY,
+    any_worlds,
+    glb_parts,
+    solid_volume,
+    stl_triangles,
+    volume,
+)
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.interop import Destination, export_world
@@ -33,7 +40,9 @@ def test_the_shells_of_an_stl_file_are_closed_and_hold_the_walls_volume(drawn):
             for face in [list(map(tuple, face))]
         ]
         assert len(set(edges)) == 36 and all((b, a) in edges for a, b in edges)
-    assert volume(triangles["corners"].astype(float)) == pytest.approx(solid_volume(world, 0.5), rel=1e-4)
+    assert volume(triangles["corners"].astype(float)) == pytest.approx(
+        solid_volume(world, 0.5), rel=1e-4
+    )
 
 
 @given(any_worlds())
@@ -41,7 +50,9 @@ def test_the_normals_of_an_stl_file_point_outwards(drawn):
     triangles = stl_triangles(export_world(drawn[0], "stl", origin=drawn[1]).data)
     corners = triangles["corners"].astype(float)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert np.allclose(across / np.linalg.norm(across, axis=1, keepdims=True), triangles["normal"], atol=1e-4)
+    assert np.allclose(
+        across / np.linalg.norm(across, axis=1, keepdims=True), triangles["normal"], atol=1e-4
+    )
 
 
 @given(any_worlds())
@@ -52,10 +63,14 @@ def test_an_obj_file_has_a_closed_object_a_box_at_exact_decimals(drawn):
     objects = text.split("\no ")[1:]
     assert [part.split("\n")[0] for part in objects] == [box.name for box in boxes]
     for number, (part, box) in enumerate(zip(objects, boxes, strict=True)):
-        corners = [tuple(map(Fraction, words.split())) for words in re.findall(r"^v (.+)$", part, re.MULTILINE)]
+        corners = [
+            tuple(map(Fraction, words.split()))
+            for words in re.findall(r"^v (.+)$", part, re.MULTILINE)
+        ]
         assert min(corners) == box.low and max(corners) == box.high and len(set(corners)) == 8
         faces = [
-            [int(word) - 1 - 8 * number for word in words.split()] for words in re.findall(r"^f (.+)$", part, re.M)
+            [int(word) - 1 - 8 * number for word in words.split()]
+            for words in re.findall(r"^f (.+)$", part, re.M)
         ]
         edges = [(face[k - 1], face[k]) for face in faces for k in range(4)]
         assert len(set(edges)) == 24 and all((b, a) in edges for a, b in edges)
@@ -82,17 +97,26 @@ def test_the_meshes_of_a_glb_file_are_closed_with_outward_faces():
         triangles = np.frombuffer(faces, "<u2").reshape(-1, 3)
         edges = {(int(face[k - 1]), int(face[k])) for face in triangles for k in range(3)}
         assert len(edges) == triangles.size and all((b, a) in edges for a, b in edges)
-        volumes.append(volume(np.frombuffer(corners, "<f4").reshape(-1, 3)[triangles].astype(float)))
+        volumes.append(
+            volume(np.frombuffer(corners, "<f4").reshape(-1, 3)[triangles].astype(float))
+        )
     assert volumes == pytest.approx([1.0, 24 * math.sin(2 * math.pi / 48)])  # cube, prism
 
 
 def test_a_glb_file_has_start_and_target_as_nodes_and_the_rest_as_extras():
     document, _ = glb_parts(export_world(TINY, "glb+markers", origin=(1.0, 2.0)).data)
     nodes = {node["name"]: node for node in document["nodes"]}
-    assert nodes["start"]["translation"] == [1.15, 0.0, -2.15] and nodes["start"]["extras"] == {"heading": 0.5}
+    assert nodes["start"]["translation"] == [1.15, 0.0, -2.15] and nodes["start"]["extras"] == {
+        "heading": 0.5
+    }
     assert nodes["start"]["rotation"] == pytest.approx([0, math.sin(0.25), 0, math.cos(0.25)])
-    assert nodes["target"]["translation"] == [1.35, 0.0, -2.15] and nodes["target"]["extras"] == {"radius": 0.05}
-    assert nodes["worldgen"]["extras"]["robot_speed"] == 1.5 and nodes["worldgen"]["extras"]["origin_y"] == 2.0
+    assert nodes["target"]["translation"] == [1.35, 0.0, -2.15] and nodes["target"]["extras"] == {
+        "radius": 0.05
+    }
+    assert (
+        nodes["worldgen"]["extras"]["robot_speed"] == 1.5
+        and nodes["worldgen"]["extras"]["origin_y"] == 2.0
+    )
     assert document["nodes"][nodes["start"]["children"][0]]["name"] == "start_disc"
 
 
@@ -111,7 +135,9 @@ def test_a_disc_is_as_round_as_its_corners_say():
 def test_the_cubes_of_a_usd_stage_are_the_boxes(drawn):
     world, origin = drawn
     text = export_world(world, "usd+floor", origin=origin).data.decode()
-    found = re.findall(r"double3 xformOp:scale = \((.+)\)\n +double3 xformOp:translate = \((.+)\)", text)
+    found = re.findall(
+        r"double3 xformOp:scale = \((.+)\)\n +double3 xformOp:translate = \((.+)\)", text
+    )
     boxes = solid_boxes(world, Destination("x", origin), height=1.0, floor=True)
     assert [tuple(tuple(map(Fraction, words.split(", "))) for words in pair) for pair in found] == [
         (box.size, box.centre) for box in boxes
@@ -120,10 +146,15 @@ def test_the_cubes_of_a_usd_stage_are_the_boxes(drawn):
 
 def test_a_floor_lies_below_walls_and_border():
     floor = solid_boxes(TINY, Destination("x"), height=1.0, floor=True)[-1]
-    assert floor.name == "floor" and floor.low == (exact(-0.1),) * 3 and floor.high == (exact(0.5), exact(0.4), 0)
+    assert (
+        floor.name == "floor"
+        and floor.low == (exact(-0.1),) * 3
+        and floor.high == (exact(0.5), exact(0.4), 0)
+    )
 
 
-# What is in these files has been read by the programs of tests/clients; a change here wants them to read it again.
+# What is in these files has been read by the programs of tests/clients; a change here wants them to
+# read it again.
 @pytest.mark.parametrize(
     ("name", "digest"),
     [
@@ -149,7 +180,9 @@ def test_a_frame_in_which_32_bits_would_move_walls_is_refused(name):
 @pytest.mark.parametrize("name", ["obj", "usd", "geojson", "wkt", "svg", "sdf", "mjcf", "irsim"])
 def test_a_frame_in_which_64_bits_would_move_walls_is_refused(name):
     with raises(InvalidWorld, "too-many-digits", bits=53):
-        small = replace(TINY, cell_size=1e-5, robot_radius=1e-5, start=Pose(0, 0), target=Target(0, 0, 1e-5))
+        small = replace(
+            TINY, cell_size=1e-5, robot_radius=1e-5, start=Pose(0, 0), target=Target(0, 0, 1e-5)
+        )
         export_world(small, name, origin=(1e12, 0))
 
 

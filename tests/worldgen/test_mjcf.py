@@ -31,12 +31,18 @@ HOSTILE = ['a"b<c>&d', "__world__", "ä\x01\udcff", "]]>", "7", "\u202e", "-->"]
 
 def tiny():
     """Walls that merge, a cell that opens and burns, one that falls; an open corner."""
-    events = [(2.5, 2, 3, CellState.FREE), (2.5, 2, 3, CellState.BURNING), (4.0, 2, 3, CellState.FREE)]
+    events = [
+        (2.5, 2, 3, CellState.FREE),
+        (2.5, 2, 3, CellState.BURNING),
+        (4.0, 2, 3, CellState.FREE),
+    ]
     return drawn(TINY, timeline=Timeline.of([*events, (0.125, 3, 1, CellState.SOLID)]))
 
 
 def test_a_tiny_world_is_these_bytes():
-    files = export_world(tiny(), "mjcf+robot+height=0.4+timestep=0.001", file="tiny.xml", origin=(-1.05, 2.0)).files
+    files = export_world(
+        tiny(), "mjcf+robot+height=0.4+timestep=0.001", file="tiny.xml", origin=(-1.05, 2.0)
+    ).files
     assert list(files) == ["tiny.xml", "tiny_player.py", "tiny_events.json"]
     assert files["tiny.xml"].decode() == (GOLDEN / "tiny.xml").read_text()
     assert files["tiny_events.json"].decode() == (GOLDEN / "tiny_events.json").read_text()
@@ -57,10 +63,16 @@ def cells_of(geom, origin, size):
 def test_boxes_cover_what_is_always_solid_exactly_once(world, origin):
     export = export_world(world, "mjcf", file="w.xml", origin=origin, sidecar=False)
     geoms = ElementTree.fromstring(export.data).findall("worldbody/geom[@type='box']")
-    covered = [cell for geom in geoms for cell in cells_of(geom, origin, Fraction(repr(world.cell_size)))]
+    covered = [
+        cell for geom in geoms for cell in cells_of(geom, origin, Fraction(repr(world.cell_size)))
+    ]
     inside = {(ix, iy) for ix, iy in covered if 0 <= ix < world.width and 0 <= iy < world.height}
-    always = np.logical_and.reduce([solid_at(world, time) for time in (0.0, *world.timeline.times.tolist())])
-    assert len(covered) == len(set(covered)) and inside == {(ix, iy) for iy, ix in np.argwhere(always).tolist()}
+    always = np.logical_and.reduce(
+        [solid_at(world, time) for time in (0.0, *world.timeline.times.tolist())]
+    )
+    assert len(covered) == len(set(covered)) and inside == {
+        (ix, iy) for iy, ix in np.argwhere(always).tolist()
+    }
 
 
 @given(changing_worlds(), st.floats(0.0, 20.0))
@@ -69,8 +81,16 @@ def test_boxes_and_table_say_what_is_solid_at_any_time(world, time):
     geoms = ElementTree.fromstring(files["w.xml"]).findall("worldbody/geom[@type='box']")
     table = json.loads(files.get("w_events.json", '{"events": []}'))
     shown = {name: z > 0 for when, name, z in table["events"] if when <= time}
-    there = [cell for geom in geoms for cell in cells_of(geom, (0.0, 0.0), Fraction(repr(world.cell_size)))]
-    there += [tuple(map(int, name.split("_")[1:])) for name, is_there in shown.items() if is_there and name[0] == "c"]
+    there = [
+        cell
+        for geom in geoms
+        for cell in cells_of(geom, (0.0, 0.0), Fraction(repr(world.cell_size)))
+    ]
+    there += [
+        tuple(map(int, name.split("_")[1:]))
+        for name, is_there in shown.items()
+        if is_there and name[0] == "c"
+    ]
     inside = [(ix, iy) for ix, iy in there if 0 <= ix < world.width and 0 <= iy < world.height]
     assert sorted(inside) == [(ix, iy) for ix, iy in np.argwhere(solid_at(world, time).T).tolist()]
 
@@ -90,10 +110,21 @@ def test_the_player_is_python_that_needs_mujoco_alone():
         for node in ast.walk(tree)
         if isinstance(node, ast.Import | ast.ImportFrom)
     }
-    assert modules <= {"__future__", "collections.abc", "json", "mujoco", "mujoco.viewer", "pathlib", "time", "typing"}
+    assert modules <= {
+        "__future__",
+        "collections.abc",
+        "json",
+        "mujoco",
+        "mujoco.viewer",
+        "pathlib",
+        "time",
+        "typing",
+    }
 
 
-@pytest.mark.parametrize("option", ["height=0", "height=-1", "height=1e300", "timestep=0", "timestep=1e300"])
+@pytest.mark.parametrize(
+    "option", ["height=0", "height=-1", "height=1e300", "timestep=0", "timestep=1e300"]
+)
 @pytest.mark.parametrize("kind", ["mjcf"])
 def test_sizes_that_cannot_be_are_refused(kind, option):
     with raises(InvalidParameter, "out-of-range", low=1e-06):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop import RobotOptions, import_world, read_map, read_scenario
+from worldgen.interop import ImportedRobot, import_world, read_map, read_scenario
 from worldgen.interop.formats.movingai import read_movingai
 
 MAPS = importlib.resources.files("corpora") / "maps"
@@ -17,7 +17,13 @@ MAZE, PROBLEMS = MAPS / "maze-32-32-2.map", MAPS / "maze-32-32-2-even-1.scen"
 
 
 def text_map(*rows, kind="octile", height=None, width=None, end="\n"):
-    lines = [f"type {kind}", f"height {height or len(rows)}", f"width {width or len(rows[0])}", "map", *rows]
+    lines = [
+        f"type {kind}",
+        f"height {height or len(rows)}",
+        f"width {width or len(rows[0])}",
+        "map",
+        *rows,
+    ]
     return "".join(line + end for line in lines).encode()
 
 
@@ -36,7 +42,9 @@ def rows_of(found):
     return ["".join("#" if solid else "." for solid in row) for row in found.walls[::-1]]
 
 
-@pytest.mark.parametrize(("character", "solid"), [*((c, False) for c in ".GS"), *((c, True) for c in "@OTW")])
+@pytest.mark.parametrize(
+    ("character", "solid"), [*((c, False) for c in ".GS"), *((c, True) for c in "@OTW")]
+)
 def test_each_character_is_free_or_solid(write, character, solid):
     assert read_movingai(write(text_map(f".{character}"))).walls.tolist() == [[False, solid]]
 
@@ -63,7 +71,9 @@ def test_the_last_line_needs_no_line_end_and_blank_lines_may_follow(write):
 
 
 @given(
-    st.integers(1, 12).flatmap(lambda n: st.lists(st.text(".GS@OTW", min_size=n, max_size=n), min_size=1, max_size=9))
+    st.integers(1, 12).flatmap(
+        lambda n: st.lists(st.text(".GS@OTW", min_size=n, max_size=n), min_size=1, max_size=9)
+    )
 )
 def test_any_rows_come_back_as_they_were_drawn(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("maps") / "a.map"
@@ -84,7 +94,11 @@ FAULTS = [
     (text_map("..", height="9" * 400), 2, {"code": "not-a-number", "key": "height"}),
     (text_map("..", height="99999999"), 3, {"code": "wrong-size", "max_side": 20000}),
     (text_map("..", width="20001"), 3, {"code": "wrong-size", "height": 1, "max_side": 20000}),
-    (text_map("..", width="20000", height="20000"), 3, {"code": "wrong-size", "max_cells": 64000000}),
+    (
+        text_map("..", width="20000", height="20000"),
+        3,
+        {"code": "wrong-size", "max_cells": 64000000},
+    ),
     (b"type octile\nheight 1\nwidth 2\n..\n", 4, {"code": "wrong-form", "came": "'..'"}),
     (b"type octile\nheight 1\nwidth 2", 4, {"code": "wrong-form", "came": "the end of the file"}),
     (b"type octile\nheight 1\nwidth 2\nmap", 5, {"code": "wrong-size", "height": 1}),
@@ -143,9 +157,17 @@ SCENARIO_FAULTS = [
     (b"", 1, {"code": "wrong-form"}),
     (b"version 2\n0 a 4 3 0 0 1 1 1\n", 1, {"code": "wrong-form", "came": "version 2"}),
     (b"version 1\n", None, {"code": "out-of-range", "row": 1}),
-    (b"version 1\n0 a 3 4 0 0 1 1 1\n", 2, {"code": "wrong-size", "problem_width": 3, "problem_height": 4, "width": 4}),
+    (
+        b"version 1\n0 a 3 4 0 0 1 1 1\n",
+        2,
+        {"code": "wrong-size", "problem_width": 3, "problem_height": 4, "width": 4},
+    ),
     (b"version 1\n0 a 4 3 4 0 1 1 1\n", 2, {"code": "outside-grid", "column": 4, "width": 4}),
-    (b"version 1\n0 a 4 3 0 0 1 3 1\n", 2, {"code": "outside-grid", "column": 1, "row": 3, "height": 3}),
+    (
+        b"version 1\n0 a 4 3 0 0 1 3 1\n",
+        2,
+        {"code": "outside-grid", "column": 1, "row": 3, "height": 3},
+    ),
     (b"version 1\n0 a 4 3 0 0 1 1\n", 2, {"code": "wrong-form"}),
     (b"version 1\n0 a 4 3 0 0 1 -1 1\n", 2, {"code": "wrong-form"}),
     (b"version 1\n0 a 4 3 0 0 1 1 nan\n", 2, {"code": "wrong-form"}),
@@ -153,7 +175,9 @@ SCENARIO_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("data", "line", "expected"), SCENARIO_FAULTS, ids=range(len(SCENARIO_FAULTS)))
+@pytest.mark.parametrize(
+    ("data", "line", "expected"), SCENARIO_FAULTS, ids=range(len(SCENARIO_FAULTS))
+)
 def test_a_scenario_fault_is_named_with_its_line(write, data, line, expected):
     with raises(FormatError, **expected) as caught:
         read_scenario(write(data, "a.scen"), 1, 4, 3, 1.0)
@@ -167,7 +191,7 @@ def test_scenario_rows_count_from_one(write):
 
 @pytest.mark.parametrize("row", [1, 77, 153, 230])
 def test_the_benchmarks_problems_are_reachable_by_a_path_no_longer_than_its_own(row):
-    robot = RobotOptions(scenario=PROBLEMS, row=row, radius=0.05)
+    robot = ImportedRobot(scenario=PROBLEMS, row=row, radius=0.05)
     imported = import_world(MAZE, robot)
     optimal = imported.world.provenance.params["optimal"] * imported.world.cell_size
     assert imported.decision.result == "reachable"

@@ -12,13 +12,20 @@ ROOM = "######\n#S...#\n##.#.#\n#...G#\n######"
 
 def test_map_and_scenario_are_in_the_benchmarks_idiom():
     export = export_world(drawn(ROOM), "movingai", file="room.map")
-    assert export.data.decode() == ("type octile\nheight 5\nwidth 6\nmap\n@@@@@@\n@....@\n@@.@.@\n@....@\n@@@@@@\n")
-    assert export.files["room.map.scen"].decode() == "version 1\n1\troom.map\t6\t5\t1\t1\t4\t3\t5.00000000\n"
+    assert export.data.decode() == (
+        "type octile\nheight 5\nwidth 6\nmap\n@@@@@@\n@....@\n@@.@.@\n@....@\n@@@@@@\n"
+    )
+    assert (
+        export.files["room.map.scen"].decode()
+        == "version 1\n1\troom.map\t6\t5\t1\t1\t4\t3\t5.00000000\n"
+    )
 
 
 def test_the_optimal_length_is_the_roots_sum_to_eight_decimals():
     open_room = "\n".join(["S......", *["......."] * 4, "....G.."])
-    optimal = export_world(drawn(open_room), "movingai").files["world.map.scen"].split()[-1].decode()
+    optimal = (
+        export_world(drawn(open_room), "movingai").files["world.map.scen"].split()[-1].decode()
+    )
     assert optimal == f"{1 + 4 * math.sqrt(2):.8f}"
 
 
@@ -49,11 +56,16 @@ def test_a_problem_that_does_not_fit_the_map_is_passed_over_with_a_warning(tmp_p
     path = write_export(export_world(drawn(ROOM), "movingai", sidecar=False), tmp_path)[0]
     (tmp_path / "world.map.scen").write_text(text)
     found = read_map(path)
-    assert found.start is None and "world.map.scen beside the map was passed over" in found.warnings[0]
+    assert (
+        found.start is None and "world.map.scen beside the map was passed over" in found.warnings[0]
+    )
 
 
 def test_our_own_reader_of_scenarios_finds_the_same_cells(tmp_path):
     world = drawn(ROOM)
     write_export(export_world(world, "movingai"), tmp_path)
     problem = read_scenario(tmp_path / "world.map.scen", 1, 6, 5, 0.1)
-    assert (problem.start, problem.goal) == ((world.start.x, world.start.y), (world.target.x, world.target.y))
+    assert (problem.start, problem.goal) == (
+        (world.start.x, world.start.y),
+        (world.target.x, world.target.y),
+    )

@@ -48,13 +48,19 @@ def test_a_file_imports_its_neighbours(imports, speed, tmp_path):
     (tmp_path / "helper_of_mine.py").write_text("SPEED = 0.5\n")
     (tmp_path / "parts_of_mine").mkdir()
     (tmp_path / "parts_of_mine" / "__init__.py").write_text("from . import wheel\n")
-    (tmp_path / "parts_of_mine" / "wheel.py").write_text("import helper_of_mine\nSPEED = helper_of_mine.SPEED\n")
+    (tmp_path / "parts_of_mine" / "wheel.py").write_text(
+        "import helper_of_mine\nSPEED = helper_of_mine.SPEED\n"
+    )
     assert mine(tmp_path, imports, speed).speed == 0.5
 
 
 def test_a_file_imports_a_neighbour_by_its_name_as_text(tmp_path):
     (tmp_path / "named_of_mine.py").write_text("SPEED = 0.5\n")
-    assert mine(tmp_path, "import importlib\nhelper = importlib.import_module('named_of_mine')", "helper.SPEED").speed
+    assert mine(
+        tmp_path,
+        "import importlib\nhelper = importlib.import_module('named_of_mine')",
+        "helper.SPEED",
+    ).speed
 
 
 def test_an_import_in_act_finds_a_neighbour(tmp_path):
@@ -128,6 +134,15 @@ def test_plain_pytest_finds_the_neighbours_of_a_controller(tmp_path):
         "from sim.controllers import CONTROLLERS\n\n\n"
         "def test_it():\n    assert CONTROLLERS.get('robots/mine.py:Mine').speed == 1.0\n"
     )
-    command = [sys.executable, "-P", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib"]
+    command = [
+        sys.executable,
+        "-P",
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "--import-mode=importlib",
+    ]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout

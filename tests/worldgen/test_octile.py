@@ -43,7 +43,10 @@ def test_many_questions_on_noise_are_answered_as_one_by_one(seed, density):
     walls = rng.random((13, 17)) < density
     starts, goals = rng.integers(0, 13, (2, 8, 2))
     found = OctileMap(walls).lengths(starts, goals)
-    expected = [octile_length(walls, tuple(a), tuple(b)) for a, b in zip(starts.tolist(), goals.tolist(), strict=True)]
+    expected = [
+        octile_length(walls, tuple(a), tuple(b))
+        for a, b in zip(starts.tolist(), goals.tolist(), strict=True)
+    ]
     assert found.tolist() == [list(counts) for counts in expected]
 
 

@@ -1,4 +1,7 @@
-"""Files as they are met in the wild: each gives the right world, or a sentence that says what to do."""
+"""Files as they are met in the wild.
+
+Each gives the right world, or a sentence that says what to do.
+"""
 
 import cmath
 import struct
@@ -17,7 +20,10 @@ from worldgen.support.rows import flip_rows
 PIXELS = np.array([[0, 254, 205], [254, 254, 0]], np.uint8)
 SOLID = PIXELS < 206  # what is unknown is solid
 OCTILE = b"type octile\nheight 2\nwidth 3\nmap\n@.T\n..@\n"
-YAML = "image: p.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+YAML = (
+    "image: p.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: "
+    "0.65\nfree_thresh: 0.196\n"
+)
 PGM = b"P5\n3 2\n255\n" + PIXELS.tobytes()
 BOM = b"\xef\xbb\xbf"
 
@@ -47,7 +53,17 @@ def ros(tmp_path):
         b"Type Octile\nHEIGHT 2\nWidth 3\nMAP\n@.T\n..@\n",
         b"type octile\nwidth 3\nheight 2\nmap\n@.T\n..@\n",
     ],
-    ids=["bom", "cr", "some-crlf", "tabs", "blanks-behind-rows", "blank-lines", "dos-end", "capitals", "width-first"],
+    ids=[
+        "bom",
+        "cr",
+        "some-crlf",
+        "tabs",
+        "blanks-behind-rows",
+        "blank-lines",
+        "dos-end",
+        "capitals",
+        "width-first",
+    ],
 )
 def test_an_odd_octile_map_is_the_same_map(data, tmp_path):
     (tmp_path / "m.map").write_bytes(data)
@@ -85,7 +101,10 @@ def test_a_drawing_from_another_system_is_the_same_drawing(tmp_path, name, data,
             OCTILE.replace(b"2", b"x").replace(b"3", b"2").replace(b"x", b"3"),
             {"code": "ragged-rows"},
         ),
-        (OCTILE.replace(b"height 2", b"height -2"), {"code": "not-a-number", "key": "height", "word": "-2"}),
+        (
+            OCTILE.replace(b"height 2", b"height -2"),
+            {"code": "not-a-number", "key": "height", "word": "-2"},
+        ),
         (OCTILE.decode().encode("utf-16"), {"code": "not-utf8"}),
         (OCTILE.replace(b"octile", b"octile-corner"), {"code": "unsupported"}),
         (b"\n" * 5_000_000, {"code": "wrong-form"}),
@@ -133,13 +152,22 @@ def test_an_odd_pgm_is_the_same_map(pixels, ros):
 
 def interlaced(pixels):
     """A PNG in Adam7's seven passes, which Pillow reads and does not write."""
-    passes = [(0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2)]
+    passes = [
+        (0, 0, 8, 8),
+        (4, 0, 8, 8),
+        (0, 4, 4, 8),
+        (2, 0, 4, 4),
+        (0, 2, 2, 4),
+        (1, 0, 2, 2),
+        (0, 1, 1, 2),
+    ]
     parts = [pixels[y::down, x::right] for x, y, right, down in passes]
     raster = b"".join(b"\0" + row.tobytes() for part in parts if part.size for row in part)
     head = struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 0, 0, 0, 1)
     chunks = [(b"IHDR", head), (b"IDAT", zlib.compress(raster)), (b"IEND", b"")]
     framed = [
-        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in chunks
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in chunks
     ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(framed)
 
@@ -161,14 +189,19 @@ def test_a_picture_of_any_kind_is_the_same_map(kind, ros):
 
 def test_grey_between_the_thresholds_of_an_anti_aliased_picture_is_said_and_solid(ros):
     found = ros(pixels=b"P5\n3 2\n255\n" + bytes([254, 120, 0, 254, 199, 1]))
-    assert found.walls.sum() == 4 and any("2 of 6 cells are neither occupied nor free" in note for note in found.notes)
+    assert found.walls.sum() == 4 and any(
+        "2 of 6 cells are neither occupied nor free" in note for note in found.notes
+    )
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
         (YAML.replace("negate: 0\n", ""), {"code": "missing-key"}),
-        (YAML.replace("0.05", "0,05"), {"code": "not-a-number", "key": "resolution", "word": "0,05"}),
+        (
+            YAML.replace("0.05", "0,05"),
+            {"code": "not-a-number", "key": "resolution", "word": "0,05"},
+        ),
         (YAML.replace("0.65", "65"), {"code": "wrong-order"}),
         (YAML.replace("p.pgm", "/home/me/maps/p.pgm"), {"code": "outside-folder", "key": "image"}),
         (
@@ -204,10 +237,14 @@ def test_a_picture_that_loses_or_moves_pixels_is_refused(kind, ros):
 )
 def test_a_map_turned_by_quarters_lies_where_its_yaw_says(yaw, corner, ros):
     """Each cell's centre, turned as the yaw says, is solid where the cell is."""
-    found = ros(YAML.replace("0.0]", f"{yaw}]"), b"P5\n3 2\n255\n" + bytes([0, 254, 254, 254, 254, 254]))
+    found = ros(
+        YAML.replace("0.0]", f"{yaw}]"), b"P5\n3 2\n255\n" + bytes([0, 254, 254, 254, 254, 254])
+    )
     assert found.origin == pytest.approx(corner, abs=1e-12)
     turn = cmath.exp(1j * float(yaw))
-    solid = complex(0.025, 0.075) * turn - complex(*found.origin)  # of the picture's upper-left pixel
+    solid = complex(0.025, 0.075) * turn - complex(
+        *found.origin
+    )  # of the picture's upper-left pixel
     expected = np.zeros_like(found.walls)
     expected[int(solid.imag / 0.05), int(solid.real / 0.05)] = True
     assert np.array_equal(found.walls, expected)

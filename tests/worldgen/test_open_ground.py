@@ -12,18 +12,22 @@ from scipy.sparse.csgraph import dijkstra
 from tests.reference.worldgen import ground as ground_reference
 from worldgen.families.parts.open_ground import covered, dig_from, far_poses, in_sight
 from worldgen.random_streams import RandomStream
-from worldgen.support.grid_search import components, free_windows, shortest_way, steps_from
+from worldgen.support.grid_search import components, free_windows, shortest_path, steps_from
 
 
 def ground(seed, side=40, rock=0.35):
     walls = np.ones((side, side), bool)
-    walls[1:-1, 1:-1] = (RandomStream(seed).floats((side - 2) ** 2) < rock).reshape(side - 2, side - 2)
+    walls[1:-1, 1:-1] = (RandomStream(seed).floats((side - 2) ** 2) < rock).reshape(
+        side - 2, side - 2
+    )
     return walls
 
 
 def hardness(seed, side=40):
     hard = np.zeros((side, side), np.uint8)
-    hard[1:-1, 1:-1] = (RandomStream(seed).bits((side - 2) ** 2) % 3 + 1).reshape(side - 2, side - 2)
+    hard[1:-1, 1:-1] = (RandomStream(seed).bits((side - 2) ** 2) % 3 + 1).reshape(
+        side - 2, side - 2
+    )
     return hard
 
 
@@ -50,7 +54,7 @@ def test_a_shortest_path_is_that_of_the_reference(seed):
     came = [-1] * windows.size
     queue = [0] * windows.size
     ground_reference.breadth_first(windows.tobytes(), came, queue, start, goal, windows.shape[1])
-    path = shortest_way(windows, start, goal)
+    path = shortest_path(windows, start, goal)
     if came[goal] < 0:
         assert path == []
     else:
@@ -95,14 +99,21 @@ def test_components_are_those_of_scipy(seed):
 def test_digging_takes_the_easiest_way(seed):
     hard = hardness(seed, 14)
     places = np.arange(hard.size).reshape(hard.shape)
-    steps = [(a.ravel(), b.ravel()) for a, b in ((places[:, :-1], places[:, 1:]), (places[:-1], places[1:]))]
-    edges = np.concatenate([np.stack([a, b]) for u, v in steps for a, b in ((u, v), (v, u))], axis=1)
+    steps = [
+        (a.ravel(), b.ravel())
+        for a, b in ((places[:, :-1], places[:, 1:]), (places[:-1], places[1:]))
+    ]
+    edges = np.concatenate(
+        [np.stack([a, b]) for u, v in steps for a, b in ((u, v), (v, u))], axis=1
+    )
     edges = edges[:, (hard.ravel()[edges] > 0).all(axis=0)]
     graph = coo_matrix((hard.ravel()[edges[1]], edges), shape=(hard.size, hard.size)).tocsr()
     owner = np.full(hard.size, -1, np.int32)
     owner[14 * 3 + 5] = 0
     inside = hard.ravel() > 0
-    assert np.array_equal(dig_from(owner, hard).depth[inside], dijkstra(graph, indices=14 * 3 + 5)[inside])
+    assert np.array_equal(
+        dig_from(owner, hard).depth[inside], dijkstra(graph, indices=14 * 3 + 5)[inside]
+    )
 
 
 @given(st.integers(0, 2**32), st.integers(1, 5))
@@ -119,7 +130,9 @@ def test_in_sight_agrees_with_shapely(seed, ax, ay, bx, by):
     walls = ground(seed, rock=0.03)
     rows, columns = np.nonzero(walls)
     cells = shapely.box(2 * columns, 2 * rows, 2 * columns + 2, 2 * rows + 2)
-    line = shapely.LineString([(ax, ay), (bx, by)]) if (ax, ay) != (bx, by) else shapely.Point(ax, ay)
+    line = (
+        shapely.LineString([(ax, ay), (bx, by)]) if (ax, ay) != (bx, by) else shapely.Point(ax, ay)
+    )
     barred = shapely.relate_pattern(shapely.union_all(cells), line, "T********")
     assert in_sight(walls, (ax, ay), (bx, by)) == (not barred or (ax, ay) == (bx, by))
 

@@ -9,7 +9,14 @@ from PIL import Image, PngImagePlugin
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop import export_world, find_format, import_world, looks_like_a_map, read_map, write_export
+from worldgen.interop import (
+    export_world,
+    find_format,
+    import_world,
+    looks_like_a_map,
+    read_map,
+    write_export,
+)
 
 GREYS = np.array([[0, 100, 127], [128, 200, 255]], np.uint8)
 SOLID = [[False, False, False], [True, True, True]]  # row 0 is the lowest
@@ -36,7 +43,10 @@ def write(tmp_path):
 def test_the_picture_is_grey_black_and_white_and_says_the_rest_in_words():
     export = export_world(drawn("###\n#SG\n###"), "png", origin=(-1.5, 0.25))
     with Image.open(io.BytesIO(export.data)) as image:
-        assert (image.mode, np.asarray(image).tolist()) == ("L", [[0, 0, 0], [0, 255, 255], [0, 0, 0]])
+        assert (image.mode, np.asarray(image).tolist()) == (
+            "L",
+            [[0, 0, 0], [0, 255, 255], [0, 0, 0]],
+        )
         assert image.text == {
             "worldgen": "1", "resolution": "0.1", "origin": "-1.5 0.25", "start": "-1.35 0.4 0",
             "target": "-1.25 0.4 0.005", "robot_radius": "0.07", "robot_speed": "2",
@@ -44,7 +54,9 @@ def test_the_picture_is_grey_black_and_white_and_says_the_rest_in_words():
 
 
 @pytest.mark.parametrize(
-    "pixels", [GREYS, GREYS.astype(np.uint16) * 257, np.dstack([GREYS] * 3)], ids=["8 bits", "16 bits", "colour"]
+    "pixels",
+    [GREYS, GREYS.astype(np.uint16) * 257, np.dstack([GREYS] * 3)],
+    ids=["8 bits", "16 bits", "colour"],
 )
 def test_pixels_darker_than_the_middle_are_solid(write, pixels):
     found = read_map(write(png(pixels)))

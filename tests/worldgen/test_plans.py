@@ -27,7 +27,9 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def area(ring):
     """Twice the area within a ring of whole numbers; negative where it runs clockwise."""
-    return sum(ax * by - bx * ay for (ax, ay), (bx, by) in zip(ring, [*ring[1:], ring[0]], strict=True))
+    return sum(
+        ax * by - bx * ay for (ax, ay), (bx, by) in zip(ring, [*ring[1:], ring[0]], strict=True)
+    )
 
 
 @given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9)), fill=st.nothing()))
@@ -37,7 +39,9 @@ def test_polygons_are_valid_and_cover_exactly_the_solid_cells(walls):
     assert shape.is_valid and shape.area == walls.sum()
     y, x = np.nonzero(walls)
     assert shape.equals(shapely.union_all(shapely.box(x, y, x + 1, y + 1)))
-    assert all(area(outline) > 0 and all(area(hole) < 0 for hole in holes) for outline, *holes in polygons)
+    assert all(
+        area(outline) > 0 and all(area(hole) < 0 for hole in holes) for outline, *holes in polygons
+    )
 
 
 @given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9)), fill=st.nothing()))
@@ -65,7 +69,8 @@ def test_an_empty_open_world_has_its_border_and_a_closed_one_none():
     free = replace(TINY, walls=np.zeros((2, 4), np.bool_))
     text = export_world(free, "wkt").data.decode()
     assert text == (
-        "MULTIPOLYGON (((-0.1 -0.1, 0.5 -0.1, 0.5 0.3, -0.1 0.3, -0.1 -0.1), (0 0, 0 0.2, 0.4 0.2, 0.4 0, 0 0)))\n"
+        "MULTIPOLYGON (((-0.1 -0.1, 0.5 -0.1, 0.5 0.3, -0.1 0.3, -0.1 -0.1), (0 0, 0 0.2, 0.4 0.2, "
+        "0.4 0, 0 0)))\n"
     )
     kinds = [feature["properties"]["kind"] for feature in features(generate("maze", 1, size=13))]
     assert kinds == ["walls", "start", "target"]
@@ -90,7 +95,11 @@ def test_geojson_has_places_with_what_belongs_to_them_and_says_that_its_frame_is
 
 def test_geojson_has_every_change_with_its_time_and_cell():
     line = Timeline.of([(1.5, 2, 1, CellState.BURNING), (4.0, 2, 1, CellState.FREE)])
-    changes = [one for one in features(replace(TINY, timeline=line)) if one["properties"]["kind"] == "change"]
+    changes = [
+        one
+        for one in features(replace(TINY, timeline=line))
+        if one["properties"]["kind"] == "change"
+    ]
     assert [one["properties"] for one in changes] == [
         {"kind": "change", "time": 1.5, "state": "burning", "cell": [2, 1]},
         {"kind": "change", "time": 4.0, "state": "free", "cell": [2, 1]},
@@ -108,7 +117,10 @@ def test_the_paths_of_a_plan_are_the_polygons(drawn):
     for path, polygon in zip(paths, polygons, strict=True):
         rings = [ring_of(data) for data in path.get("d").rstrip("z").split("z")]
         flat = [
-            [(float(x) * world.cell_size + origin[0], y * world.cell_size + origin[1]) for x, y in ring]
+            [
+                (float(x) * world.cell_size + origin[0], y * world.cell_size + origin[1])
+                for x, y in ring
+            ]
             for ring in polygon
         ]
         assert rings == [[pytest.approx(corner) for corner in ring] for ring in flat]
@@ -138,7 +150,9 @@ def test_a_plan_is_to_scale_in_metres_with_all_else_in_its_metadata():
     assert [circles["target"].get(key) for key in ("cx", "cy", "r")] == ["1.35", "2.15", "0.05"]
     said = json.loads(root.find(f"{SVG}metadata").text)
     assert said["heading"] == 0.5 and said["robot_speed"] == 1.5 and said["size"] == [4, 3]
-    assert f"rotate({math.degrees(0.5)} 1.15 2.15)" in root.find(f".//{SVG}path[@class='heading']").get("transform")
+    assert f"rotate({math.degrees(0.5)} 1.15 2.15)" in root.find(
+        f".//{SVG}path[@class='heading']"
+    ).get("transform")
 
 
 def test_a_plan_shows_the_witness_unless_it_is_not_wanted():
@@ -152,7 +166,8 @@ def test_a_plan_shows_the_witness_unless_it_is_not_wanted():
 
 
 @pytest.mark.parametrize(
-    ("name", "digest"), [("wkt", "b4f11eeb441c5964"), ("geojson", "a7edc4a47c1661c6"), ("svg", "8a010c7a1e1e6b10")]
+    ("name", "digest"),
+    [("wkt", "b4f11eeb441c5964"), ("geojson", "a7edc4a47c1661c6"), ("svg", "8a010c7a1e1e6b10")],
 )
 def test_the_bytes_of_a_plan_are_the_same_everywhere(name, digest):
     data = export_world(TINY, name, origin=(-1.0, 0.25)).data

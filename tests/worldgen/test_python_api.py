@@ -1,4 +1,7 @@
-"""What a programmer meets in a Python session: names that are listed, families to call, worlds that show themselves."""
+"""What a programmer meets in a Python session.
+
+Names that are listed, families to call, worlds that show themselves.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +136,10 @@ def test_what_is_no_seed_is_refused(seed):
 def test_none_has_the_family_choose_and_files_hold_their_own_number(small):
     world = maze(7, size=12, passage=None, newest=None)
     assert world == small
-    assert world.provenance.params["passage"] == -1 and repr(world.provenance.params["newest"]) == "-1.0"
+    assert (
+        world.provenance.params["passage"] == -1
+        and repr(world.provenance.params["newest"]) == "-1.0"
+    )
 
 
 def test_none_is_refused_where_the_family_has_nothing_to_choose():
@@ -153,7 +159,8 @@ def test_a_number_out_of_bounds_is_told_to_be_left_out():
 
 def test_a_world_is_one_line(small):
     assert repr(small) == (
-        "<World maze seed 7: 12 x 12 cells of 0.1 m, start (0.95, 0.25), target (0.25, 0.95), witness of 1.673 m>"
+        "<World maze seed 7: 12 x 12 cells of 0.1 m, start (0.95, 0.25), target (0.25, 0.95), "
+        "witness of 1.673 m>"
     )
 
 
@@ -162,7 +169,9 @@ def test_a_world_says_in_its_line_what_its_certificate_is(small):
 
     assert "no certificate" in repr(replace(small, certificate=None))
     cut = Cut(np.array([[0, 0], [1, 0]]), 0.0)
-    assert "cut of 2 cells" in repr(replace(small, certificate=cut, provenance=Provenance("mine", 1, 3)))
+    assert "cut of 2 cells" in repr(
+        replace(small, certificate=cut, provenance=Provenance("mine", 1, 3))
+    )
 
 
 def test_a_world_knows_its_digest(small):

@@ -61,7 +61,9 @@ def test_below_redraws_what_would_favour_small_numbers():
 def test_below_is_even(bound):
     stream, draws = RandomStream(11), 100 * bound
     counts = np.bincount([stream.below(bound) for _ in range(draws)], minlength=bound)
-    assert ((counts - 100.0) ** 2 / 100.0).sum() < bound + 5 * np.sqrt(2 * bound)  # chi-square, mean + 5 sigma
+    assert ((counts - 100.0) ** 2 / 100.0).sum() < bound + 5 * np.sqrt(
+        2 * bound
+    )  # chi-square, mean + 5 sigma
 
 
 @given(SEEDS, st.integers(-50, 50), st.integers(0, 20))
@@ -83,7 +85,9 @@ def test_every_order_of_a_shuffle_is_as_likely():
         stream.shuffle(items)
         counts[tuple(items)] += 1
     assert len(counts) == 24
-    assert sum((count - 100) ** 2 / 100 for count in counts.values()) < 50  # chi-square, 23 degrees: p < 0.001
+    assert (
+        sum((count - 100) ** 2 / 100 for count in counts.values()) < 50
+    )  # chi-square, 23 degrees: p < 0.001
 
 
 @given(SEEDS)

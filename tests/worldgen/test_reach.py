@@ -63,7 +63,12 @@ def test_cells_that_touch_at_a_corner_let_nothing_through():
 
 @pytest.mark.parametrize(
     ("radius", "result"),
-    [(0.7, REACHABLE), (0.7071067811865475, REACHABLE), (0.7071067811865476, BLOCKED), (0.71, BLOCKED)],
+    [
+        (0.7, REACHABLE),
+        (0.7071067811865475, REACHABLE),
+        (0.7071067811865476, BLOCKED),
+        (0.71, BLOCKED),
+    ],
 )
 def test_a_diagonal_gap_passes_discs_up_to_half_of_its_width(radius, result):
     assert decided(drawn(STAIRCASE, radius=radius, cell_size=1.0)).result == result
@@ -84,14 +89,19 @@ def test_a_corridor_a_hair_narrower_than_the_disc_stops_it():
 def test_a_slanting_gap_passes_a_disc_along_its_bisector(radius, result):
     walls = np.zeros((22, 22), bool)
     walls[10, :10] = walls[13, 11:] = True  # corners (10, 11) and (11, 13): a gap of the root of 5
-    world = World(walls, Pose(16.5, 5.5), Target(4.5, 17.5, 0.1), cell_size=1.0, robot_radius=radius)
+    world = World(
+        walls, Pose(16.5, 5.5), Target(4.5, 17.5, 0.1), cell_size=1.0, robot_radius=radius
+    )
     assert decided(world).result == result
 
 
 def test_a_wall_one_cell_thick_stops_the_smallest_disc():
     decision = decided(drawn("...#...\nS..#..G\n...#...", radius=1e-6))
     assert decision.result == BLOCKED
-    assert {3} >= set(decision.certificate.cells[decision.certificate.cells[:, 1] == 1, 0]) - {-1, 7}
+    assert {3} >= set(decision.certificate.cells[decision.certificate.cells[:, 1] == 1, 0]) - {
+        -1,
+        7,
+    }
 
 
 def test_the_outside_of_the_grid_is_solid():
@@ -113,7 +123,9 @@ def test_a_start_too_near_to_a_cell_is_blocked_by_that_cell():
 
 
 def test_a_target_whose_every_pose_is_covered_is_blocked_by_one_cell():
-    decision = decided(drawn(BEND.replace("G", "#", 1).replace(".#.......", "G#......."), radius=0.07))
+    decision = decided(
+        drawn(BEND.replace("G", "#", 1).replace(".#.......", "G#......."), radius=0.07)
+    )
     assert decision.result == BLOCKED
     assert len(decision.certificate.cells) == 1
 
@@ -188,13 +200,18 @@ def test_a_world_of_300_by_300_cells_is_decided(density, result):
 def test_a_disc_of_many_cells_is_decided():
     walls = np.zeros((120, 120), bool)
     walls[60, ::20] = True  # gaps of 19 cells
-    world = World(walls, Pose(60.0, 20.0), Target(60.0, 100.0, 1.0), cell_size=1.0, robot_radius=9.5)
+    world = World(
+        walls, Pose(60.0, 20.0), Target(60.0, 100.0, 1.0), cell_size=1.0, robot_radius=9.5
+    )
     assert decided(world).result == REACHABLE
     assert decided(world, radius=9.51).result == BLOCKED
 
 
 def distances(world):
-    """Distance, cells, from points at multiples of 1/8 cell to the nearest solid cell; plain broadcasting."""
+    """Distance, cells, from points at multiples of 1/8 cell to the nearest solid cell.
+
+    Plain broadcasting.
+    """
     solid = np.argwhere(np.pad(world.walls, 1, constant_values=True)) - 1
     y, x = np.mgrid[0 : 8 * world.height + 1, 0 : 8 * world.width + 1] / 8
     apart = [
@@ -216,14 +233,18 @@ def joins(world, clear, neighbours, slack):
 @pytest.mark.gate
 @given(still_worlds())
 def test_what_a_wider_disc_reaches_on_a_fine_lattice_is_reachable(world):
-    clear = distances(world)[0] >= world.robot_radius + 1 / 16 + 1e-9  # then no step of 1/8 comes too near
+    clear = (
+        distances(world)[0] >= world.robot_radius + 1 / 16 + 1e-9
+    )  # then no step of 1/8 comes too near
     assume(joins(world, clear, np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]]), 0.0))
     assert decided(world).result == REACHABLE
 
 
 @given(still_worlds())
 def test_what_a_narrower_disc_cannot_reach_on_a_fine_lattice_is_not_reachable(world):
-    clear = distances(world)[0] >= world.robot_radius - 0.0884 - 1e-9  # any clear path, moved to lattice points
+    clear = (
+        distances(world)[0] >= world.robot_radius - 0.0884 - 1e-9
+    )  # any clear path, moved to lattice points
     if not joins(world, clear, np.ones((3, 3)), 0.0884):
         assert decided(world).result == BLOCKED
 
@@ -240,20 +261,36 @@ def test_discs_a_hair_wider_or_narrower_than_a_gap_are_decided_too(world):
 
 @pytest.mark.parametrize(("reach", "result"), [(1.415, REACHABLE), (1.414, BLOCKED)])
 def test_a_target_that_only_just_touches_where_the_disc_may_be_is_reached_there(reach, result):
-    world = World(np.zeros((9, 9), bool), Pose(4.5, 4.5), Target(0.0, 0.0, reach), cell_size=1.0, robot_radius=1.0)
+    world = World(
+        np.zeros((9, 9), bool),
+        Pose(4.5, 4.5),
+        Target(0.0, 0.0, reach),
+        cell_size=1.0,
+        robot_radius=1.0,
+    )
     assert decided(world).result == result  # the nearest pose is (1, 1), the root of 2 away
 
 
 def test_a_start_that_touches_a_wall_between_lattice_points_is_decided():
-    world = World(np.zeros((9, 9), bool), Pose(0.3333, 4.5), Target(4.5, 4.5, 0.1), cell_size=1.0, robot_radius=0.3333)
+    world = World(
+        np.zeros((9, 9), bool),
+        Pose(0.3333, 4.5),
+        Target(4.5, 4.5, 0.1),
+        cell_size=1.0,
+        robot_radius=0.3333,
+    )
     assert decided(world).result == REACHABLE
 
 
 def test_a_target_in_a_wedge_between_a_side_and_a_corner_is_reached_along_the_side():
     text = "...#..#.... #......#... ..........# ......#.... .#......... ..#........"
     walls = np.array([[letter == "#" for letter in row] for row in text.split()[::-1]])
-    world = World(walls, Pose(8.5, 2.5), Target(6.5, 0.5, 1.0), cell_size=1.0, robot_radius=1.0000001)
-    decision = decide(world)  # the wedge begins at (7.0006, 1.0000001) and is too thin for nodes a sixteenth apart
+    world = World(
+        walls, Pose(8.5, 2.5), Target(6.5, 0.5, 1.0), cell_size=1.0, robot_radius=1.0000001
+    )
+    decision = decide(
+        world
+    )  # the wedge begins at (7.0006, 1.0000001) and is too thin for nodes a sixteenth apart
     assert decision.result == REACHABLE
     assert check_certificate(world, decision.certificate).valid
 
@@ -261,7 +298,9 @@ def test_a_target_in_a_wedge_between_a_side_and_a_corner_is_reached_along_the_si
 @pytest.mark.parametrize("target", [(4.5, 4.1667), (4.5001, 4.1667), (4.501, 4.168)])
 def test_a_pocket_between_three_corners_with_no_node_in_it_is_decided(target):
     walls = np.zeros((9, 9), bool)
-    walls[[2, 2, 6], [2, 6, 3]] = True  # corners at (3, 3), (6, 3) and (4, 6): their circle has a radius of 1.9003
+    walls[[2, 2, 6], [2, 6, 3]] = (
+        True  # corners at (3, 3), (6, 3) and (4, 6): their circle has a radius of 1.9003
+    )
     world = World(walls, Pose(4.5, 4.1667), Target(*target, 1e-6), cell_size=1.0, robot_radius=1.89)
     decision = decide(world)
     assert decision.result == REACHABLE
@@ -283,7 +322,9 @@ def test_one_ring_parts_the_start_from_a_target_that_has_poses_on_several_sides(
 """
     world = drawn(walled, radius=0.05, target_radius=0.25)
     assert decided(world).result == BLOCKED
-    assert not decided(world).certificate.cells.max() > 5  # the inner ring, not one of those that part some poses
+    assert (
+        not decided(world).certificate.cells.max() > 5
+    )  # the inner ring, not one of those that part some poses
 
 
 @given(still_worlds(), st.data())
@@ -309,9 +350,13 @@ def test_any_legal_world_gets_an_answer_and_any_certificate_a_report(world):
 def test_links_are_the_gaps_below_the_discs_width():
     offsets = linked_offsets(radius_in_cells(drawn(CORRIDOR, radius=0.07)))
     assert set(offsets) == {
-        (dx, dy) for dx, dy in itertools.product(range(-2, 3), repeat=2) if 0 < dx * dx + dy * dy < 8
+        (dx, dy)
+        for dx, dy in itertools.product(range(-2, 3), repeat=2)
+        if 0 < dx * dx + dy * dy < 8
     }
-    assert all((-dx, -dy) in offsets[len(offsets) // 2 :] for dx, dy in offsets[: len(offsets) // 2])
+    assert all(
+        (-dx, -dy) in offsets[len(offsets) // 2 :] for dx, dy in offsets[: len(offsets) // 2]
+    )
 
 
 def test_the_distance_of_a_slanting_segment_to_a_cell_is_exact():

@@ -21,7 +21,9 @@ ROOM = """
 """
 WALLED = ROOM.replace("..####..", "########")
 ACROSS = np.array([(ix, 3) for ix in range(-1, 9)] + [(8, iy) for iy in range(2, -2, -1)])
-ROUND_START = np.concatenate([ACROSS, [(ix, -1) for ix in range(7, -2, -1)], [(-1, iy) for iy in range(3)]])
+ROUND_START = np.concatenate(
+    [ACROSS, [(ix, -1) for ix in range(7, -2, -1)], [(-1, iy) for iy in range(3)]]
+)
 
 
 def refusal(world, certificate, **options):
@@ -40,7 +42,9 @@ GOOD = witness([0, 1, 2, 3], ROUND)
 
 
 def changed(*, times=None, points=None, clearance=0.07):
-    return witness([0, 1, 2, 3] if times is None else times, ROUND if points is None else points, clearance)
+    return witness(
+        [0, 1, 2, 3] if times is None else times, ROUND if points is None else points, clearance
+    )
 
 
 def moved(index, x, y):
@@ -133,18 +137,29 @@ def test_a_cut_may_cross_the_part_of_the_target_where_no_disc_fits():
 
 
 def test_a_target_that_misses_the_only_clear_pose_by_a_hair_of_1e_31_cell_is_proved_blocked():
-    radius = 0.07500000000000001  # the corner at (5 - r, r) is sqrt(r**2 + 6e-16**2) from the target, which is r wide
+    # The corner at (5 - r, r) is sqrt(r**2 + 6e-16**2) from the target, which is r wide.
+    radius = 0.07500000000000001
     target = Target(0.17500000000000002, 0.0, radius)
-    world = World(np.zeros((5, 5), bool), Pose(radius, radius), target, cell_size=0.05, robot_radius=radius)
+    world = World(
+        np.zeros((5, 5), bool), Pose(radius, radius), target, cell_size=0.05, robot_radius=radius
+    )
     decision = decide(world)
     assert decision.result == BLOCKED
     assert check_certificate(world, decision.certificate).valid
 
 
 @pytest.mark.parametrize("cell", [1.0, 1e3, 4.142135623730951e4, 1e5])
-def test_a_cut_round_a_target_in_a_corner_holds_for_a_robot_of_any_size_if_the_target_is_as_far_as_that(cell):
+def test_a_cut_round_a_target_in_a_corner_holds_for_a_robot_of_any_size_if_the_target_is_as_far_as_that(
+    cell,
+):
     beyond, nearer = (  # the nearest clear pose is the root of 2 radii away
-        World(np.zeros((3, 3), bool), Pose(cell, cell), Target(0.0, 0.0, 0.1 * reach), cell_size=cell, robot_radius=0.1)
+        World(
+            np.zeros((3, 3), bool),
+            Pose(cell, cell),
+            Target(0.0, 0.0, 0.1 * reach),
+            cell_size=cell,
+            robot_radius=0.1,
+        )
         for reach in (1.414213562373, 1.414213562374)
     )
     cut = decide(beyond).certificate
@@ -169,7 +184,9 @@ def gate(opens):
 def test_a_timed_witness_is_refused_where_it_meets_a_fire():
     made = decide(gate(4.0)).certificate
     early = dataclasses.replace(
-        made, times=np.maximum(made.times - 0.01, 0.0) * (made.times > 3.0) + made.times * (made.times <= 3.0)
+        made,
+        times=np.maximum(made.times - 0.01, 0.0) * (made.times > 3.0)
+        + made.times * (made.times <= 3.0),
     )
     assert check_certificate(gate(4.0), made).valid
     assert "cell (5, 1), blocked meanwhile" in refusal(gate(4.0), early)
@@ -186,6 +203,9 @@ def test_a_big_world_is_checked():
     walls = np.random.default_rng(2).random((1000, 1000)) < 0.06
     walls[:3, :3] = walls[-3:, -3:] = False
     world = dataclasses.replace(
-        drawn("S.G", radius=0.05), walls=walls, target=Target(99.85, 99.85, 0.05), start=Pose(0.15, 0.15)
+        drawn("S.G", radius=0.05),
+        walls=walls,
+        target=Target(99.85, 99.85, 0.05),
+        start=Pose(0.15, 0.15),
     )
     assert check_certificate(world, decide(world).certificate).valid

@@ -1,4 +1,7 @@
-"""Reachable by a deadline, blocked for it, or undecided; and how long the robot may wait before it sets out."""
+"""Reachable by a deadline, blocked for it, or undecided.
+
+And how long the robot may wait before it sets out.
+"""
 
 import dataclasses
 import math
@@ -31,7 +34,7 @@ from worldgen.reach.still.disc import target_disc
 from worldgen.reach.timed import confine
 from worldgen.reach.timed.earliest import find_timed_path
 from worldgen.reach.timed.latest import find_latest_start
-from worldgen.reach.timed.retime import hasten
+from worldgen.reach.timed.retime import retime
 from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Witness
@@ -53,7 +56,9 @@ def answer(world, deadline=None):
     if decision.confinement is not None:
         report = check_confinement(ahead, decision.confinement)
     elif decision.certificate is not None:
-        report = check_certificate(world if decision.result == REACHABLE else ahead, decision.certificate)
+        report = check_certificate(
+            world if decision.result == REACHABLE else ahead, decision.certificate
+        )
     else:
         assert decision.result == UNDECIDED
         return decision
@@ -63,7 +68,11 @@ def answer(world, deadline=None):
 
 def test_a_way_is_reachable_once_there_is_time_for_it():
     world = changing(OPEN, (9.0, 5, 1, BURNING))  # 1 m less the target's radius, at 0.5 m/s
-    assert [answer(world, deadline).result for deadline in (1.5, 1.9, 2.0)] == [BLOCKED, BLOCKED, REACHABLE]
+    assert [answer(world, deadline).result for deadline in (1.5, 1.9, 2.0)] == [
+        BLOCKED,
+        BLOCKED,
+        REACHABLE,
+    ]
 
 
 def test_a_gate_that_opens_after_the_deadline_is_a_cut():
@@ -91,16 +100,23 @@ def test_a_start_that_burns_before_it_can_be_left_is_blocked():
 def test_regions_that_close_one_after_another_are_blocked():
     rooms = "S..#..#..G\n...#..#..."
     steps = [(1.0, 3, 1, FREE), (1.0, 3, 0, FREE), (3.0, 3, 1, SOLID), (3.0, 3, 0, SOLID)]
-    steps += [(4.0, ix, iy, SOLID) for ix in (4, 5) for iy in (0, 1)] + [(5.0, 6, iy, FREE) for iy in (0, 1)]
+    steps += [(4.0, ix, iy, SOLID) for ix in (4, 5) for iy in (0, 1)] + [
+        (5.0, 6, iy, FREE) for iy in (0, 1)
+    ]
     assert decide(changing(rooms, *steps)).result == UNDECIDED
     assert answer(changing(rooms, *steps)).confinement is not None
-    assert answer(changing(rooms, *[event for event in steps if event[0] != 4.0])).result == REACHABLE
+    assert (
+        answer(changing(rooms, *[event for event in steps if event[0] != 4.0])).result == REACHABLE
+    )
 
 
 def test_a_deadline_holds_in_a_world_that_stands_still():
     world = generate("maze", 3)
     arrival = world.certificate.duration
-    assert answer(world, arrival).result == REACHABLE and answer(world, 0.8 * arrival).confinement is not None
+    assert (
+        answer(world, arrival).result == REACHABLE
+        and answer(world, 0.8 * arrival).confinement is not None
+    )
 
 
 @pytest.mark.gate
@@ -120,7 +136,7 @@ def test_a_witness_in_haste_arrives_no_later_and_holds(world):
     decision = decide(world)
     assume(world.is_dynamic and decision.result == REACHABLE)
     walls = ChangingWalls(world, Spans(world), in_cells(world.robot_radius, world.cell_size))
-    hasty = hasten(world, walls, decision.certificate)
+    hasty = retime(world, walls, decision.certificate)
     report = check_certificate(world, hasty)
     assert report.valid and hasty.duration <= decision.certificate.duration, report.reason
 
@@ -181,7 +197,9 @@ def refusal(world, proof, **changes):
 def test_a_confinement_without_one_of_its_stays_is_refused(confined):
     world, proof = confined
     for index in range(0, len(proof.stays), max(1, len(proof.stays) // 6)):
-        assert "gets out of its stay into tile" in refusal(world, proof, stays=np.delete(proof.stays, index, axis=0))
+        assert "gets out of its stay into tile" in refusal(
+            world, proof, stays=np.delete(proof.stays, index, axis=0)
+        )
 
 
 def test_a_confinement_whose_stay_begins_late_or_ends_early_is_refused(confined):
@@ -201,12 +219,16 @@ def test_a_confinement_that_claims_too_much_is_refused(confined):
     assert not check_confinement(world, proof, radius=world.robot_radius / 3).valid
     faster = dataclasses.replace(world, robot_speed=world.robot_speed * 1.5)
     assert not check_confinement(faster, proof).valid
-    there = dataclasses.replace(world, target=dataclasses.replace(world.target, x=world.start.x, y=world.start.y))
+    there = dataclasses.replace(
+        world, target=dataclasses.replace(world.target, x=world.start.x, y=world.start.y)
+    )
     assert not check_confinement(there, proof).valid
 
 
 def test_a_robot_may_wait_until_the_gate_shuts_less_its_way():
-    world = changing(OPEN, (7.0, 5, 1, SOLID))  # through the gate, out of its way after 0.6 m, at 0.5 m/s
+    world = changing(
+        OPEN, (7.0, 5, 1, SOLID)
+    )  # through the gate, out of its way after 0.6 m, at 0.5 m/s
     assert latest_start(world) == pytest.approx(7.0 - 0.6 / 0.5, abs=1e-5)
     assert latest_start(world, 5.0) == pytest.approx(5.0 - 2.0, abs=0.02)
     assert latest_start(changing(OPEN, (7.0, 5, 1, SOLID), (9.0, 5, 1, FREE))) == math.inf
@@ -217,7 +239,10 @@ def test_a_robot_may_wait_until_the_gate_shuts_less_its_way():
 @given(changing_worlds(), st.integers(1, 60).map(lambda n: n / 20))
 @settings(max_examples=60)
 def test_the_latest_start_is_what_trying_every_start_finds(world, start):
-    """Forward in time from every start, on the same graph: it succeeds up to the latest, and not after."""
+    """Forward in time from every start, on the same graph.
+
+    It succeeds up to the latest, and not after.
+    """
     radius = in_cells(world.robot_radius, world.cell_size)
     place = in_cells(world.start.x, 0.1) * UNIT, in_cells(world.start.y, 0.1) * UNIT
     walls = ChangingWalls(world, Spans(world), radius)
@@ -265,5 +290,9 @@ def test_any_legal_world_gets_an_answer_in_time_and_any_proof_a_report(world, de
     for asked in (None, deadline):
         answer(world, asked)
         assert latest_start(world, asked) is None or latest_start(world, asked) >= 0.0
-    if world.is_dynamic and isinstance(world.certificate, Witness) and check_certificate(world).valid:
+    if (
+        world.is_dynamic
+        and isinstance(world.certificate, Witness)
+        and check_certificate(world).valid
+    ):
         assert witness_margin(world, world.certificate) >= 0.0

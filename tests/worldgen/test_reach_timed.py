@@ -89,12 +89,16 @@ def test_of_two_changes_at_one_time_the_later_line_counts():
 
 
 def test_a_start_off_the_lattice_is_kept():
-    world = dataclasses.replace(changing(OPEN, (9.0, 5, 1, BURNING), radius=0.03), start=Pose(0.0512345, 0.15))
+    world = dataclasses.replace(
+        changing(OPEN, (9.0, 5, 1, BURNING), radius=0.03), start=Pose(0.0512345, 0.15)
+    )
     assert decided(world).certificate.x[0] == 0.0512345
 
 
 def test_times_are_whole_microseconds():
-    times = decided(changing(GATE, (1.0, 5, 1, BURNING), (7.0, 5, 1, FREE), speed=0.7)).certificate.times
+    times = decided(
+        changing(GATE, (1.0, 5, 1, BURNING), (7.0, 5, 1, FREE), speed=0.7)
+    ).certificate.times
     assert (times == np.round(times, 6)).all()
 
 
@@ -119,4 +123,7 @@ def test_changes_after_the_arrival_change_nothing(world):
 def test_a_way_between_nodes_that_no_change_touches_is_found():
     world = changing("######\n#S...#\n#...G#\n######", (1.0, 4, 2, SOLID))
     at = Pose(0.153, 0.161)  # the target is so small that no node of any graph is in it
-    assert decided(dataclasses.replace(world, start=at, target=Target(at.x, at.y, 0.001))).result == REACHABLE
+    assert (
+        decided(dataclasses.replace(world, start=at, target=Target(at.x, at.y, 0.001))).result
+        == REACHABLE
+    )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
-from worldgen.compose._recipe_run import MOST_WORK, Work
+from worldgen.compose._recipe_run import MOST_WORK, RecipeCells
 from worldgen.compose._sizes import TooLarge
 from worldgen.compose.recipe import family_from_recipe
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter, WorldgenError
@@ -81,8 +81,13 @@ def test_a_seed_of_a_recipe_yields_the_layout_it_always_yielded(path):
 
 
 def test_what_a_part_draws_does_not_move_what_another_draws():
-    more = SMALL.replace('[[part]]\nname = "room"', '[[part]]\nname = "x"\nfamily = "trap"\n\n[[part]]\nname = "room"')
-    assert world_digest(generate(family_from_recipe(more), 3)) == world_digest(generate(family_from_recipe(SMALL), 3))
+    more = SMALL.replace(
+        '[[part]]\nname = "room"',
+        '[[part]]\nname = "x"\nfamily = "trap"\n\n[[part]]\nname = "room"',
+    )
+    assert world_digest(generate(family_from_recipe(more), 3)) == world_digest(
+        generate(family_from_recipe(SMALL), 3)
+    )
 
 
 def test_parameters_of_a_recipe_are_parameters_of_its_family():
@@ -91,13 +96,17 @@ def test_parameters_of_a_recipe_are_parameters_of_its_family():
     assert made.defaults() == {
         "size": 12, "side": "left", "cell_size": 0.1, "robot_radius": 0.07, "robot_speed": 2.0,
     }  # fmt: skip
-    assert made.parameters[0].help == "Cells a side." and made.parameters[1].choices == ("left", "right")
+    assert made.parameters[0].help == "Cells a side." and made.parameters[1].choices == (
+        "left",
+        "right",
+    )
     assert generate(made, 1, size=20, robot_radius=0.05).width == 22
 
 
 def test_a_recipe_whose_parts_change_is_told_from_one_that_stands_still_and_gets_its_margin():
     office, maze = (
-        family_from_recipe(Path(f"examples/recipes/{name}.toml")) for name in ("office-wing", "trap-in-maze")
+        family_from_recipe(Path(f"examples/recipes/{name}.toml"))
+        for name in ("office-wing", "trap-in-maze")
     )
     assert office.changes and not maze.changes
     world = generate(office, 1, margin=2.0)
@@ -112,7 +121,12 @@ def test_a_recipe_whose_parts_change_is_told_from_one_that_stands_still_and_gets
         ({"sise": 5}, {"code": "unknown-name", "name": "sise", "owner": "recipe:small"}),
         (
             {"recipe": "another"},
-            {"code": "other-version", "name": "recipe", "family": "recipe:small", "value": "another"},
+            {
+                "code": "other-version",
+                "name": "recipe",
+                "family": "recipe:small",
+                "value": "another",
+            },
         ),
         ({"made_with": {"compose": 0}}, {"code": "other-version", "name": "made_with"}),
     ],
@@ -130,7 +144,9 @@ def test_another_recipe_under_the_name_is_noticed():
 
 
 def test_a_recipe_without_chance_that_cannot_be_solved_says_that_no_seed_helps():
-    walled = SMALL.replace('[{ from = 5, to = "= size - 5" }, 5]', "[1, 1]").replace("[2.5, 2.5]", "[1.5, 1.5]")
+    walled = SMALL.replace('[{ from = 5, to = "= size - 5" }, 5]', "[1, 1]").replace(
+        "[2.5, 2.5]", "[1.5, 1.5]"
+    )
     walled = walled.replace("##\n##", "_##\n__#\n###")
     with raises(GenerationFailed, "not-reachable", name="small", result="blocked"):
         generate(family_from_recipe(walled), 1)
@@ -180,14 +196,28 @@ def test_a_set_on_a_foreign_map_is_made_from_another_folder(tmp_path):
     (tmp_path / "r.toml").write_text('recipe = "maze"\n[[part]]\nname = "m"\nfile = "m.map"\n')
     made = ("compose", tmp_path / "r.toml", "--radius", 0.04, "--seed", 1)
     assert worldgen(*made, "--count", 2, "--out", tmp_path / "set").code == 0
-    again = ("regenerate", tmp_path / "set", "--out", tmp_path / "again", "--family", tmp_path / "r.toml")
+    again = (
+        "regenerate",
+        tmp_path / "set",
+        "--out",
+        tmp_path / "again",
+        "--family",
+        tmp_path / "r.toml",
+    )
     assert worldgen(*again).code == 0
 
 
 def test_a_map_whose_cells_lie_in_another_file_is_noticed_when_they_change(tmp_path, monkeypatch):
     for name in ("mrpt-uwb-demo.yaml", "mrpt-uwb-demo.pgm"):
         (tmp_path / name).write_bytes(Path("corpora/maps", name).read_bytes())
-    lines = ('recipe = "hall"', "[parameters]", "cell_size = 0.04", "robot_radius = 0.2", "[[part]]", 'name = "m"')
+    lines = (
+        'recipe = "hall"',
+        "[parameters]",
+        "cell_size = 0.04",
+        "robot_radius = 0.2",
+        "[[part]]",
+        'name = "m"',
+    )
     (tmp_path / "r.toml").write_text("\n".join((*lines, 'file = "mrpt-uwb-demo.yaml"', "")))
     made = generate(str(tmp_path / "r.toml"), 1).provenance
     monkeypatch.chdir(tmp_path)
@@ -205,12 +235,24 @@ def edited(old, new):
 
 FAULTS = {
     "no-toml": ("recipe = small", {"code": "not-toml", "line": 1, "noun": "the recipe"}),
-    "no-name": ("[[part]]\nname = 'a'\nbox = [5, 5]", {"code": "not-a-name", "line": 1, "place": "recipe"}),
+    "no-name": (
+        "[[part]]\nname = 'a'\nbox = [5, 5]",
+        {"code": "not-a-name", "line": 1, "place": "recipe"},
+    ),
     "no-part": ('recipe = "a"\n', {"code": "empty"}),
-    "key": (edited("about =", "abuot ="), {"code": "unknown-name", "line": 1, "name": "abuot", "near": "about"}),
+    "key": (
+        edited("about =", "abuot ="),
+        {"code": "unknown-name", "line": 1, "name": "abuot", "near": "about"},
+    ),
     "parameter": (
         edited("least = 6", 'least = "six"'),
-        {"code": "wrong-type", "line": 5, "name": "least", "value": "six", "place": "parameters.size"},
+        {
+            "code": "wrong-type",
+            "line": 5,
+            "name": "least",
+            "value": "six",
+            "place": "parameters.size",
+        },
     ),
     "default": (
         edited("default = 12", "default = 2"),
@@ -221,8 +263,14 @@ FAULTS = {
         {"code": "unknown-name", "line": 6, "default": "left", "place": "parameters.side"},
     ),
     "taken": (edited("side =", "seed ="), {"code": "wrong-declaration", "name": "seed"}),
-    "keyword": (edited("side =", "class ="), {"code": "not-a-name", "line": 6, "place": "parameters.class"}),
-    "stream": (edited("side =", "rng ="), {"code": "not-a-name", "line": 6, "place": "parameters.rng"}),
+    "keyword": (
+        edited("side =", "class ="),
+        {"code": "not-a-name", "line": 6, "place": "parameters.class"},
+    ),
+    "stream": (
+        edited("side =", "rng ="),
+        {"code": "not-a-name", "line": 6, "place": "parameters.rng"},
+    ),
     "help": (edited("side =", "help ="), {"code": "wrong-declaration", "name": "help"}),
     "source": (
         edited('box = ["= size", "= size"]', ""),
@@ -234,13 +282,28 @@ FAULTS = {
     ),
     "formula": (
         edited('box = ["= size"', 'box = ["= syze"'),
-        {"code": "unknown-name", "line": 17, "name": "syze", "text": "syze", "place": "part 'room', box"},
+        {
+            "code": "unknown-name",
+            "line": 17,
+            "name": "syze",
+            "text": "syze",
+            "place": "part 'room', box",
+        },
     ),
     "power": (edited('box = ["= size"', 'box = ["= size ** 9"'), {"code": "not-a-formula"}),
-    "verb": (edited("border", "boarder"), {"code": "unknown-name", "line": 18, "place": "part 'room', step 1"}),
+    "verb": (
+        edited("border", "boarder"),
+        {"code": "unknown-name", "line": 18, "place": "part 'room', step 1"},
+    ),
     "option": (edited("how =", "hwo ="), {"code": "unknown-name", "name": "hwo", "near": "how"}),
-    "later": (edited('place = "stone"', 'place = "stones"'), {"code": "unknown-name", "name": "stones"}),
-    "value": (edited("{ from = 5", "{ form = 5"), {"code": "wrong-type", "value": "a table of form, to"}),
+    "later": (
+        edited('place = "stone"', 'place = "stones"'),
+        {"code": "unknown-name", "name": "stones"},
+    ),
+    "value": (
+        edited("{ from = 5", "{ form = 5"),
+        {"code": "wrong-type", "value": "a table of form, to"},
+    ),
     "twice": (edited('name = "room"', 'name = "stone"'), {"code": "twice", "name": "stone"}),
     "world": (
         edited("about =", 'world = "hall"\nabout ='),
@@ -250,10 +313,22 @@ FAULTS = {
         edited("rows = ", "family = 'tarp' #"),
         {"code": "unknown-name", "name": "tarp", "noun": "family", "near": "trap"},
     ),
-    "code": (edited("rows = ", "family = './x.py:y' #"), {"code": "unknown-name", "name": "./x.py:y"}),
-    "elsewhere": (edited("rows = ", "file = '../w.grid' #"), {"code": "outside-folder", "text": "../w.grid"}),
-    "drawing": (edited("##\n##", "##\n#"), {"code": "ragged-rows", "line": 10, "row": 2, "signs": 1, "width": 2}),
-    "absent": (edited("rows = ", "file = 'w.grid' #"), {"code": "unreadable", "place": "part 'stone'"}),
+    "code": (
+        edited("rows = ", "family = './x.py:y' #"),
+        {"code": "unknown-name", "name": "./x.py:y"},
+    ),
+    "elsewhere": (
+        edited("rows = ", "file = '../w.grid' #"),
+        {"code": "outside-folder", "text": "../w.grid"},
+    ),
+    "drawing": (
+        edited("##\n##", "##\n#"),
+        {"code": "ragged-rows", "line": 10, "row": 2, "signs": 1, "width": 2},
+    ),
+    "absent": (
+        edited("rows = ", "file = 'w.grid' #"),
+        {"code": "unreadable", "place": "part 'stone'"},
+    ),
 }
 
 
@@ -271,7 +346,12 @@ UNFIT = {
     "size": (
         "{ border = 1 }",
         "{ border = -1 }",
-        {"code": "not-a-number", "name": "border", "value": -1, "place": "part 'room', step 1 (border)"},
+        {
+            "code": "not-a-number",
+            "name": "border",
+            "value": -1,
+            "place": "part 'room', step 1 (border)",
+        },
     ),
     "axis": ("{ border = 1 }", '{ mirror = "z" }', {"code": "unknown-name", "axis": "z"}),
     "huge": (
@@ -287,11 +367,19 @@ UNFIT = {
     "range": ("from = 5", "from = 50", {"code": "empty-range", "low": 50, "high": 7}),
     "zero": ("size - 5", "size // 0", {"code": "division-by-zero", "text": "size // 0"}),
     "grows": ("size - 5", "size * 9e99", {"code": "too-large", "text": "size * 9e99"}),
-    "word": ("size - 5", "side", {"code": "not-a-number", "name": "side", "text": "side", "value": "left"}),
+    "word": (
+        "size - 5",
+        "side",
+        {"code": "not-a-number", "name": "side", "text": "side", "value": "left"},
+    ),
     "shape": ("[2.5, 2.5]", "[2.5]", {"code": "wrong-form", "name": "start"}),
     "bits": ("from = 5", "from = -9223372036854775808", {"code": "too-large"}),
     "anchor": ('how = "union"', "anchor = [1]", {"code": "wrong-type", "name": "anchor"}),
-    "mark": ("{ border = 1 }", "{ mark = [1], at = [1, 1] }", {"code": "wrong-type", "name": "mark"}),
+    "mark": (
+        "{ border = 1 }",
+        "{ mark = [1], at = [1, 1] }",
+        {"code": "wrong-type", "name": "mark"},
+    ),
     "forget": ("{ border = 1 }", "{ forget = [[1]] }", {"code": "wrong-type", "name": "forget"}),
     "outside": ("[2.5, 2.5]", "[99, 1]", {"code": "outside-grid", "name": "start"}),
 }
@@ -307,12 +395,19 @@ def test_what_does_not_fit_is_said_with_its_place(old, new, expected):
 ROOM = 'name = "room"\nbox = ["= size", "= size"]'
 
 BOUNDS = {
-    "family": ('name = "room"\nfamily = "maze"\nparams = { size = 20000 }',
-               {"code": "too-large", "what": "maze of size=20000", "width": 20000, "height": 20000}),
-    "draw": ('name = "room"\nfamily = "maze"\nparams = { size = { from = 19000, to = 20000 } }', {"code": "too-large"}),
-    "row": (f'name = "slab"\nbox = [200, 400]\n[[part]]\nname = "room"\nbeside = {["slab"] * 100}',
-            {"code": "too-large", "most": 64000000, "place": "part 'room'"}),
-}  # fmt: skip
+    "family": (
+        'name = "room"\nfamily = "maze"\nparams = { size = 20000 }',
+        {"code": "too-large", "what": "maze of size=20000", "width": 20000, "height": 20000},
+    ),
+    "draw": (
+        'name = "room"\nfamily = "maze"\nparams = { size = { from = 19000, to = 20000 } }',
+        {"code": "too-large"},
+    ),
+    "row": (
+        f'name = "slab"\nbox = [200, 400]\n[[part]]\nname = "room"\nbeside = {["slab"] * 100}',
+        {"code": "too-large", "most": 64000000, "place": "part 'room'"},
+    ),
+}
 
 
 @pytest.mark.parametrize(("part", "expected"), BOUNDS.values(), ids=BOUNDS)
@@ -325,7 +420,7 @@ def test_too_many_cells_are_refused_before_they_are_made(part, expected):
 
 
 def test_a_recipe_asks_for_cells_before_it_makes_them_and_counts_those_that_are_made():
-    work = Work()
+    work = RecipeCells()
     work.check(MOST_WORK)
     work.spend(MOST_WORK - 10)
     work.check(10)
@@ -367,7 +462,9 @@ def test_steps_with_any_values_make_a_world_or_one_line(data):
 
     verb = data.draw(st.sampled_from(sorted(VERBS)))
     step = {
-        key: data.draw(values, label=key) for key in (verb, *VERBS[verb]) if key == verb or data.draw(st.booleans())
+        key: data.draw(values, label=key)
+        for key in (verb, *VERBS[verb])
+        if key == verb or data.draw(st.booleans())
     }
     try:
         text = edited("{ border = 1 }", "{ border = 1 }, " + value_text(step, "step"))
@@ -387,7 +484,11 @@ def test_the_command_takes_a_recipes_parameters_as_options(tmp_path):
 
 def test_help_of_a_recipe_lists_its_parameters():
     shown = worldgen("compose", EXAMPLES[0], "--help")
-    assert "--teeth INTEGER" in shown.out and "Teeth of each comb." in shown.out and "--recipe" not in shown.out
+    assert (
+        "--teeth INTEGER" in shown.out
+        and "Teeth of each comb." in shown.out
+        and "--recipe" not in shown.out
+    )
 
 
 def test_a_recipe_that_is_not_there_is_one_line():
@@ -399,7 +500,10 @@ def test_a_recipe_is_found_among_the_families_and_read_afresh(tmp_path):
     (tmp_path / "r.toml").write_text(SMALL)
     first = FAMILIES.get(str(tmp_path / "r.toml"))
     (tmp_path / "r.toml").write_text(edited('"small"', '"smaller"'))
-    assert (first.name, FAMILIES.get(str(tmp_path / "r.toml")).name) == ("recipe:small", "recipe:smaller")
+    assert (first.name, FAMILIES.get(str(tmp_path / "r.toml")).name) == (
+        "recipe:small",
+        "recipe:smaller",
+    )
 
 
 def test_a_set_of_a_recipes_worlds_is_made_again_from_its_manifest(tmp_path):

@@ -13,7 +13,7 @@ from PIL import Image
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
-from worldgen.render import Frame, Mark, Trail, draw_html, draw_png, draw_svg
+from worldgen.render import EventMark, Frame, Trail, draw_html, draw_png, draw_svg
 from worldgen.render.palette import FIRE, FLOOR, GREY, LOOP, PAPER, START, TUNNEL, WALL, mix, rgb
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
@@ -81,7 +81,11 @@ def test_the_floor_is_bluer_near_the_target_and_clear_far_away():
 
 def test_without_signal_the_floor_is_plain():
     world = small_world()
-    assert pixel(world, 1.55, 0.95, signal=False) == pixel(world, 0.05, 0.05, signal=False) == rgb(FLOOR)
+    assert (
+        pixel(world, 1.55, 0.95, signal=False)
+        == pixel(world, 0.05, 0.05, signal=False)
+        == rgb(FLOOR)
+    )
 
 
 def test_equal_ratios_of_distance_are_equal_steps_of_tint():
@@ -130,14 +134,16 @@ def test_a_run_without_a_loop_ends_in_a_footprint():
     assert near(pixel(small_world(), 0.6, 0.8 - 0.07, trail=trail), LOOP, 30)
 
 
-@pytest.mark.parametrize(("kind", "colour"), [("bump", "#1B1F24"), ("tunnel", TUNNEL), ("end", LOOP)])
+@pytest.mark.parametrize(
+    ("kind", "colour"), [("bump", "#1B1F24"), ("tunnel", TUNNEL), ("end", LOOP)]
+)
 def test_marks_are_drawn_where_they_happened(kind, colour):
-    trail = square_trail(marks=[Mark(1.05, 0.35, kind)])
+    trail = square_trail(marks=[EventMark(1.05, 0.35, kind)])
     assert near(pixel(small_world(), 1.05, 0.35, trail=trail), colour, 20)
 
 
 def test_an_overlap_shows_the_robots_disc_over_the_wall():
-    trail = square_trail(marks=[Mark(0.95, 0.35, "overlap")])
+    trail = square_trail(marks=[EventMark(0.95, 0.35, "overlap")])
     assert near(pixel(small_world(), 0.95 + 0.07, 0.35, trail=trail), TUNNEL, 20)
 
 
@@ -170,12 +176,16 @@ def test_cells_that_change_are_tinted_by_what_they_become():
         patch = picture[row - 15 : row + 15, column - 15 : column + 15].reshape(-1, 3)
         assert any(near(spot, mix(FLOOR, colour, 0.30), 8) for spot in patch)
         assert any(near(spot, mix(FLOOR, colour, 0.89), 12) for spot in patch)
-    assert any(near(spot, PAPER, 20) for spot in picture[int(frame.to_pixels(0.0, 0.4)[1]), 450:540])
+    assert any(
+        near(spot, PAPER, 20) for spot in picture[int(frame.to_pixels(0.0, 0.4)[1]), 450:540]
+    )
 
 
 @pytest.mark.parametrize(("width", "height"), [(100, 10), (10, 100), (60, 60), (7, 3)])
 def test_the_map_keeps_its_aspect(width, height):
-    frame = Frame.of(World(np.zeros((height, width), bool), Pose(0.05, 0.05), Target(0.2, 0.2, 0.05)))
+    frame = Frame.of(
+        World(np.zeros((height, width), bool), Pose(0.05, 0.05), Target(0.2, 0.2, 0.05))
+    )
     assert frame.width * height == frame.height * width
     assert 800 <= max(frame.width, frame.height) <= 900
 
@@ -202,24 +212,34 @@ def test_two_thousand_cells_a_side_give_a_picture_of_the_usual_size():
 
 
 def test_one_cell_is_a_world_with_a_picture():
-    world = World(np.zeros((1, 1), bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.01), robot_radius=0.01)
+    world = World(
+        np.zeros((1, 1), bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.01), robot_radius=0.01
+    )
     assert decoded(draw_png(world)).shape[1] >= 900
 
 
 def test_equal_worlds_give_equal_bytes():
-    assert draw_png(small_world(), trail=square_trail()) == draw_png(small_world(), trail=square_trail())
+    assert draw_png(small_world(), trail=square_trail()) == draw_png(
+        small_world(), trail=square_trail()
+    )
 
 
 def test_svg_is_xml_with_title_scale_and_key():
     svg = draw_svg(small_world(), trail=square_trail(), title='<b>"A & B"</b>')
-    texts = [element.text for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
+    texts = [
+        element.text
+        for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
+    ]
     assert texts[:2] == ['<b>"A & B"</b>', "2 x 1.2 m, cell 0.1 m, robot radius 0.07 m"]
     assert {"start", "target", "approach", "loop, for ever"} <= set(texts)
 
 
 def test_titles_that_no_file_can_hold_are_made_harmless():
     svg = draw_svg(small_world(), title="a\x00b\udcffc\nd")
-    assert ElementTree.fromstring(svg.encode()).find("{http://www.w3.org/2000/svg}title").text == "a?b?c d"
+    assert (
+        ElementTree.fromstring(svg.encode()).find("{http://www.w3.org/2000/svg}title").text
+        == "a?b?c d"
+    )
     draw_png(small_world(), title="a\x00b\udcffc\nd" * 100)
 
 
@@ -233,15 +253,23 @@ def test_a_long_title_is_wrapped_and_cut_off():
 def test_svg_walls_lie_where_the_frame_puts_them():
     world = small_world()
     frame, svg = Frame.of(world), ElementTree.fromstring(draw_svg(world))
-    (walls,) = [path for path in svg.iter("{http://www.w3.org/2000/svg}path") if path.get("fill") == WALL]
-    left, bottom, across, up = (float(number) for number in re.findall(r"-?[\d.]+", walls.get("transform")))
+    (walls,) = [
+        path for path in svg.iter("{http://www.w3.org/2000/svg}path") if path.get("fill") == WALL
+    ]
+    left, bottom, across, up = (
+        float(number) for number in re.findall(r"-?[\d.]+", walls.get("transform"))
+    )
     x, y, steps = re.fullmatch(r"M(\d+) (\d+)([hv\d-]+)z", walls.get("d")).groups()
-    assert (left + across * int(x), bottom + up * int(y)) == pytest.approx(frame.to_pixels(1.0, 0.2))
+    assert (left + across * int(x), bottom + up * int(y)) == pytest.approx(
+        frame.to_pixels(1.0, 0.2)
+    )
     assert steps == "h1v3h-1"
 
 
 def test_the_signal_halves_from_ring_to_ring():
-    circles = ElementTree.fromstring(draw_svg(small_world())).iter("{http://www.w3.org/2000/svg}circle")
+    circles = ElementTree.fromstring(draw_svg(small_world())).iter(
+        "{http://www.w3.org/2000/svg}circle"
+    )
     radii = [float(circle.get("r")) for circle in circles if circle.get("clip-path")]
     strength = [1.0 / radius**2 for radius in radii]
     assert len(strength) > 5
@@ -267,8 +295,12 @@ def test_html_asks_the_network_for_nothing():
 
 
 def test_html_tells_what_failed_and_escapes_it():
-    failure = FailureRecord("<script>", "swept", 3, "loop", "00ff", evidence={"entry": 12, "period": 104})
-    page = draw_html(small_world(failure=failure, provenance=Provenance("maze", 1, 7, {"size": 60})))
+    failure = FailureRecord(
+        "<script>", "swept", 3, "loop", "00ff", evidence={"entry": 12, "period": 104}
+    )
+    page = draw_html(
+        small_world(failure=failure, provenance=Provenance("maze", 1, 7, {"size": 60}))
+    )
     assert "&lt;script&gt; under swept, seed 3: loop" in page
     assert "<script>" not in page
     assert "<th>period</th><td>104</td>" in page
@@ -293,11 +325,14 @@ def test_a_trail_that_makes_no_sense_is_refused(x, y, loop_from, expected):
 
 @pytest.mark.parametrize(
     ("x", "kind", "expected"),
-    [(0.0, "crash", {"code": "unknown-name", "kind": "crash"}), (float("inf"), "end", {"code": "not-finite"})],
+    [
+        (0.0, "crash", {"code": "unknown-name", "kind": "crash"}),
+        (float("inf"), "end", {"code": "not-finite"}),
+    ],
 )
 def test_a_mark_that_makes_no_sense_is_refused(x, kind, expected):
     with raises(InvalidParameter, **expected):
-        Mark(x, 0.0, kind)
+        EventMark(x, 0.0, kind)
 
 
 @pytest.mark.gate
@@ -312,5 +347,8 @@ def test_the_floor_ends_where_the_wall_around_it_begins():
     frame, picture = Frame.of(world), decoded(draw_png(world, signal=False))
     row, column, end = frame.top + frame.height // 2, frame.left + 300, frame.left + frame.width
     assert [tuple(picture[row, x]) for x in (end - 1, end)] == [rgb(FLOOR), rgb(WALL)]
-    assert [tuple(picture[y, column]) for y in (frame.bottom - 1, frame.bottom)] == [rgb(FLOOR), rgb(WALL)]
+    assert [tuple(picture[y, column]) for y in (frame.bottom - 1, frame.bottom)] == [
+        rgb(FLOOR),
+        rgb(WALL),
+    ]
     assert [tuple(picture[row, x]) for x in (frame.left - 1, frame.left)] == [rgb(WALL), rgb(FLOOR)]

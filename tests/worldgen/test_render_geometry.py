@@ -40,14 +40,18 @@ def test_outlines_filled_by_the_even_odd_rule_are_the_cells(mask):
 def test_a_rectangle_has_one_outline_of_four_corners():
     mask = np.zeros((5, 5), bool)
     mask[1:4, 2:4] = True
-    assert [sorted(map(tuple, line.tolist())) for line in outlines(mask)] == [[(2, 1), (2, 4), (4, 1), (4, 4)]]
+    assert [sorted(map(tuple, line.tolist())) for line in outlines(mask)] == [
+        [(2, 1), (2, 4), (4, 1), (4, 4)]
+    ]
 
 
 @given(masks(), st.integers(1, 4))
 def test_pixels_that_fit_the_cells_are_all_or_nothing_and_top_row_first(mask, scale):
     height, width = mask.shape
     shares = coverage(mask, width * scale, height * scale)
-    assert np.array_equal(shares, np.kron(mask[::-1], np.ones((scale, scale), np.uint8)) * np.uint8(255))
+    assert np.array_equal(
+        shares, np.kron(mask[::-1], np.ones((scale, scale), np.uint8)) * np.uint8(255)
+    )
 
 
 @given(masks())

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from worldgen.render import Mark, Trail, draw_terminal, wants_color
+from worldgen.render import EventMark, Trail, draw_terminal, wants_color
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -39,7 +39,7 @@ def test_trail_loop_and_tunnel_have_letters_of_their_own():
         [0.15, 0.25, 0.25, 0.45, 0.45, 0.25],
         [0.35, 0.35, 0.25, 0.25, 0.15, 0.15],
         2,
-        [Mark(0.55, 0.25, "tunnel")],
+        [EventMark(0.55, 0.25, "tunnel")],
     )
     assert draw_terminal(tiny_world(), trail=trail, color=False, width=80).splitlines()[:6] == [
         "########",
@@ -57,7 +57,9 @@ def test_cells_that_change_have_letters_and_words():
         Event(1.0, 3, 2, CellState.SOLID),
         Event(1.0, 5, 1, CellState.FREE),
     ]
-    lines = draw_terminal(tiny_world(timeline=Timeline.of(events)), color=False, width=80).splitlines()
+    lines = draw_terminal(
+        tiny_world(timeline=Timeline.of(events)), color=False, width=80
+    ).splitlines()
     assert lines[2:4] == ["#.^x.#.#", "#....-G#"]
     assert lines[5] == "S start  G target  x closes later  - opens later  ^ burns"
 
@@ -66,7 +68,9 @@ def test_a_large_world_is_scaled_down_and_says_so():
     walls = np.zeros((200, 200), bool)
     walls[:100, :100] = True
     walls[150, 150] = True
-    text = draw_terminal(World(walls, Pose(19.0, 1.0), Target(1.0, 19.0, 0.05)), color=False, width=50)
+    text = draw_terminal(
+        World(walls, Pose(19.0, 1.0), Target(1.0, 19.0, 0.05)), color=False, width=50
+    )
     lines = text.splitlines()
     assert len(lines[0]) == 50
     assert len(lines) == 50 + 2
@@ -80,7 +84,9 @@ def test_a_large_world_is_scaled_down_and_says_so():
 @pytest.mark.parametrize("shape", [(1, 1), (3, 3), (10, 10), (61, 61), (10, 300), (2000, 7)])
 def test_no_line_of_the_map_is_wider_than_asked_for(shape, color):
     text = draw_terminal(
-        World(np.zeros(shape, bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.01)), width=40, color=color
+        World(np.zeros(shape, bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.01)),
+        width=40,
+        color=color,
     )
     lines = [ANSI.sub("", line) for line in text.splitlines()[:-2]]
     assert len({len(line) for line in lines}) == 1

@@ -58,7 +58,13 @@ def pair(tmp_path):
 
 
 def published(values, **changes):
-    metadata = {"mode": "trinary", "occupied_thresh": 0.65, "free_thresh": 0.196, "negate": False, **changes}
+    metadata = {
+        "mode": "trinary",
+        "occupied_thresh": 0.65,
+        "free_thresh": 0.196,
+        "negate": False,
+        **changes,
+    }
     image = GreyImage(np.array([values], np.uint8))
     return occupancy(image, RosMetadata(None, 0.05, (0.0, 0.0), **metadata))[0].tolist()
 
@@ -128,11 +134,16 @@ def test_unknown_cells_are_solid_unless_asked_otherwise(pair):
 def test_raw_values_are_parted_by_the_thresholds(pair):
     path = pair(pgm([[0, 19, 20, 64, 65, 100, 101]]), mode="raw")
     assert read_ros_map(path).walls.tolist() == [[False, False, True, True, True, True, True]]
-    assert read_ros_map(path, unknown="free").walls.tolist() == [[False, False, False, False, True, True, False]]
+    assert read_ros_map(path, unknown="free").walls.tolist() == [
+        [False, False, False, False, True, True, False]
+    ]
 
 
 def test_grey_205_taken_as_free_is_warned_of(pair):
-    assert "free_thresh is 0.25" in read_ros_map(pair(pgm([[205, 254]]), free_thresh="0.25")).warnings[0]
+    assert (
+        "free_thresh is 0.25"
+        in read_ros_map(pair(pgm([[205, 254]]), free_thresh="0.25")).warnings[0]
+    )
     assert read_ros_map(pair(pgm([[205, 254]]))).warnings == ()
     assert read_ros_map(pair(pgm([[204, 254]]), free_thresh="0.25")).warnings == ()
 
@@ -167,7 +178,10 @@ def test_the_same_greys_in_any_file_give_the_same_map(name):
 
 
 @settings(max_examples=30)
-@given(hnp.arrays(np.uint16, hnp.array_shapes(min_dims=2, max_dims=2, max_side=9)), st.integers(1, 65535))
+@given(
+    hnp.arrays(np.uint16, hnp.array_shapes(min_dims=2, max_dims=2, max_side=9)),
+    st.integers(1, 65535),
+)
 def test_plain_and_binary_pgm_hold_the_same_pixels(pixels, maximum):
     pixels = np.minimum(pixels, maximum)
     for data in (pgm(pixels, maximum), plain_pgm(pixels, maximum)):
@@ -176,11 +190,15 @@ def test_plain_and_binary_pgm_hold_the_same_pixels(pixels, maximum):
 
 
 def test_a_black_and_white_png_is_black_and_white():
-    image = read_grey_image(picture(Image.fromarray(np.array([[0, 255]], np.uint8)).convert("1")), "m")
+    image = read_grey_image(
+        picture(Image.fromarray(np.array([[0, 255]], np.uint8)).convert("1")), "m"
+    )
     assert image.values.tolist() == [[0, 255]]
 
 
-@pytest.mark.parametrize(("mode", "expected"), [("trinary", [-1, 0]), ("scale", [-1, 0]), ("raw", [-1, -1])])
+@pytest.mark.parametrize(
+    ("mode", "expected"), [("trinary", [-1, 0]), ("scale", [-1, 0]), ("raw", [-1, -1])]
+)
 def test_transparent_pixels_are_unknown_except_in_raw(mode, expected):
     clear = Image.fromarray(np.array([[[255, 255, 255, 254], [255, 255, 255, 255]]], np.uint8))
     metadata = RosMetadata(None, 0.05, (0.0, 0.0), 0.65, 0.196, mode=mode)
@@ -201,7 +219,10 @@ BAD_PICTURES = [
     (b"P5\n3 2 # no line end", {"code": "wrong-form", "name": "maximum"}),
     (b"P5\n0 2\n255\n", {"code": "wrong-size", "height": 2}),
     (b"P5\n20001 1\n255\n", {"code": "wrong-size", "width": 20001, "height": 1}),
-    (b"P5\n999999999 999999999\n255\n", {"code": "wrong-size", "width": 999999999, "height": 999999999}),
+    (
+        b"P5\n999999999 999999999\n255\n",
+        {"code": "wrong-size", "width": 999999999, "height": 999999999},
+    ),
     (b"P5\n9999999999999 1\n255\n", {"code": "wrong-form", "name": "height"}),
     (b"P5\n3 2\n0\n", {"code": "out-of-range"}),
     (b"P5\n3 2\n65536\n", {"code": "out-of-range", "maximum": 65536}),

@@ -26,7 +26,9 @@ def test_the_loader_of_these_tests_agrees_with_the_golden_table():
     assert published(np.array([205.0]), **{**rules, "free_thresh": 0.25}).tolist() == [0]
 
 
-@pytest.mark.parametrize("options", ["", "+image=png", "+mode=scale", "+mode=raw", "+negate", "+mode=scale+negate"])
+@pytest.mark.parametrize(
+    "options", ["", "+image=png", "+mode=scale", "+mode=raw", "+negate", "+mode=scale+negate"]
+)
 def test_map_server_publishes_100_and_0_at_the_cells_places(tmp_path, options):
     world = generate("maze", 1, size=13)
     path = write_export(export_world(world, f"ros{options}", origin=(-1.5, 2.25)), tmp_path)[0]
@@ -58,8 +60,16 @@ def test_a_name_with_odd_characters_is_quoted(tmp_path):
 
 BAD_PLACES = [
     ("worldgen: 3", 8, {"code": "wrong-type", "key": "worldgen"}),
-    ("worldgen:\n  goal: [1, 2, 3]", 9, {"code": "unknown-name", "name": "goal", "key": "worldgen"}),
-    ("worldgen:\n  start: [1, 2]", 9, {"code": "wrong-count", "key": "start", "values": 2, "count": 3}),
+    (
+        "worldgen:\n  goal: [1, 2, 3]",
+        9,
+        {"code": "unknown-name", "name": "goal", "key": "worldgen"},
+    ),
+    (
+        "worldgen:\n  start: [1, 2]",
+        9,
+        {"code": "wrong-count", "key": "start", "values": 2, "count": 3},
+    ),
     ("worldgen:\n  start: [1, 2, north]", 9, {"code": "not-a-number", "word": "north"}),
     ("worldgen:\n  target: [1, 2, 0]", 9, {"code": "not-positive", "key": "target"}),
     ("worldgen:\n  robot_radius: 1e999", 9, {"code": "not-a-number", "word": "1e999"}),
@@ -75,7 +85,9 @@ def test_a_place_that_cannot_be_is_named_with_its_line(tmp_path, text, line, exp
     assert caught.value.line == line
 
 
-def test_a_failed_export_takes_back_what_it_wrote_and_nothing_of_another_program_s(tmp_path, monkeypatch):
+def test_a_failed_export_takes_back_what_it_wrote_and_nothing_of_another_program_s(
+    tmp_path, monkeypatch
+):
     export = export_world(drawn(ROOM), "ros")
     first, *others = (tmp_path / name for name in export.files)
     assert others

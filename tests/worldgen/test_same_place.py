@@ -44,4 +44,6 @@ def test_every_format_that_is_written_has_coordinates_to_check_or_none():
 @pytest.mark.parametrize("name", PLANS)
 def test_a_file_that_lies_a_cell_beside_is_told_apart(name):
     plan = PLANS[name](export_world(TINY, name, origin=(0.1, 0.0)).files)
-    assert any(plan.solid(x * 0.1, y * 0.1) != solid for solid, x, y in points(TINY, 0, outside=False))
+    assert any(
+        plan.solid(x * 0.1, y * 0.1) != solid for solid, x, y in points(TINY, 0, outside=False)
+    )

@@ -39,7 +39,11 @@ NAMES = {
 
 def tiny():
     """Walls that merge, a cell that burns, one that falls; an open corner."""
-    events = [(2.5, 2, 3, CellState.BURNING), (4.0, 2, 3, CellState.FREE), (0.125, 3, 1, CellState.SOLID)]
+    events = [
+        (2.5, 2, 3, CellState.BURNING),
+        (4.0, 2, 3, CellState.FREE),
+        (0.125, 3, 1, CellState.SOLID),
+    ]
     return drawn(TINY, timeline=Timeline.of(events))
 
 
@@ -56,22 +60,34 @@ def test_boxes_have_full_sizes_about_their_middles_exactly():
     root = ElementTree.fromstring(export_world(world, "sdf+height=0.7", origin=(1e-3, -7.0)).data)
     covered = []
     for shape in root.iterfind(".//model[@name='walls']/link/collision"):
-        pose, size = (list(map(Fraction, shape.find(tag).text.split())) for tag in ("pose", "geometry/box/size"))
+        pose, size = (
+            list(map(Fraction, shape.find(tag).text.split()))
+            for tag in ("pose", "geometry/box/size")
+        )
         assert size[2] == Fraction("0.7") and pose[2:] == [Fraction("0.35"), 0, 0, 0]
         middle = [pose[0] - Fraction("0.001"), pose[1] + 7]
-        ends = [[(place + sign * side / 2) * 20 for sign in (-1, 1)] for place, side in zip(middle, size, strict=False)]
+        ends = [
+            [(place + sign * side / 2) * 20 for sign in (-1, 1)]
+            for place, side in zip(middle, size, strict=False)
+        ]
         assert all(end.denominator == 1 for axis in ends for end in axis)
-        covered += [(ix, iy) for ix in range(*map(int, ends[0])) for iy in range(*map(int, ends[1]))]
+        covered += [
+            (ix, iy) for ix in range(*map(int, ends[0])) for iy in range(*map(int, ends[1]))
+        ]
     padded = np.pad(world.walls, 1, constant_values=True)
     assert sorted(covered) == [(ix - 1, iy - 1) for ix, iy in np.argwhere(padded.T).tolist()]
-    assert root.find(".//model[@name='start']/pose").text == "0.076 -6.92499999999999999 0.0005 0 0 0"
+    assert (
+        root.find(".//model[@name='start']/pose").text == "0.076 -6.92499999999999999 0.0005 0 0 0"
+    )
 
 
 @pytest.mark.parametrize("options", ["", "+robot+plugins=fortress", "+height=3"])
 def test_what_went_to_gazebo_comes_back_whole(tmp_path, options):
     start, target = Pose(0.1625, 0.15, 0.7), Target(0.35, 0.35, 0.03)
     world = replace(drawn(TINY, radius=0.04, robot_speed=1.5), start=start, target=target)
-    path = write_export(export_world(world, f"sdf{options}", file="w.sdf", origin=(-1.05, 2.0)), tmp_path)[0]
+    path = write_export(
+        export_world(world, f"sdf{options}", file="w.sdf", origin=(-1.05, 2.0)), tmp_path
+    )[0]
     back = import_world(path).world
     assert np.array_equal(back.walls, world.walls) and (back.start, back.target) == (start, target)
     assert (back.cell_size, back.robot_radius, back.robot_speed) == (0.1, 0.04, 1.5)
@@ -89,7 +105,9 @@ def test_systems_are_those_of_the_release(plugins, systems):
     root = ElementTree.fromstring(export_world(tiny(), f"sdf+plugins={plugins}").data)
     files = [plugin.get("filename") for plugin in root.iter("plugin")]
     prefix = {"fortress": "ignition-gazebo-", "harmonic": "gz-sim-"}.get(plugins, "none")
-    assert len(files) == systems and all(re.fullmatch(rf"{prefix}[a-z-]+-system", file) for file in files)
+    assert len(files) == systems and all(
+        re.fullmatch(rf"{prefix}[a-z-]+-system", file) for file in files
+    )
 
 
 def test_many_boxes_are_worth_a_word():

@@ -23,9 +23,9 @@ from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.files.archives import members
 from worldgen.files.grid import dumps, read_world, world_digest
 from worldgen.generation import generate, stream
-from worldgen.sets import Difference, check_set, make_set, manifest_of, plan_set, regenerate_set
+from worldgen.sets import SetDifference, check_set, make_set, manifest_of, plan_set, regenerate_set
 from worldgen.sets.journal import Journal
-from worldgen.sets.manifest import Entry, parse_manifest
+from worldgen.sets.manifest import ManifestEntry, parse_manifest
 
 SMALL = {"size": 12}
 TRAPS = ("trap", "--size", 12, "--seed", 5, "--count", 6)
@@ -60,19 +60,29 @@ def traps(whole, tmp_path):
 
 def test_a_manifest_says_of_each_world_what_it_is(whole):
     lines = [json.loads(line) for line in (whole / "set/manifest.jsonl").read_text().splitlines()]
-    assert lines[0]["format"] == "worldgen-set 1" and lines[0]["count"] == 6 and lines[0]["seed"] == 5
+    assert (
+        lines[0]["format"] == "worldgen-set 1" and lines[0]["count"] == 6 and lines[0]["seed"] == 5
+    )
     for seed, line in enumerate(lines[1:], 5):
         world = with_metrics(generate("trap", seed, size=12))
         assert line["metrics"] == world.provenance.metrics
         assert line["digest"] == world_digest(world) and line["params"] == {}
         assert lines[0]["params"] == dict(world.provenance.params)
-        assert (line["family"], line["version"], line["seed"]) == ("trap", world.provenance.version, seed)
-        assert (whole / "set" / line["file"]).read_bytes() == dumps(world) and line["bytes"] == len(dumps(world))
+        assert (line["family"], line["version"], line["seed"]) == (
+            "trap",
+            world.provenance.version,
+            seed,
+        )
+        assert (whole / "set" / line["file"]).read_bytes() == dumps(world) and line["bytes"] == len(
+            dumps(world)
+        )
 
 
 def test_a_manifest_whose_lines_repeat_every_parameter_is_read_and_made_again(whole, tmp_path):
     folder = whole / "set"
-    first, *lines = [json.loads(line) for line in (folder / "manifest.jsonl").read_text().splitlines()]
+    first, *lines = [
+        json.loads(line) for line in (folder / "manifest.jsonl").read_text().splitlines()
+    ]
     full = [first, *({**line, "params": first["params"]} for line in lines)]
     (tmp_path / "manifest.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in full))
     assert manifest_of(tmp_path).entries == manifest_of(folder).entries
@@ -82,15 +92,18 @@ def test_a_manifest_whose_lines_repeat_every_parameter_is_read_and_made_again(wh
 
 
 @pytest.mark.parametrize(
-    ("value", "own"), [(0.0, {}), (-0.0, {"braid": -0.0}), (0, {"braid": 0}), (False, {"braid": False})]
+    ("value", "own"),
+    [(0.0, {}), (-0.0, {"braid": -0.0}), (0, {"braid": 0}), (False, {"braid": False})],
 )
 def test_a_line_says_only_of_parameters_that_differ_and_keeps_their_types(value, own):
     header = plan_set("maze", seed=0, count=1, params={"braid": 0.0}).header
     params = {**header.params, "braid": value}
-    line = Entry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9).line(header)
+    line = ManifestEntry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9).line(header)
     assert repr(json.loads(line)["params"]) == repr(own)
     [entry] = parse_manifest([header.line(), line], "text").entries
-    assert {name: repr(read) for name, read in entry.params.items()} == {name: repr(v) for name, v in params.items()}
+    assert {name: repr(read) for name, read in entry.params.items()} == {
+        name: repr(v) for name, v in params.items()
+    }
 
 
 @every_kind
@@ -127,7 +140,9 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
     command = ["maze", "--seed", 1, "--count", 60, "--workers", 1, "--out", tmp_path / out]
     manifest = tmp_path / (out if out == "set" else out + ".part") / "manifest.jsonl"
     for lines in (3, 20):
-        process = subprocess.Popen([sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.DEVNULL
+        )
         while not manifest.is_file() or manifest.read_bytes().count(b"\n") < lines:
             assert process.poll() is None
             time.sleep(0.002)
@@ -143,7 +158,9 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
     command = ["maze", "--seed", 1, "--count", 5000, "--workers", 2, "--out", tmp_path / "set"]
-    process = subprocess.Popen([sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.PIPE
+    )
     while not (tmp_path / "set/manifest.jsonl").is_file():
         assert process.poll() is None
         time.sleep(0.01)
@@ -286,12 +303,16 @@ def test_a_set_that_came_into_being_meanwhile_is_not_replaced(tmp_path, out):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize(("out", "way_out"), [("set", "without --force goes on"), ("set.zip", "set.zip is moved away")])
+@pytest.mark.parametrize(
+    ("out", "way_out"), [("set", "without --force goes on"), ("set.zip", "set.zip is moved away")]
+)
 def test_what_force_began_goes_on_as_the_message_says(whole, tmp_path, monkeypatch, out, way_out):
     place = tmp_path / out
     run("maze", "--size", 12, "--seed", 1, "--count", 2, "--out", place)
     real = Journal.append
-    monkeypatch.setattr(Journal, "append", lambda self, line: full() if b"trap-8" in line else real(self, line))
+    monkeypatch.setattr(
+        Journal, "append", lambda self, line: full() if b"trap-8" in line else real(self, line)
+    )
     result = run(*TRAPS, "--out", place, "--force")
     assert result.code == 2 and way_out in result.err
     monkeypatch.undo()
@@ -306,9 +327,14 @@ def full():
 
 
 def test_a_file_that_an_archive_has_twice_is_found(whole, tmp_path):
-    with zipfile.ZipFile(shutil.copy(whole / "set.zip", tmp_path), "a") as archive, pytest.warns(UserWarning):
+    with (
+        zipfile.ZipFile(shutil.copy(whole / "set.zip", tmp_path), "a") as archive,
+        pytest.warns(UserWarning),
+    ):
         archive.writestr("trap-7.grid", b"another")
-    assert check_set(tmp_path / "set.zip", manifest_of(whole / "set")) == [Difference("extra", "trap-7.grid")]
+    assert check_set(tmp_path / "set.zip", manifest_of(whole / "set")) == [
+        SetDifference("extra", "trap-7.grid")
+    ]
 
 
 def test_an_archive_of_another_compression_is_refused(whole, tmp_path):
@@ -328,7 +354,10 @@ def test_a_full_disk_loses_nothing_and_the_command_goes_on(whole, tmp_path, monk
 
     monkeypatch.setattr(worldgen.sets.stores, "place_file", full)
     result = run(*TRAPS, "--out", tmp_path / "set")
-    assert result.code == 2 and "3 of 6 worlds are written; the same command goes on from there" in result.err
+    assert (
+        result.code == 2
+        and "3 of 6 worlds are written; the same command goes on from there" in result.err
+    )
     assert result.error_code == "unwritable"
     monkeypatch.undo()
     run(*TRAPS, "--out", tmp_path / "set")
@@ -346,7 +375,9 @@ def damage(folder, kind):
     if kind == "missing":
         (folder / "trap-7.grid").unlink()
     elif kind == "changed":
-        (folder / "trap-7.grid").write_bytes((folder / "trap-7.grid").read_bytes().replace(b"#", b".", 1))
+        (folder / "trap-7.grid").write_bytes(
+            (folder / "trap-7.grid").read_bytes().replace(b"#", b".", 1)
+        )
     elif kind == "extra":
         (folder / "sub").mkdir()
         (folder / "sub/trap-7.grid").write_text("")
@@ -368,7 +399,9 @@ def damage(folder, kind):
 def test_every_kind_of_difference_is_found(traps, kind, file):
     damage(traps, kind)
     result = run("regenerate", traps, "--check", "--json")
-    assert result.code == 1 and json.loads(result.out)["differences"] == [{"kind": kind, "file": file}]
+    assert result.code == 1 and json.loads(result.out)["differences"] == [
+        {"kind": kind, "file": file}
+    ]
 
 
 def test_a_set_elsewhere_is_checked_against_a_manifest(whole, traps):
@@ -382,21 +415,27 @@ def test_an_archive_is_checked_file_by_file(whole, traps, tmp_path):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(traps)
         shutil.make_archive(str(tmp_path / "packed"), "zip", ".")
-    assert [str(found.kind) for found in check_set(tmp_path / "packed.zip", manifest_of(whole / "set"))] == ["changed"]
+    assert [
+        str(found.kind) for found in check_set(tmp_path / "packed.zip", manifest_of(whole / "set"))
+    ] == ["changed"]
 
 
 def test_what_is_missing_is_made_again_beside_its_manifest(whole, traps):
     damage(traps, "missing")
     result = run("regenerate", traps)
     assert (
-        result.code == 0 and "1 worlds made, 5 were there" in result.err and contents(traps) == contents(whole / "set")
+        result.code == 0
+        and "1 worlds made, 5 were there" in result.err
+        and contents(traps) == contents(whole / "set")
     )
 
 
 def test_what_was_changed_is_made_again_only_with_force(whole, traps):
     damage(traps, "changed")
     assert run("regenerate", traps).error_code == "other-content"
-    assert run("regenerate", traps, "--force").code == 0 and contents(traps) == contents(whole / "set")
+    assert run("regenerate", traps, "--force").code == 0 and contents(traps) == contents(
+        whole / "set"
+    )
 
 
 def edited(whole, tmp_path, old, new):
@@ -424,9 +463,21 @@ def test_a_world_that_comes_out_otherwise_is_told_and_not_written(whole, tmp_pat
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("worldgen-set 1", "worldgen-set 9", {"code": "wrong-value", "key": "format", "value": '"worldgen-set 9"'}),
-        ('"file": "trap-7.grid"', '"file": "../../trap-7.grid"', {"code": "wrong-value", "key": "file"}),
-        ('"file": "trap-7.grid"', '"file": "trap-6.grid"', {"code": "twice", "file": "trap-6.grid"}),
+        (
+            "worldgen-set 1",
+            "worldgen-set 9",
+            {"code": "wrong-value", "key": "format", "value": '"worldgen-set 9"'},
+        ),
+        (
+            '"file": "trap-7.grid"',
+            '"file": "../../trap-7.grid"',
+            {"code": "wrong-value", "key": "file"},
+        ),
+        (
+            '"file": "trap-7.grid"',
+            '"file": "trap-6.grid"',
+            {"code": "twice", "file": "trap-6.grid"},
+        ),
         ('"seed": 7', '"seed": "7"', {"code": "wrong-value", "key": "seed", "value": '"7"'}),
         ('"seed": 7, ', "", {"code": "missing-key", "key": "seed"}),
         ('{"file": "trap-7.grid"', "[", {"code": "not-json"}),
@@ -441,7 +492,9 @@ def test_a_manifest_with_a_fault_is_refused_with_its_line(whole, tmp_path, old, 
 def test_a_manifest_with_an_unknown_parameter_is_refused_before_anything_is_made(whole, tmp_path):
     manifest = edited(whole, tmp_path, '"params": {}', '"params": {"seed": 5}')
     result = run("regenerate", manifest, "--out", tmp_path / "o")
-    assert result.code == 2 and result.error_code == "unknown-name" and not (tmp_path / "o").exists()
+    assert (
+        result.code == 2 and result.error_code == "unknown-name" and not (tmp_path / "o").exists()
+    )
 
 
 def test_a_familys_own_file_is_named_again(tmp_path):
@@ -509,13 +562,19 @@ def test_a_file_that_an_archive_lacks_is_one_sentence(whole):
 def test_an_archive_that_is_cut_off_is_one_sentence(whole, tmp_path, out, end):
     (tmp_path / out).write_bytes((whole / out).read_bytes()[:end])
     result = run("verify", tmp_path / out)
-    assert result.code == 2 and result.error_code == "damaged-file" and "fault of our own" not in result.err
+    assert (
+        result.code == 2
+        and result.error_code == "damaged-file"
+        and "fault of our own" not in result.err
+    )
 
 
 def test_a_stream_gives_the_worlds_of_a_set_and_makes_no_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     worlds = list(stream("trap", seed=5, count=3, **SMALL))
-    assert worlds == [generate("trap", seed, **SMALL) for seed in (5, 6, 7)] and not list(tmp_path.iterdir())
+    assert worlds == [generate("trap", seed, **SMALL) for seed in (5, 6, 7)] and not list(
+        tmp_path.iterdir()
+    )
 
 
 def test_a_stream_without_a_count_has_no_end_and_goes_on_at_0():
@@ -525,7 +584,10 @@ def test_a_stream_without_a_count_has_no_end_and_goes_on_at_0():
 
 @pytest.mark.parametrize(
     ("params", "expected"),
-    [({"sise": 3}, {"code": "unknown-name", "name": "sise"}), ({"count": -1}, {"code": "below-minimum"})],
+    [
+        ({"sise": 3}, {"code": "unknown-name", "name": "sise"}),
+        ({"count": -1}, {"code": "below-minimum"}),
+    ],
 )
 def test_a_stream_refuses_at_once_what_can_give_no_world(params, expected):
     with raises(InvalidParameter, **expected):
@@ -534,8 +596,16 @@ def test_a_stream_refuses_at_once_what_can_give_no_world(params, expected):
 
 def test_json_tells_of_a_set(tmp_path):
     told = json.loads(run(*TRAPS, "--out", tmp_path / "set.zip", "--json").out)
-    assert (told["count"], told["seed"], told["resumed"], told["out"]) == (6, 5, 0, str(tmp_path / "set.zip"))
-    assert told["files"][1]["file"] == str(tmp_path / "set.zip/trap-6.grid") and told["files"][1]["seed"] == 6
+    assert (told["count"], told["seed"], told["resumed"], told["out"]) == (
+        6,
+        5,
+        0,
+        str(tmp_path / "set.zip"),
+    )
+    assert (
+        told["files"][1]["file"] == str(tmp_path / "set.zip/trap-6.grid")
+        and told["files"][1]["seed"] == 6
+    )
 
 
 def test_from_python_a_set_tells_how_far_it_is(whole, tmp_path):

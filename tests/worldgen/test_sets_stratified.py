@@ -19,7 +19,13 @@ SPREAD = ("maze", "--size", 20, "--difficulty", "0.2..0.8", "--seed", 3, "--no-m
 
 def search(low, high, count, *, family="maze", tries=100, where=None, **given):
     return StrataSearch(
-        FAMILIES.get(family), edges_of(low, high, count), count, 1, {"size": 16, **given}, where=where, tries=tries
+        FAMILIES.get(family),
+        edges_of(low, high, count),
+        count,
+        1,
+        {"size": 16, **given},
+        where=where,
+        tries=tries,
     )
 
 
@@ -47,12 +53,17 @@ def test_each_world_is_as_hard_as_the_manifest_says_and_lies_in_its_stratum(spre
     for entry in manifest_of(out).entries:
         low, high = entry.stratum
         difficulty = entry.metrics["difficulty"]
-        assert low <= difficulty <= high and measure(read_world(out / entry.file)).difficulty == difficulty
+        assert (
+            low <= difficulty <= high
+            and measure(read_world(out / entry.file)).difficulty == difficulty
+        )
 
 
 def test_all_worlds_differ_and_the_parameter_given_stays(spread):
     entries = manifest_of(spread[0]).entries
-    assert len({entry.digest for entry in entries}) == 20 and {entry.params["size"] for entry in entries} == {20}
+    assert len({entry.digest for entry in entries}) == 20 and {
+        entry.params["size"] for entry in entries
+    } == {20}
 
 
 @pytest.mark.gate
@@ -67,7 +78,10 @@ def test_equal_seeds_give_equal_sets_and_the_manifest_makes_them_again(spread, t
 
 def test_json_names_the_stratum_of_every_world(tmp_path):
     done = worldgen(*SPREAD, "--count", 2, "--out", tmp_path / "two", "--json")
-    assert sorted(file["stratum"] for file in json.loads(done.out)["files"]) == [[0.2, 0.5], [0.5, 0.8]]
+    assert sorted(file["stratum"] for file in json.loads(done.out)["files"]) == [
+        [0.2, 0.5],
+        [0.5, 0.8],
+    ]
 
 
 def test_a_search_that_was_interrupted_goes_on_to_the_same_set(spread, tmp_path):
@@ -87,7 +101,9 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(spread, tmp_path)
 
 @pytest.mark.gate
 def test_a_stratum_that_the_family_cannot_fill_leaves_its_worlds_to_its_neighbours(tmp_path):
-    plan = plan_stratified_set("maze", 1, 8, {"size": 12}, difficulty=(0.75, 1.0), tries=20, metrics=False)
+    plan = plan_stratified_set(
+        "maze", 1, 8, {"size": 12}, difficulty=(0.75, 1.0), tries=20, metrics=False
+    )
     make_set(plan, tmp_path / "set")
     strata = strata_of(manifest_of(tmp_path / "set"))
     assert sum(stratum.worlds for stratum in strata) == 8
@@ -113,7 +129,9 @@ def test_what_else_is_wished_holds_for_every_world():
     assert all(measure(one.world).solid < 0.45 for one in found)
 
 
-@pytest.mark.parametrize(("low", "high"), [(0.9, 0.1), (0.5, 0.5), (-0.1, 0.5), (0.5, 1.1), (float("nan"), 1.0)])
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.9, 0.1), (0.5, 0.5), (-0.1, 0.5), (0.5, 1.1), (float("nan"), 1.0)]
+)
 def test_what_is_no_range_of_difficulty_is_refused(low, high):
     with raises(InvalidParameter, "out-of-range"):
         edges_of(low, high, 10)

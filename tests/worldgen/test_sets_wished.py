@@ -28,10 +28,14 @@ def test_a_set_that_was_searched_for_is_made_again_from_its_manifest(wished, tmp
 
 
 def test_lines_of_a_set_that_was_searched_for_have_what_the_search_varied(wished):
-    first, *lines = [json.loads(line) for line in (wished / "manifest.jsonl").read_text().splitlines()]
+    first, *lines = [
+        json.loads(line) for line in (wished / "manifest.jsonl").read_text().splitlines()
+    ]
     assert first["params"] == {"size": 12} and all("size" not in line["params"] for line in lines)
     worlds = [read_world(wished / line["file"]) for line in lines]
-    assert [{**first["params"], **line["params"]} for line in lines] == [dict(w.provenance.params) for w in worlds]
+    assert [{**first["params"], **line["params"]} for line in lines] == [
+        dict(w.provenance.params) for w in worlds
+    ]
 
 
 def test_a_search_that_was_interrupted_goes_on_to_the_same_set(wished, tmp_path):
@@ -44,7 +48,9 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(wished, tmp_path)
 
 
 def test_another_wish_does_not_go_on_with_a_set(wished):
-    err = run("trap", "--where", "detour > 1.5", "--size", 12, "--seed", 5, "--count", 4, "--out", wished).err
+    err = run(
+        "trap", "--where", "detour > 1.5", "--size", 12, "--seed", 5, "--count", 4, "--out", wished
+    ).err
     assert "holds 4 of 4 worlds of another set: trap from seed 5 where detour > 2" in err
 
 

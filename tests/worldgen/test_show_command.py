@@ -16,7 +16,10 @@ from worldgen.world import FailureRecord, Pose, Target, World
 @pytest.fixture
 def grid(tmp_path):
     path = tmp_path / "w.grid"
-    write_world(World(np.eye(6, dtype=bool), Pose(0.25, 0.05), Target(0.35, 0.05, 0.05), robot_radius=0.04), path)
+    write_world(
+        World(np.eye(6, dtype=bool), Pose(0.25, 0.05), Target(0.35, 0.05, 0.05), robot_radius=0.04),
+        path,
+    )
     return path
 
 
@@ -27,12 +30,21 @@ def run(*words):
 def test_a_world_is_drawn_on_stdout_as_plain_text_when_it_is_no_terminal(grid):
     result = run(grid)
     assert result.exit_code == 0
-    assert result.stdout.splitlines()[:6] == [".....#", "....#.", "...#..", "..#...", ".#....", "#.SG.."]
+    assert result.stdout.splitlines()[:6] == [
+        ".....#",
+        "....#.",
+        "...#..",
+        "..#...",
+        ".#....",
+        "#.SG..",
+    ]
     assert "\x1b" not in result.stdout
     assert result.stderr == ""
 
 
-@pytest.mark.parametrize(("kind", "begin"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("html", b"<!DOCTYPE html>")])
+@pytest.mark.parametrize(
+    ("kind", "begin"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("html", b"<!DOCTYPE html>")]
+)
 def test_a_picture_file_is_written_and_named_on_stderr(grid, tmp_path, kind, begin):
     out = tmp_path / f"picture.{kind}"
     result = run(grid, f"--{kind}", out)
@@ -59,13 +71,19 @@ def test_an_existing_file_is_kept_unless_forced(grid, tmp_path):
 def test_bad_input_is_an_error_of_ours_with_a_sentence(grid, tmp_path):
     (tmp_path / "bad.grid").write_text("hello")
     assert isinstance(run(tmp_path / "bad.grid").exception, FormatError)
-    assert isinstance(run(grid, "--png", tmp_path / "p.png", "--pixels", 3).exception, InvalidParameter)
+    assert isinstance(
+        run(grid, "--png", tmp_path / "p.png", "--pixels", 3).exception, InvalidParameter
+    )
 
 
 def test_a_failure_file_names_controller_motion_verdict_and_replay(tmp_path):
-    failure = FailureRecord("turn-right", "swept", 0, "loop", "0" * 16, evidence={"entry": 12, "period": 104})
+    failure = FailureRecord(
+        "turn-right", "swept", 0, "loop", "0" * 16, evidence={"entry": 12, "period": 104}
+    )
     path = tmp_path / "my failure.grid"
-    write_world(World(np.zeros((6, 6), bool), Pose(0.3, 0.3), Target(0.5, 0.5, 0.05), failure=failure), path)
+    write_world(
+        World(np.zeros((6, 6), bool), Pose(0.3, 0.3), Target(0.5, 0.5, 0.05), failure=failure), path
+    )
     lines = run(path).stdout.splitlines()
     assert lines[-2] == "failure: turn-right under swept: loop (entry 12, period 104)"
     assert lines[-1] == f"replay:  worldgen replay '{path}'"
@@ -84,4 +102,7 @@ def test_the_terminal_picture_needs_no_pillow(grid):
         "import sys; from worldgen.commands.show import show; "
         f"show([{str(grid)!r}], standalone_mode=False); sys.exit('PIL' in sys.modules)"
     )
-    assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode == 0
+    assert (
+        subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode
+        == 0
+    )

@@ -43,11 +43,17 @@ goal
 
 
 def test_a_tiny_world_is_these_bytes():
-    export = export_world(drawn(".##G\nS##.", target_radius=0.05), "stage", file="w.world", origin=(1.5, -2.0))
+    export = export_world(
+        drawn(".##G\nS##.", target_radius=0.05), "stage", file="w.world", origin=(1.5, -2.0)
+    )
     text = export.data.decode()
     picture = np.asarray(Image.open(io.BytesIO(export.files["w.png"])))
     assert text.endswith(PLACES) and text.startswith("# A world of worldgen for Stage")
-    assert (picture == 0).tolist() == [[True] * 6, *[[True, False, True, True, False, True]] * 2, [True] * 6]
+    assert (picture == 0).tolist() == [
+        [True] * 6,
+        *[[True, False, True, True, False, True]] * 2,
+        [True] * 6,
+    ]
     assert all(len(line) < 255 for line in text.splitlines())  # Stage's own buffer
 
 
@@ -55,18 +61,26 @@ def walls_in_stage(export):
     """Lower-left corners and size of the wall pixels where Stage puts them, by its rule, m, exactly."""
     text = export.data.decode()
     size, pose = (
-        [Fraction(word) for word in re.search(rf"^floorplan\n.*?^  {key} \[ (.+?) \]", text, re.M | re.S)[1].split()]
+        [
+            Fraction(word)
+            for word in re.search(rf"^floorplan\n.*?^  {key} \[ (.+?) \]", text, re.M | re.S)[
+                1
+            ].split()
+        ]
         for key in ("size", "pose")
     )
     picture = np.asarray(
-        Image.open(io.BytesIO(next(data for name, data in export.files.items() if name[-4:] == ".png")))
+        Image.open(
+            io.BytesIO(next(data for name, data in export.files.items() if name[-4:] == ".png"))
+        )
     )
     points = [(int(column), -int(row) - 1) for row, column in np.argwhere(picture <= 127)]
     low = [min(point[axis] for point in points) for axis in (0, 1)]
     spans = [max(point[axis] for point in points) + 1 - low[axis] for axis in (0, 1)]
     sides = [size[axis] / spans[axis] for axis in (0, 1)]
     corners = {
-        tuple((point[a] - low[a] - Fraction(spans[a], 2)) * sides[a] + pose[a] for a in (0, 1)) for point in points
+        tuple((point[a] - low[a] - Fraction(spans[a], 2)) * sides[a] + pose[a] for a in (0, 1))
+        for point in points
     }
     return corners, sides
 
@@ -76,8 +90,14 @@ def test_stage_has_its_walls_where_the_world_has_them_and_a_ring_where_it_is_ope
     corners, sides = walls_in_stage(export_world(world, "stage", origin=origin))
     side, shift = Fraction(repr(world.cell_size)), [Fraction(repr(value)) for value in origin]
     solid = np.pad(world.walls, 1, constant_values=True)
-    expected = {((ix - 1) * side + shift[0], (iy - 1) * side + shift[1]) for iy, ix in np.argwhere(solid).tolist()}
-    inside = {((ix) * side + shift[0], (iy) * side + shift[1]) for iy, ix in np.argwhere(world.walls).tolist()}
+    expected = {
+        ((ix - 1) * side + shift[0], (iy - 1) * side + shift[1])
+        for iy, ix in np.argwhere(solid).tolist()
+    }
+    inside = {
+        ((ix) * side + shift[0], (iy) * side + shift[1])
+        for iy, ix in np.argwhere(world.walls).tolist()
+    }
     closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
     assert sides == [side, side] and corners == (inside if closed else expected)
 
@@ -126,7 +146,9 @@ def found(tmp_path):
     return read
 
 
-@pytest.mark.parametrize("text", ['include "x.inc"', "# a world\ndefine a model ( )", "resolution 0.1\nfloorplan (\n)"])
+@pytest.mark.parametrize(
+    "text", ['include "x.inc"', "# a world\ndefine a model ( )", "resolution 0.1\nfloorplan (\n)"]
+)
 def test_a_world_of_stage_is_told_from_one_of_gazebo(tmp_path, text):
     (tmp_path / "w.world").write_text(text)
     assert find_format(tmp_path / "w.world").name == "stage"
@@ -143,9 +165,18 @@ def test_the_black_part_of_the_picture_is_what_the_size_is_of(found):
 
 def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
     back = found(OTHERS.format(unit="m"))
-    assert back.start == (3.5, 3.5, -np.pi / 2) and back.robot_radius == 0.4 and back.robot_speed == 0.5
-    assert back.target is None and "the file has 2 robots; the first was taken, the others left out" in back.notes
-    assert any("'nowhere.inc' is not there" in note and "is not known" in note for note in back.notes)
+    assert (
+        back.start == (3.5, 3.5, -np.pi / 2)
+        and back.robot_radius == 0.4
+        and back.robot_speed == 0.5
+    )
+    assert (
+        back.target is None
+        and "the file has 2 robots; the first was taken, the others left out" in back.notes
+    )
+    assert any(
+        "'nowhere.inc' is not there" in note and "is not known" in note for note in back.notes
+    )
     assert back.unread == ("1 thing beside the floor plan: model",)
 
 
@@ -164,7 +195,13 @@ def test_what_an_included_file_beside_it_defines_counts(found, tmp_path):
 
 def test_pixels_that_are_no_squares_become_the_cells_that_they_reach_into(found):
     back = found('floorplan ( size [ 8 2 1 ] bitmap "m.png" )', cell_size=1.0)
-    assert back.walls.shape == (4, 12) and back.walls[2].tolist() == [False, False, True, True, *[False] * 8]
+    assert back.walls.shape == (4, 12) and back.walls[2].tolist() == [
+        False,
+        False,
+        True,
+        True,
+        *[False] * 8,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -181,12 +218,18 @@ def test_pixels_that_are_no_squares_become_the_cells_that_they_reach_into(found)
             'floorplan (\n bitmap "m.png"\n size [ 1-5 2 ] )',
             {"code": "not-a-number", "line": 3, "key": "size", "text": "1-5"},
         ),
-        ('floorplan (\n bitmap "m.png" size [ 1 1 1 ]\n pose [ 0 0 0 30 ] )', {"code": "unsupported", "line": 3}),
+        (
+            'floorplan (\n bitmap "m.png" size [ 1 1 1 ]\n pose [ 0 0 0 30 ] )',
+            {"code": "unsupported", "line": 3},
+        ),
         (
             'floorplan (\n bitmap "../m.png" size [ 1 1 1 ] )',
             {"code": "outside-folder", "line": 2, "key": "bitmap", "name": "'../m.png'"},
         ),
-        ('unit_length "inch"\nfloorplan ( bitmap "m.png" )', {"code": "unknown-name", "line": 1, "name": "inch"}),
+        (
+            'unit_length "inch"\nfloorplan ( bitmap "m.png" )',
+            {"code": "unknown-name", "line": 1, "name": "inch"},
+        ),
         ("define floorplan\n( )", {"code": "wrong-form", "line": 1}),
         ('include "w.world"', {"code": "nested-too-deep", "line": 1, "most": 16}),
     ],

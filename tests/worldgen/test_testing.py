@@ -34,7 +34,9 @@ def own(build, *, name="own", changes=False):
 
 
 def counting(rng, *, size: int = 12) -> World:
-    return World(np.zeros((12, 12), bool), Pose(0.2 + next(COUNTER) / 100, 0.2), Target(1.0, 1.0, 0.05))
+    return World(
+        np.zeros((12, 12), bool), Pose(0.2 + next(COUNTER) / 100, 0.2), Target(1.0, 1.0, 0.05)
+    )
 
 
 def fixed(rng, *, size: int = 12) -> World:
@@ -80,12 +82,28 @@ def wordy(rng, *, size: int = 12) -> World:
 BROKEN = {
     "counting": (counting, "equal-seed-gives-equal-bytes", "seed 0 gives two different worlds"),
     "fixed": (fixed, "different-seeds-give-different-worlds", "seeds 0 to 5 give 1 worlds"),
-    "pythons": (pythons_chance, "what-was-made-before-does-not-matter", "draws from Python's or NumPy's random"),
-    "numpys": (numpys_chance, "what-was-made-before-does-not-matter", "draws from Python's or NumPy's random"),
-    "still": (burning, "a-timeline-never-says-what-already-is", r"say @family\(..., changes=True\)"),
+    "pythons": (
+        pythons_chance,
+        "what-was-made-before-does-not-matter",
+        "draws from Python's or NumPy's random",
+    ),
+    "numpys": (
+        numpys_chance,
+        "what-was-made-before-does-not-matter",
+        "draws from Python's or NumPy's random",
+    ),
+    "still": (
+        burning,
+        "a-timeline-never-says-what-already-is",
+        r"say @family\(..., changes=True\)",
+    ),
     "unexplained": (unchecked, "every-parameter-is-explained", "it has no docstring"),
     "silent": (endless, "every-parameter-is-explained", "size: not explained"),
-    "unchecked": (unchecked, "an-absurd-value-is-refused-or-works", "size='-9223372036854775808' raises ValueError"),
+    "unchecked": (
+        unchecked,
+        "an-absurd-value-is-refused-or-works",
+        "size='-9223372036854775808' raises ValueError",
+    ),
     "endless": (endless, "an-absurd-value-is-refused-or-works", "size='-2' takes more than 0.2 s"),
     "wordy": (wordy, "an-absurd-value-is-refused-or-works", "is refused in more than one line"),
 }
@@ -98,15 +116,21 @@ def test_a_broken_promise_is_found(build, check, message, monkeypatch):
         BY_NAME[check](own(build))
 
 
-@pytest.mark.parametrize(("build", "message"), [(burning, "a cell burns for ever"), (saying_again, "becomes what it")])
+@pytest.mark.parametrize(
+    ("build", "message"), [(burning, "a cell burns for ever"), (saying_again, "becomes what it")]
+)
 def test_a_broken_timeline_is_found(build, message):
     with pytest.raises(BrokenContract, match=message):
         BY_NAME["a-timeline-never-says-what-already-is"](own(build, changes=True))
 
 
 def test_a_witness_that_does_not_hold_is_found(monkeypatch):
-    monkeypatch.setattr(testing, "check_certificate", lambda world: type("No", (), {"valid": False, "reason": "no"}))
-    with pytest.raises(BrokenContract, match="seed 0: the independent checker refuses the witness: no"):
+    monkeypatch.setattr(
+        testing, "check_certificate", lambda world: type("No", (), {"valid": False, "reason": "no"})
+    )
+    with pytest.raises(
+        BrokenContract, match="seed 0: the independent checker refuses the witness: no"
+    ):
         BY_NAME["the-independent-checker-accepts-the-witness"](FAMILIES.get("trap"))
 
 
@@ -117,14 +141,20 @@ def test_all_that_is_broken_is_told_at_once_with_its_case():
     with pytest.raises(BrokenContract) as caught:
         check_family(own(plain))
     told = str(caught.value)
-    assert "own breaks its contract:" in told and "every-parameter-is-explained: it has no docstring" in told
+    assert (
+        "own breaks its contract:" in told
+        and "every-parameter-is-explained: it has no docstring" in told
+    )
     assert "different-seeds-give-different-worlds (shape='b'): seeds 0 to 5 give 1 worlds" in told
 
 
 def test_a_pinned_digest_that_changed_is_told():
     warehouse = FAMILIES.get(WAREHOUSE)
     with pytest.raises(BrokenContract, match="pinned is 0000; raise the version") as caught:
-        check_family(warehouse, golden={"aisles": "0000", "fishbone": layout_digest(warehouse, {"layout": "fishbone"})})
+        check_family(
+            warehouse,
+            golden={"aisles": "0000", "fishbone": layout_digest(warehouse, {"layout": "fishbone"})},
+        )
     assert len(str(caught.value).splitlines()) == 2
 
 
@@ -136,7 +166,10 @@ def test_the_example_of_an_own_family_keeps_its_promises():
 def test_the_command_says_what_is_broken_and_ends_with_1():
     recipe = "examples/recipes/double-comb.toml"
     done = worldgen("check-family", recipe)
-    assert done.code == 1 and "BROKEN different-seeds-give-different-worlds: seeds 0 to 5 give 1 worlds" in done.out
+    assert (
+        done.code == 1
+        and "BROKEN different-seeds-give-different-worlds: seeds 0 to 5 give 1 worlds" in done.out
+    )
     left_out = ("--except", "different-seeds-give-different-worlds", "--json", "--digests")
     found = json.loads(worldgen("check-family", recipe, *left_out).out)
     assert not any(check["fault"] for check in found["checks"]) and list(found["digests"]) == [""]

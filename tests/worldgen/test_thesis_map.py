@@ -16,7 +16,7 @@ from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.files.grid import read_world, write_world
 from worldgen.generation import generate
 from worldgen.interop import (
-    RobotOptions,
+    ImportedRobot,
     export_world,
     import_world,
 )
@@ -66,7 +66,9 @@ def blocks(*parts):
 def test_a_sample_comes_back_to_the_byte(tmp_path, name):
     original = SAMPLES / f"{name}.map"
     assert worldgen("import", original, "--out", tmp_path / "w.grid").code == 0
-    result = worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex")
+    result = worldgen(
+        "export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex"
+    )
     assert (result.code, result.err) == (0, "")
     assert (tmp_path / "old.gex").read_bytes() == original.read_bytes()
 
@@ -102,15 +104,18 @@ def test_a_start_that_is_not_clear_is_placed_elsewhere_and_said(write):
 
 
 def test_start_and_target_given_come_before_the_files(write):
-    robot = RobotOptions(start=(0.25, 0.25, 1.0), target=(0.75, 0.75, 0.02))
+    robot = ImportedRobot(start=(0.25, 0.25, 1.0), target=(0.75, 0.75, 0.02))
     world = import_world(write(room().values), robot).world
     assert (world.start, world.target) == (Pose(0.25, 0.25, 1.0), Target(0.75, 0.75, 0.02))
 
 
 def test_a_seed_asks_for_another_start_and_keeps_the_target(write):
     path = write(room(size=20, target=(16, 16)).values)
-    there = import_world(path, RobotOptions(seed=5)).world
-    assert there.target == import_world(path).world.target and (there.start.x, there.start.y) != (0.35, 1.65)
+    there = import_world(path, ImportedRobot(seed=5)).world
+    assert there.target == import_world(path).world.target and (there.start.x, there.start.y) != (
+        0.35,
+        1.65,
+    )
 
 
 @pytest.mark.parametrize("size", [3, 4, 8, 9, 11, 31, 101, 102])
@@ -301,7 +306,10 @@ FAULTS = [
     (np.full((2, 2), -2), {"code": "wrong-size", "size": 2, "min_size": 3, "max_size": 2000}),
     (np.full((1, 1), 0), {"code": "wrong-size", "size": 1}),
     (changed(GOOD, 4, 2, -3), {"code": "wrong-values", "value": -3, "column": 4, "row": 2}),
-    (changed(GOOD, 4, 2, -(2**31)), {"code": "wrong-values", "value": -2147483648, "column": 4, "row": 2}),
+    (
+        changed(GOOD, 4, 2, -(2**31)),
+        {"code": "wrong-values", "value": -2147483648, "column": 4, "row": 2},
+    ),
     (changed(GOOD, 0, 7, 9), {"code": "open-border", "row": 7}),
     (changed(GOOD, 9, 9, -1), {"code": "open-border", "column": 9, "row": 9}),
     (changed(GOOD, 2, 3, 0), {"code": "wrong-count", "targets": 2}),
@@ -365,7 +373,10 @@ def test_a_sample_with_bytes_changed_and_cut_gives_a_map_or_one_message(tmp_path
 def closed(width=10, height=10, **changes):
     walls = np.ones((height, width), bool)
     walls[1:-1, 1:-1] = False
-    parts = {"start": Pose(0.35, height / 10 - 0.35, math.pi - 4.5), "target": Target(0.55, 0.55, 0.05)} | changes
+    parts = {
+        "start": Pose(0.35, height / 10 - 0.35, math.pi - 4.5),
+        "target": Target(0.55, 0.55, 0.05),
+    } | changes
     return World(walls, **parts)
 
 
@@ -373,7 +384,10 @@ def closed(width=10, height=10, **changes):
     ("world", "expected"),
     [
         (closed(12), {"code": "not-square", "width": 12, "height": 10}),
-        (World(np.zeros((10, 10), bool), Pose(0.5, 0.5), Target(0.8, 0.8, 0.05)), {"code": "open-border"}),
+        (
+            World(np.zeros((10, 10), bool), Pose(0.5, 0.5), Target(0.8, 0.8, 0.05)),
+            {"code": "open-border"},
+        ),
         (closed(target=Target(0.05, 0.5, 0.05)), {"code": "target-in-a-wall", "x": 0.05, "y": 0.5}),
         (closed(target=Target(1.0, 0.5, 0.05)), {"code": "target-in-a-wall"}),
         (
@@ -414,14 +428,22 @@ def test_a_world_that_changes_is_refused_until_a_time_is_given():
     with raises(InvalidWorld, "world-changes"):
         export_world(changing, "thesis")
     still = export_world(changing, "thesis", at=0.0)
-    assert still.data == export_world(closed(), "thesis").data and "1 changes are not stored" in still.notes[0]
+    assert (
+        still.data == export_world(closed(), "thesis").data
+        and "1 changes are not stored" in still.notes[0]
+    )
 
 
 def test_the_cell_size_and_a_size_that_the_program_does_not_load_are_said(tmp_path):
     write_world(generate("trap", 1, size=31, cell_size=0.2), tmp_path / "w.grid")
-    result = worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex")
+    result = worldgen(
+        "export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex"
+    )
     assert result.code == 0
-    assert "not stored: the cell size 0.2 m" in result.err and "does not load 31 x 31 cells" in result.err
+    assert (
+        "not stored: the cell size 0.2 m" in result.err
+        and "does not load 31 x 31 cells" in result.err
+    )
 
 
 def test_noise_is_added_and_left_out_on_demand(tmp_path):
@@ -429,7 +451,9 @@ def test_noise_is_added_and_left_out_on_demand(tmp_path):
     for name, flag, data in [("map30", "--noise", noisy), ("map30noise", "--no-noise", plain)]:
         write_world(import_world(SAMPLES / f"{name}.map").world, tmp_path / "w.grid", force=True)
         out = tmp_path / f"{name}.gex"
-        assert worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", out, flag).code == 0
+        assert (
+            worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", out, flag).code == 0
+        )
         assert out.read_bytes() == data
 
 
@@ -440,15 +464,31 @@ def test_a_world_of_a_family_survives_the_way_out_and_back(tmp_path, name):
     path.write_bytes(export_world(world, "thesis").data)
     found = read_thesis_map(path)
     assert np.array_equal(found.walls, world.walls) and found.notes == found.warnings == ()
-    assert max(abs(a - b) for a, b in zip(found.target[:2], (world.target.x, world.target.y), strict=True)) < 0.051
+    assert (
+        max(
+            abs(a - b)
+            for a, b in zip(found.target[:2], (world.target.x, world.target.y), strict=True)
+        )
+        < 0.051
+    )
 
 
 def test_export_prints_one_object_and_overwrites_only_when_forced(tmp_path):
     write_world(closed(robot_speed=1.0), tmp_path / "w.grid")
-    args = ["export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex", "--json"]
+    args = [
+        "export",
+        tmp_path / "w.grid",
+        "--to",
+        "thesis",
+        "--out",
+        tmp_path / "old.gex",
+        "--json",
+    ]
     shown = json.loads(worldgen(*args).out)
     assert set(shown) == {"file", "format", "bytes", "sha256", "files", "lost", "notes"}
-    assert shown["bytes"] == (tmp_path / "old.gex").stat().st_size == 409 and len(shown["lost"]) == 1
+    assert (
+        shown["bytes"] == (tmp_path / "old.gex").stat().st_size == 409 and len(shown["lost"]) == 1
+    )
     again = worldgen(*args)
     assert again.code == 2 and again.error_code == "file-exists"
     assert worldgen(*args, "--force").code == 0
@@ -461,7 +501,14 @@ def test_an_exporter_of_ones_own_is_found_by_its_path(tmp_path):
         "count = Format('count', 'cells', ('.txt',), write=write)\n"
     )
     write_world(closed(), tmp_path / "w.grid")
-    args = ["export", tmp_path / "w.grid", "--to", f"{tmp_path / 'mine.py'}:count", "--out", tmp_path / "n.txt"]
+    args = [
+        "export",
+        tmp_path / "w.grid",
+        "--to",
+        f"{tmp_path / 'mine.py'}:count",
+        "--out",
+        tmp_path / "n.txt",
+    ]
     assert worldgen(*args).code == 0 and (tmp_path / "n.txt").read_bytes() == b"100"
     refused = worldgen(*args, "--noise", "--force")
     assert refused.code == 2 and refused.error_code == "unknown-name"

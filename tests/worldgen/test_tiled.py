@@ -25,7 +25,9 @@ def made(tmp_path):
     """The map of a room, changed by a function, written and read."""
 
     def change(function):
-        path = write_export(export_world(drawn(ROOM, radius=0.04), "tiled"), tmp_path, force=True)[0]
+        path = write_export(export_world(drawn(ROOM, radius=0.04), "tiled"), tmp_path, force=True)[
+            0
+        ]
         parts = json.loads(path.read_text())
         function(parts)
         path.write_text(json.dumps(parts))
@@ -50,7 +52,11 @@ def test_the_map_has_the_layers_and_pixels_that_tiled_shows():
     ids=["plain", "zlib", "gzip"],
 )
 def test_packed_tiles_are_the_same_cells(made, data, compression):
-    packed = {"data": base64.b64encode(data).decode(), "encoding": "base64", "compression": compression}
+    packed = {
+        "data": base64.b64encode(data).decode(),
+        "encoding": "base64",
+        "compression": compression,
+    }
     found = read_map(made(lambda parts: parts["layers"][0].update(packed)))
     assert found.walls[::-1].ravel().tolist() == [bool(number) for number in NUMBERS]
 
@@ -89,7 +95,9 @@ def foreign(parts):
         {"name": "", "type": "Spawn", "x": 24, "y": 24},
         {"name": "Goal", "x": 48, "y": 16, "width": 16},
     ]
-    parts["layers"] = [{"type": "group", "name": "all", "layers": [floor, {**walls, "name": "Collision"}, places]}]
+    parts["layers"] = [
+        {"type": "group", "name": "all", "layers": [floor, {**walls, "name": "Collision"}, places]}
+    ]
     del parts["properties"]
 
 
@@ -97,7 +105,9 @@ def test_a_map_drawn_by_someone_else_is_read(made):
     found = read_map(made(foreign))
     assert found.walls.sum() == sum(NUMBERS) and found.cell_size == 0.1
     assert (found.start, found.robot_radius) == ((0.15, 0.25, 0.0), None)
-    assert read_map(made(foreign), "tiled+layer=Floor").warnings[0].startswith("every cell has a tile")
+    assert (
+        read_map(made(foreign), "tiled+layer=Floor").warnings[0].startswith("every cell has a tile")
+    )
     assert read_map(made(foreign), options={"cell_size": 0.5}).cell_size == 0.5
 
 
@@ -111,7 +121,10 @@ BAD = [
     (lambda parts: parts.update(infinite=True), {"code": "endless-map"}),
     (lambda parts: parts.update(orientation="isometric"), {"code": "unsupported"}),
     (lambda parts: parts.update(tileheight=8), {"code": "not-square", "width": 16, "height": 8}),
-    (lambda parts: parts.update(width="5"), {"code": "not-a-number", "key": "width", "value": '"5"'}),
+    (
+        lambda parts: parts.update(width="5"),
+        {"code": "not-a-number", "key": "width", "value": '"5"'},
+    ),
     (
         lambda parts: parts.update(width=10**6, height=10**6),
         {"code": "wrong-size", "width": 1000000, "height": 1000000},
@@ -122,24 +135,43 @@ BAD = [
         lambda parts: parts["layers"][0].update(data=[1]),
         {"code": "wrong-length", "name": "layer 'walls'", "cells": 1, "width": 5},
     ),
-    (lambda parts: parts["layers"][0].update(data=[-1] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
-    (lambda parts: parts["layers"][0].update(data=[2.5] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
-    (lambda parts: parts["layers"][0].update(data=[[1]] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
+    (
+        lambda parts: parts["layers"][0].update(data=[-1] * 20),
+        {"code": "wrong-type", "name": "layer 'walls'"},
+    ),
+    (
+        lambda parts: parts["layers"][0].update(data=[2.5] * 20),
+        {"code": "wrong-type", "name": "layer 'walls'"},
+    ),
+    (
+        lambda parts: parts["layers"][0].update(data=[[1]] * 20),
+        {"code": "wrong-type", "name": "layer 'walls'"},
+    ),
     (
         lambda parts: parts["layers"][0].update(width=4),
         {"code": "wrong-size", "name": "layer 'walls'", "layer_width": 4, "layer_height": 4},
     ),
     (
         lambda parts: (
-            parts["layers"].append({**parts["layers"][0], "name": "b"}) or parts["layers"][0].update(name="a")
+            parts["layers"].append({**parts["layers"][0], "name": "b"})
+            or parts["layers"][0].update(name="a")
         ),
         {"code": "ambiguous-layer"},
     ),
-    (packed(zlib.compress(bytes(10**7))), {"code": "damaged-file", "name": "layer 'walls'", "size": 80}),
-    (packed(zlib.compress(RAW)[:-8]), {"code": "damaged-file", "name": "layer 'walls'", "size": 80}),
+    (
+        packed(zlib.compress(bytes(10**7))),
+        {"code": "damaged-file", "name": "layer 'walls'", "size": 80},
+    ),
+    (
+        packed(zlib.compress(RAW)[:-8]),
+        {"code": "damaged-file", "name": "layer 'walls'", "size": 80},
+    ),
     (packed(b"no zlib"), {"code": "damaged-file", "name": "layer 'walls'"}),
     (packed(RAW, "zstd"), {"code": "unsupported", "name": "layer 'walls'", "compression": "zstd"}),
-    (lambda parts: parts["layers"][0].update(data="???"), {"code": "damaged-file", "name": "layer 'walls'"}),
+    (
+        lambda parts: parts["layers"][0].update(data="???"),
+        {"code": "damaged-file", "name": "layer 'walls'"},
+    ),
 ]
 
 

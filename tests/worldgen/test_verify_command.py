@@ -17,7 +17,16 @@ from worldgen.timeline import CellState, Event, Timeline
 
 ROOM = "#######\n#S...G#\n#######"
 WALLED = ROOM.replace("..G", "#.G")
-KEYS = {"path", "result", "certificate", "certificate_valid", "decided", "clearance", "radius", "reason"}
+KEYS = {
+    "path",
+    "result",
+    "certificate",
+    "certificate_valid",
+    "decided",
+    "clearance",
+    "radius",
+    "reason",
+}
 
 
 def run(*words):
@@ -40,8 +49,16 @@ def test_a_true_witness_is_confirmed(save):
     result = run(save("w.grid", ROOM), "--json")
     answer = json.loads(result.stdout)
     assert set(answer) == KEYS
-    assert (answer["result"], answer["certificate_valid"], answer["decided"]) == ("reachable", True, False)
-    assert (answer["clearance"], answer["radius"], result.exit_code) == (pytest.approx(0.05), 0.05, 0)
+    assert (answer["result"], answer["certificate_valid"], answer["decided"]) == (
+        "reachable",
+        True,
+        False,
+    )
+    assert (answer["clearance"], answer["radius"], result.exit_code) == (
+        pytest.approx(0.05),
+        0.05,
+        0,
+    )
 
 
 def test_a_true_cut_is_confirmed(save):
@@ -86,7 +103,9 @@ def test_several_files_and_folders_make_a_list(save, tmp_path):
 
 def test_one_false_certificate_of_several_is_a_failure(save, tmp_path):
     bad, good = drawn(ROOM), save("a.grid", ROOM)
-    false = dataclasses.replace(decide(drawn(ROOM, radius=0.05)).certificate, x=np.array([0.15, 0.45]))
+    false = dataclasses.replace(
+        decide(drawn(ROOM, radius=0.05)).certificate, x=np.array([0.15, 0.45])
+    )
     write_world(dataclasses.replace(bad, certificate=false), tmp_path / "bad.grid")
     assert run(good, tmp_path / "bad.grid").exit_code == 1
 
@@ -114,7 +133,10 @@ def test_a_negative_radius_is_refused(save):
     [
         (ROOM, 0.05),  # half the corridor
         (WALLED, 0.0),
-        ("......#\n.G...#.\n....#..\n.......\n..#....\n.#...S.\n#......", 0.05 * 2**0.5),  # between two corners
+        (
+            "......#\n.G...#.\n....#..\n.......\n..#....\n.#...S.\n#......",
+            0.05 * 2**0.5,
+        ),  # between two corners
     ],
 )
 def test_the_largest_disc_that_could_pass_is_right_to_the_last_bit(save, text, largest):
@@ -128,7 +150,9 @@ def test_the_largest_disc_that_could_pass_is_right_to_the_last_bit(save, text, l
 
 
 def test_the_largest_disc_is_not_known_of_a_world_that_changes(save, tmp_path):
-    world = dataclasses.replace(drawn(ROOM, radius=0.05), timeline=Timeline.of([Event(1.0, 3, 1, CellState.BURNING)]))
+    world = dataclasses.replace(
+        drawn(ROOM, radius=0.05), timeline=Timeline.of([Event(1.0, 3, 1, CellState.BURNING)])
+    )
     write_world(world, tmp_path / "w.grid")
     result = CliRunner().invoke(verify, [str(tmp_path / "w.grid"), "--widest"])
     check_says(result.exception, "world-changes")
@@ -137,8 +161,12 @@ def test_the_largest_disc_is_not_known_of_a_world_that_changes(save, tmp_path):
 @pytest.fixture
 def burning(save, tmp_path):
     events = [Event(3.05, 3, 1, CellState.BURNING), Event(6.0, 3, 1, CellState.SOLID)]
-    world = dataclasses.replace(drawn(ROOM, radius=0.05), robot_speed=0.1, timeline=Timeline.of(events))
-    write_world(dataclasses.replace(world, certificate=decide(world).certificate), tmp_path / "w.grid")
+    world = dataclasses.replace(
+        drawn(ROOM, radius=0.05), robot_speed=0.1, timeline=Timeline.of(events)
+    )
+    write_world(
+        dataclasses.replace(world, certificate=decide(world).certificate), tmp_path / "w.grid"
+    )
     return tmp_path / "w.grid"
 
 
@@ -146,24 +174,42 @@ def test_a_world_that_changes_tells_how_late_the_robot_may_set_out(burning):
     result = run(burning, "--json")
     answer = json.loads(result.stdout)
     assert set(answer) == KEYS | {"margin", "latest_start"} and result.exit_code == 0
-    assert answer["margin"] == pytest.approx(0.0, abs=0.1) and answer["latest_start"] == pytest.approx(answer["margin"])
-    assert "the witness may begin up to" in run(burning).stdout and "may wait until" in run(burning).stdout
+    assert answer["margin"] == pytest.approx(0.0, abs=0.1) and answer[
+        "latest_start"
+    ] == pytest.approx(answer["margin"])
+    assert (
+        "the witness may begin up to" in run(burning).stdout
+        and "may wait until" in run(burning).stdout
+    )
 
 
 @pytest.mark.parametrize(
     ("deadline", "result", "certificate", "code"),
-    [(2.0, "blocked", "confinement", 0), (3.9, "undecided", None, 1), (4.5, "reachable", "witness", 0)],
+    [
+        (2.0, "blocked", "confinement", 0),
+        (3.9, "undecided", None, 1),
+        (4.5, "reachable", "witness", 0),
+    ],
 )
-def test_a_deadline_is_met_or_proved_too_early_or_left_undecided(burning, deadline, result, certificate, code):
+def test_a_deadline_is_met_or_proved_too_early_or_left_undecided(
+    burning, deadline, result, certificate, code
+):
     answer = json.loads(run(burning, "--deadline", deadline, "--json").stdout)
-    assert (answer["result"], answer["certificate"], answer["deadline"]) == (result, certificate, deadline)
+    assert (answer["result"], answer["certificate"], answer["deadline"]) == (
+        result,
+        certificate,
+        deadline,
+    )
     shown = run(burning, "--deadline", deadline)
     assert shown.exit_code == code and f" within {deadline:g} s" in shown.stdout
 
 
 def test_under_a_deadline_a_still_world_tells_how_late_the_robot_may_set_out(save):
     answer = json.loads(run(save("w.grid", ROOM), "--deadline", 5, "--json").stdout)
-    assert answer["margin"] == pytest.approx(5.0 - 0.2, abs=0.03) and answer["latest_start"] >= answer["margin"]
+    assert (
+        answer["margin"] == pytest.approx(5.0 - 0.2, abs=0.03)
+        and answer["latest_start"] >= answer["margin"]
+    )
     walled = json.loads(run(save("v.grid", WALLED), "--deadline", 5, "--json").stdout)
     assert (walled["result"], walled["certificate"]) == ("blocked", "cut")
 

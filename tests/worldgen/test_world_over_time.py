@@ -37,7 +37,9 @@ def test_cells_before_the_first_event_are_the_walls():
 
 
 def test_a_timeline_marks_the_cells_that_become_one_of_some_states():
-    assert np.argwhere(LINE.cells_that_become(CellState.SOLID, shape=WALLS.shape)).tolist() == [[0, 1]]
+    assert np.argwhere(LINE.cells_that_become(CellState.SOLID, shape=WALLS.shape)).tolist() == [
+        [0, 1]
+    ]
     both = LINE.cells_that_become(CellState.FREE, CellState.BURNING, shape=WALLS.shape)
     assert np.argwhere(both).tolist() == [[0, 1], [1, 2]]
     assert np.array_equal(LINE.cells_that_become(shape=WALLS.shape), both)
@@ -51,7 +53,9 @@ def test_the_last_time_is_0_where_nothing_changes():
     assert (LINE.last_time, Timeline().last_time) == (2.0, 0.0)
 
 
-@pytest.mark.parametrize(("width", "height", "within"), [(3, 2, True), (2, 2, False), (3, 1, False)])
+@pytest.mark.parametrize(
+    ("width", "height", "within"), [(3, 2, True), (2, 2, False), (3, 1, False)]
+)
 def test_a_timeline_is_within_a_grid_that_has_all_its_cells(width, height, within):
     assert LINE.is_within(width, height) is within
     assert Timeline().is_within(1, 1)

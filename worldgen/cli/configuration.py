@@ -1,4 +1,7 @@
-"""Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``; docs/configuration.md."""
+"""Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``.
+
+docs/configuration.md.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,8 @@ FILE = "pyproject.toml"
 # Options that name code in a file, such as ./robot.py:Robot, beside those that are paths.
 _CODE = ("controller", "families", "oracles")
 _SEVERAL = "controllers"  # of compare, which takes several in one value, with commas between them
-# Of these at most one can be given; one on the command line puts the others' configured values aside.
+# Of these at most one can be given; one on the command line puts the others' configured values
+# aside.
 _EITHER = (
     ("budget", "units"),
     ("scheduler", "workers"),
@@ -40,7 +44,10 @@ class _Project(NamedTuple):
 
 
 def configured(
-    parameters: Collection[click.Parameter], path: tuple[str, ...], given: Collection[str], known: Collection[str]
+    parameters: Collection[click.Parameter],
+    path: tuple[str, ...],
+    given: Collection[str],
+    known: Collection[str],
 ) -> dict[str, Any]:
     """Return the defaults that the project's file gives a command's options, by the names of its parameters.
 
@@ -51,7 +58,8 @@ def configured(
         known: Names of all commands.
 
     Raises:
-        InvalidParameter: If the file cannot be read, or names a command or an option that does not exist.
+        InvalidParameter: If the file cannot be read, or names a command or an option that does not
+            exist.
     """
     project = _project(Path.cwd())
     if project is None:
@@ -80,8 +88,16 @@ def configured(
         if not isinstance(table, dict):
             return {}
     where = f"{project.file}: [tool.worldgen.{'.'.join(path)}]"
-    values = dict(_value_of(parameters, key, value, project.file.parent, where) for key, value in table.items())
-    crowded_out = {name for pair in _EITHER for name in pair if any(other in given for other in pair if other != name)}
+    values = dict(
+        _value_of(parameters, key, value, project.file.parent, where)
+        for key, value in table.items()
+    )
+    crowded_out = {
+        name
+        for pair in _EITHER
+        for name in pair
+        if any(other in given for other in pair if other != name)
+    }
     return {name: value for name, value in values.items() if name not in crowded_out}
 
 
@@ -117,24 +133,37 @@ def _value_of(
         )
     if any(not isinstance(one, str | int | float) for one in values):
         raise InvalidParameter(
-            "wrong-type", "{where} {option}: write a text, a number, or true or false", where=where, option=key
+            "wrong-type",
+            "{where} {option}: write a text, a number, or true or false",
+            where=where,
+            option=key,
         )
     if option.is_flag != all(isinstance(one, bool) for one in values):
         expected = "true or false" if option.is_flag else "a text or a number"
         raise InvalidParameter(
-            "wrong-type", "{where} {option}: write {expected}", where=where, option=key, expected=expected
+            "wrong-type",
+            "{where} {option}: write {expected}",
+            where=where,
+            option=key,
+            expected=expected,
         )
     if isinstance(option.type, click.Path):
         values = [_from_here(str(one), folder) for one in values]
     elif option.name in _CODE:
         values = [_code_from_here(str(one), folder) for one in values]
     elif option.name == _SEVERAL:
-        values = [",".join(_code_from_here(part, folder) for part in str(one).split(",")) for one in values]
+        values = [
+            ",".join(_code_from_here(part, folder) for part in str(one).split(","))
+            for one in values
+        ]
     return option.name, values if option.multiple else values[0]
 
 
 def _from_here(path: str, folder: Path) -> str:
-    """Return a path that the file gives as seen from the working directory; in the file's own folder as it is."""
+    """Return a path that the file gives as seen from the working directory.
+
+    In the file's own folder as it is.
+    """
     there = Path(path).expanduser()
     if there.is_absolute():
         return str(there)
@@ -158,10 +187,12 @@ def _project(folder: Path) -> _Project | None:
         if "worldgen" not in text:
             continue
         if not _has_same_owner(file, folder):
-            # Not even a fault in it is our user's business: in /tmp anybody could stop every command with one.
+            # Not even a fault in it is our user's business: in /tmp anybody could stop every
+            # command with one.
             if "tool.worldgen" in text:
                 say_once(
-                    f"{file} belongs to another user and is not read, because it names code to run; "
+                    f"{file} belongs to another user and is not read, because it names code to "
+                    f"run; "
                     "copy its [tool.worldgen] into a file in a folder of your own"
                 )
                 return None
@@ -171,7 +202,11 @@ def _project(folder: Path) -> _Project | None:
         except tomllib.TOMLDecodeError as error:
             if "[tool.worldgen" in text:
                 raise InvalidParameter(
-                    "not-toml", "{file} is not TOML: {reason}", "mend it", file=file, reason=str(error)
+                    "not-toml",
+                    "{file} is not TOML: {reason}",
+                    "mend it",
+                    file=file,
+                    reason=str(error),
                 ) from None
             continue
         if isinstance(table, dict):

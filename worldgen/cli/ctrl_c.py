@@ -20,15 +20,18 @@ _AGAIN = 0.01  # s
 def no_ctrl_c_lost() -> Iterator[None]:
     """Repeats, inside, a Ctrl-C whose ``KeyboardInterrupt`` would be printed and forgotten.
 
-    That is one in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell into it), in those of
-    weak references (Numba has some) and in ``__del__``. Where Ctrl-C is ignored, or somebody else handles it, this does
-    nothing.
+    That is one in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell
+    into it), in those of weak references (Numba has some) and in ``__del__``. Where Ctrl-C is
+    ignored, or somebody else handles it, this does nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
-    main, others = threading.get_ident(), sys.unraisablehook
-    raised = deaf = over = False  # no Event: a second signal while one is being set would wait for the first, for ever
+    main = threading.get_ident()
+    others = sys.unraisablehook
+    raised = deaf = over = (
+        False  # no Event: a second signal while one is being set would wait for the first, for ever
+    )
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal raised
@@ -39,7 +42,9 @@ def no_ctrl_c_lost() -> Iterator[None]:
     def hook(dropped: sys.UnraisableHookArgs) -> None:
         nonlocal raised, deaf
         if raised and issubclass(dropped.exc_type, KeyboardInterrupt):
-            deaf, raised = True, False  # what is raised in here would be dropped, too; it is pressed again anyway
+            # what is raised in here would be dropped, too; it is pressed again anyway
+            deaf = True
+            raised = False
             try:
                 _thread.start_new_thread(press, ())
             finally:

@@ -1,4 +1,7 @@
-"""Options of a command from declared ones, so that names, bounds, defaults and help stand in one place."""
+"""Options of a command from declared ones.
+
+So that names, bounds, defaults and help stand in one place.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +18,12 @@ __all__ = ["declared_options"]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def declared_options(declared: Sequence[Parameter], notes: Mapping[str, str] | None = None) -> Callable[[F], F]:
-    """Give a command an option for each declared one; what is left out comes as None, or as an empty tuple.
+def declared_options(
+    declared: Sequence[Parameter], notes: Mapping[str, str] | None = None
+) -> Callable[[F], F]:
+    """Give a command an option for each declared one.
+
+    What is left out comes as None, or as an empty tuple.
 
     Args:
         declared: In the order in which help shows them.

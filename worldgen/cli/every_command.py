@@ -1,7 +1,7 @@
 """What every command has, whoever wrote it.
 
-That is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and a refusal of options that are
-given twice.
+That is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and a refusal
+of options that are given twice.
 """
 
 from __future__ import annotations
@@ -49,7 +49,10 @@ _EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
 
 
 def equip(command: click.Command) -> click.Command:
-    """Give a command, and the commands below it, what every command has; a second time changes nothing."""
+    """Give a command, and the commands below it, what every command has.
+
+    A second time changes nothing.
+    """
     if isinstance(command, click.Group):
         for below in command.commands.values():
             equip(below)
@@ -64,7 +67,11 @@ def equip(command: click.Command) -> click.Command:
 def _add_options(command: click.Command) -> None:
     """Let the command take our options too; its own ``params`` stay what its author wrote."""
     get_params = command.get_params
-    taken = {flag for parameter in command.params for flag in (*parameter.opts, *parameter.secondary_opts)}
+    taken = {
+        flag
+        for parameter in command.params
+        for flag in (*parameter.opts, *parameter.secondary_opts)
+    }
     ours = [option for option in QUIET_AND_VERBOSE if taken.isdisjoint(option.opts)]
 
     def with_ours(context: click.Context) -> list[click.Parameter]:
@@ -101,13 +108,17 @@ def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> 
     seen: set[str | None] = set()
     for parameter in order:
         if parameter.name in seen and _has_one_value(parameter):
-            flag = next((name for name in parameter.opts if name.startswith("--")), parameter.opts[0])
+            flag = next(
+                (name for name in parameter.opts if name.startswith("--")), parameter.opts[0]
+            )
             several = "; worldgen compare runs several" if flag == "--controller" else ""
             raise click.UsageError(f"{flag} is given twice; give it once{several}", context)
         seen.add(parameter.name)
 
 
-def _defaults(command: click.Command, context: click.Context, given: set[str], *, aloud: bool) -> dict[str, Any]:
+def _defaults(
+    command: click.Command, context: click.Context, given: set[str], *, aloud: bool
+) -> dict[str, Any]:
     """What the project's file says of the command's options; with ``--verbose`` that is printed."""
     group = context.find_root().command
     names: list[str] = []
@@ -128,4 +139,6 @@ def _defaults(command: click.Command, context: click.Context, given: set[str], *
 def _has_one_value(parameter: click.Parameter) -> bool:
     if not isinstance(parameter, click.Option) or parameter.multiple or parameter.count:
         return False
-    return not parameter.is_flag or bool(parameter.secondary_opts)  # --json twice says the same thing
+    return not parameter.is_flag or bool(
+        parameter.secondary_opts
+    )  # --json twice says the same thing

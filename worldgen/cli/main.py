@@ -24,9 +24,12 @@ from worldgen.support.progress import display_on_stderr
 __all__ = ["cli", "main"]
 
 EPILOG = (
-    "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right --trail run.png\n"
-    "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay failures/\n\n"
-    "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our fault, 130 interrupted."
+    "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right "
+    "--trail run.png\n"
+    "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay "
+    "failures/\n\n"
+    "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our "
+    "fault, 130 interrupted."
 )
 
 
@@ -38,7 +41,10 @@ class LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Families first, then the commands of every installed package."""
-        return [*sorted(self._points("worldgen.families")), *sorted(self._points("worldgen.commands"))]
+        return [
+            *sorted(self._points("worldgen.families")),
+            *sorted(self._points("worldgen.commands")),
+        ]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import the one command that is asked for, and give it what every command has."""
@@ -52,9 +58,15 @@ class LazyGroup(click.Group):
                 check_hidden()
             command: object = point.load()
             if not isinstance(command, click.Command):
-                raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
+                raise click.ClickException(
+                    f"command {cmd_name!r} ({point.value}) is no click command"
+                )
             return command
-        if cmd_name in self._points("worldgen.families") or ":" in cmd_name or cmd_name.endswith(".toml"):
+        if (
+            cmd_name in self._points("worldgen.families")
+            or ":" in cmd_name
+            or cmd_name.endswith(".toml")
+        ):
             # ./mine.py:my_family, ./recipe.toml
             from worldgen.commands.family_command import family_command
 
@@ -80,31 +92,42 @@ class LazyGroup(click.Group):
         with formatter.section("Families (worldgen FAMILY --out w.grid)"):
             formatter.write_text(", ".join(sorted(self._points("worldgen.families"))))
         with formatter.section("Commands"):
-            formatter.write_dl([(name, _SUMMARY.get(name, "")) for name in sorted(self._points("worldgen.commands"))])
+            formatter.write_dl(
+                [
+                    (name, _SUMMARY.get(name, ""))
+                    for name in sorted(self._points("worldgen.commands"))
+                ]
+            )
 
 
-# One line per command of our own, so that --help need not import them; tests hold it against the commands.
+# One line per command of our own, so that --help need not import them; tests hold it against the
+# commands.
 _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
     "boundary": "Say at which values of one number a controller arrives and at which it fails.",
-    "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
-    "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
+    "census": "Count in how many foreign maps a disc can reach its target, and where only a grid "
+    "says so.",
+    "compare": "Run controllers in many worlds and print one table of times, failures, best and "
+    "worst.",
     "chance": "Say whether a random controller arrives with probability one, never, or in part.",
     "check-family": "Check what every family promises, over a family of your own.",
     "check-scenarios": "Check that MovingAI problems have the shortest path that their file says.",
     "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
     "corpus": "Look at saved failures, compare and merge folders of them, and keep them small.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
-    "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
+    "find": "Find a world in which given controllers have given outcomes, or come as near as the "
+    "budget allows.",
     "export": "Write a world in another program's format.",
     "formats": "List the formats that import reads and export writes; of one, its options.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "init": "Set up FOLDER so that its CI looks for worlds in which your controller fails.",
     "import": "Read a foreign map and place start and target.",
-    "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.",
+    "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot "
+    "astray.",
     "new-controller": "Write a working, commented controller to begin from.",
     "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
-    "report": "Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.",
+    "report": "Show failures in one HTML page: pictures, replays, numbers, and how their campaign "
+    "went.",
     "replay": "Run saved failures again: does each still fail, how, or does the robot arrive now.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
@@ -152,7 +175,10 @@ def _say_how_to_import(error: NotAGrid) -> None:
             return
     out = f"{path.stem}{'-imported' if path.suffix == '.grid' else ''}.grid"
     command = shlex.join(["worldgen", "import", str(path), "--out", out])
-    note(f"it looks like a map of another program; make a world of it first:\n  {command}", always=True)
+    note(
+        f"it looks like a map of another program; make a world of it first:\n  {command}",
+        always=True,
+    )
 
 
 def main() -> NoReturn:

@@ -30,14 +30,19 @@ __all__ = [
 ]
 
 CONTROLLER_HELP = (
-    "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies the run "
+    "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "
+    "the run "
     "(docs/controllers.md)."
 )
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-force_option: Callable[[F], F] = click.option("--force", is_flag=True, help="Overwrite what is there.")
-json_option: Callable[[F], F] = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+force_option: Callable[[F], F] = click.option(
+    "--force", is_flag=True, help="Overwrite what is there."
+)
+json_option: Callable[[F], F] = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object."
+)
 seed_option: Callable[[F], F] = click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
@@ -95,7 +100,10 @@ def note(message: str, *, always: bool = False) -> None:
 
 
 def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
-    """Print a result on stdout while slow work is under way: what shows progress makes room for it."""
+    """Print a result on stdout while slow work is under way.
+
+    What shows progress makes room for it.
+    """
     spoke()
     click.echo(text, nl=nl, color=color)
 

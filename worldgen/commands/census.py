@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option, shown, write_bytes
+from worldgen.cli.output import (
+    draw_seed,
+    emit_json,
+    force_option,
+    json_option,
+    note,
+    seed_option,
+    shown,
+    write_bytes,
+)
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.support.progress import working
 
@@ -31,17 +40,56 @@ PATH = click.Path(path_type=Path)
 
 @click.command(epilog=EXAMPLES)
 @click.argument("sources", metavar="SOURCE...", nargs=-1, required=True)
-@click.option("--radius", "radii", multiple=True, metavar="R", help="0.3 is m, 0.7c cells.  [default: 0.45c 0.7c 1c]")
 @click.option(
-    "--pairs", type=click.IntRange(1, 100_000), default=1, show_default=True, help="Per map that has many or none."
+    "--radius",
+    "radii",
+    multiple=True,
+    metavar="R",
+    help="0.3 is m, 0.7c cells.  [default: 0.45c 0.7c 1c]",
 )
-@click.option("--clear-ends", is_flag=True, help="Draw starts and targets where the largest of the discs has room.")
-@click.option("--count", type=click.IntRange(1), default=100, show_default=True, help="Maps to take of a generator.")
-@click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Keyword for a generator.")
-@click.option("--cell-size", type=float, help="Side of a cell, m, of maps without units.  [default: 0.1]")
-@click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
-@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a map, start, target and radius.")
-@click.option("--out", type=PATH, metavar="FOLDER", help="Keep the worlds that only a point passes, with their cuts.")
+@click.option(
+    "--pairs",
+    type=click.IntRange(1, 100_000),
+    default=1,
+    show_default=True,
+    help="Per map that has many or none.",
+)
+@click.option(
+    "--clear-ends",
+    is_flag=True,
+    help="Draw starts and targets where the largest of the discs has room.",
+)
+@click.option(
+    "--count",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="Maps to take of a generator.",
+)
+@click.option(
+    "--option", "options", multiple=True, metavar="NAME=VALUE", help="Keyword for a generator."
+)
+@click.option(
+    "--cell-size", type=float, help="Side of a cell, m, of maps without units.  [default: 0.1]"
+)
+@click.option(
+    "--unknown",
+    type=click.Choice(["solid", "free"]),
+    help="What unknown ROS cells are.  [default: solid]",
+)
+@click.option(
+    "--csv",
+    "table",
+    type=PATH,
+    metavar="OUT",
+    help="Write one line a map, start, target and radius.",
+)
+@click.option(
+    "--out",
+    type=PATH,
+    metavar="FOLDER",
+    help="Keep the worlds that only a point passes, with their cuts.",
+)
 @seed_option
 @json_option
 @force_option
@@ -62,8 +110,10 @@ def census(
 ) -> None:
     """Count in how many foreign maps a disc can reach its target, and where only a grid says so.
 
-    SOURCE is a map file, a folder of them, or a generator: ./file.py:function or package.module:function. Each
-    answer is proved and the proof checked. docs/census.md describes table, CSV, JSON and generators.
+    SOURCE is a map file, a folder of them, or a generator: ./file.py:function or
+        package.module:function. Each
+    answer is proved and the proof checked. docs/census.md describes table, CSV, JSON and
+    generators.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import census as library
@@ -82,7 +132,10 @@ def census(
         work.count(0, total, "maps")
         keep = None if out is None else _keeper(out, force=force)
         found = library.take_census(
-            itertools.chain(*maps), what, keep=keep, progress=lambda: work.count(next(done), total, "maps")
+            itertools.chain(*maps),
+            what,
+            keep=keep,
+            progress=lambda: work.count(next(done), total, "maps"),
         )
     _check_any(found)
     if as_json:
@@ -105,7 +158,10 @@ def _maps(
     cell_size: float | None,
     unknown: str | None,
 ) -> list[FolderMaps | GeneratedMaps]:
-    """The maps of all sources: files and folders together, so that scenarios find their maps, then generators."""
+    """The maps of all sources: files and folders together.
+
+    So that scenarios find their maps, then generators.
+    """
     from worldgen.domain import CELL_SIZES
     from worldgen.family import check_between
     from worldgen.interop.census import folder_maps, generated_maps
@@ -117,11 +173,17 @@ def _maps(
     paths = [Path(source) for source in sources if source not in generators]
     if options and not generators:
         raise InvalidParameter(
-            "only-for-generators", "option is for a generator, and none is named", "name one as ./file.py:function"
+            "only-for-generators",
+            "option is for a generator, and none is named",
+            "name one as ./file.py:function",
         )
     found: list[FolderMaps | GeneratedMaps] = []
     if paths:
-        asked = {name: value for name, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+        asked = {
+            name: value
+            for name, value in (("cell_size", cell_size), ("unknown", unknown))
+            if value is not None
+        }
         files = folder_maps(paths, pairs=what.pairs, seed=what.seed, options=asked)
         if files.passed_over:
             note(f"{files.passed_over} other files are no maps")
@@ -129,7 +191,9 @@ def _maps(
     given = dict(_option(text) for text in options)
     side = DEFAULT_CELL_SIZE if cell_size is None else cell_size
     for name in generators:
-        found.append(generated_maps(name, count=count, seed=what.seed, options=given, cell_size=side))
+        found.append(
+            generated_maps(name, count=count, seed=what.seed, options=given, cell_size=side)
+        )
     return found
 
 
@@ -137,14 +201,19 @@ def _option(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not (name and equals):
         raise InvalidParameter(
-            "wrong-form", "option={text!r} is not NAME=VALUE", "write it like side=20", text=text[:40]
+            "wrong-form",
+            "option={text!r} is not NAME=VALUE",
+            "write it like side=20",
+            text=text[:40],
         )
     return name.replace("-", "_"), value
 
 
 def _check_folder(folder: Path, *, force: bool) -> None:
     if folder.exists() and not folder.is_dir():
-        raise OutputError("is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder)
+        raise OutputError(
+            "is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder
+        )
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise OutputError(
             "folder-not-empty",
@@ -179,8 +248,12 @@ def _check_any(found: Census) -> None:
     """Refuses to print a table of nothing."""
     if found.questions or found.interrupted:
         return
-    first = found.fault or (f"{found.refused[0].name}: {found.refused[0].reason}" if found.refused else "it gave none")
-    raise InvalidParameter("no-map-found", "no map could be judged; the first reason: {reason}", reason=first)
+    first = found.fault or (
+        f"{found.refused[0].name}: {found.refused[0].reason}" if found.refused else "it gave none"
+    )
+    raise InvalidParameter(
+        "no-map-found", "no map could be judged; the first reason: {reason}", reason=first
+    )
 
 
 def _leave(found: Census) -> None:

@@ -16,14 +16,22 @@ EXAMPLES = (
 
 @click.command("check-family", epilog=EXAMPLES)
 @click.argument("name")
-@click.option("--except", "left_out", metavar="CHECK", multiple=True, help="Leave a check out; may be repeated.")
-@click.option("--digests", is_flag=True, help="Print the digest of seed 7 of each case, to pin it in a test.")
+@click.option(
+    "--except",
+    "left_out",
+    metavar="CHECK",
+    multiple=True,
+    help="Leave a check out; may be repeated.",
+)
+@click.option(
+    "--digests", is_flag=True, help="Print the digest of seed 7 of each case, to pin it in a test."
+)
 @json_option
 def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: bool) -> None:
     """Check what every family promises, over a family of your own.
 
-    NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. Each word of its first
-    parameter that has words is a case. Exit code 1 says that a promise is broken.
+    NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. Each word of
+    its first parameter that has words is a case. Exit code 1 says that a promise is broken.
     """
     from worldgen import testing
     from worldgen.errors import InvalidParameter
@@ -34,7 +42,11 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
     for word in left_out:
         if word not in known:
             raise InvalidParameter(
-                "unknown-name", "except {name}: no check is called so", "known: {known!l}", name=word, known=known
+                "unknown-name",
+                "except {name}: no check is called so",
+                "known: {known!l}",
+                name=word,
+                known=known,
             )
     family = FAMILIES.get(name)
     pinned = {}
@@ -48,15 +60,21 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
             work.count(len(results), noun="checks done")
     broken = [found for found in results if found.fault]
     if as_json:
-        checks = [{"check": found.check, "case": found.case, "fault": found.fault or None} for found in results]
-        emit_json({"family": family.name, "version": family.version, "checks": checks, "digests": pinned})
+        checks = [
+            {"check": found.check, "case": found.case, "fault": found.fault or None}
+            for found in results
+        ]
+        emit_json(
+            {"family": family.name, "version": family.version, "checks": checks, "digests": pinned}
+        )
     else:
         for found in broken:
             click.echo(f"BROKEN {testing.shown(found)}")
         for key, digest in pinned.items():
             click.echo(f'"{key}": "{digest}",')
         click.echo(
-            f"{family.name} version {family.version}: {len(results) - len(broken)} of {len(results)} checks hold"
+            f"{family.name} version {family.version}: {len(results) - len(broken)} of "
+            f"{len(results)} checks hold"
         )
     if broken:
         raise click.exceptions.Exit(1)

@@ -19,18 +19,34 @@ PATH = click.Path(path_type=Path)
 
 @click.command("check-scenarios", epilog=EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=PATH)
-@click.option("--rows", type=click.IntRange(1), help="Problems to draw of each scenario file.  [default: all]")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="What they are drawn by.")
-@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a scenario file and map.")
+@click.option(
+    "--rows", type=click.IntRange(1), help="Problems to draw of each scenario file.  [default: all]"
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**64 - 1),
+    default=0,
+    show_default=True,
+    help="What they are drawn by.",
+)
+@click.option(
+    "--csv", "table", type=PATH, metavar="OUT", help="Write one line a scenario file and map."
+)
 @json_option
 @force_option
 def check_scenarios(
-    paths: tuple[Path, ...], rows: int | None, seed: int, table: Path | None, as_json: bool, force: bool
+    paths: tuple[Path, ...],
+    rows: int | None,
+    seed: int,
+    table: Path | None,
+    as_json: bool,
+    force: bool,
 ) -> None:
     """Check that MovingAI problems have the shortest path that their file says.
 
-    PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its map by the name
-    that it gives. Paths are octile and cut no corner; lengths are compared to the digits that are published.
+    PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
+    map by the name that it gives. Paths are octile and cut no corner; lengths are compared to the
+    digits that are published.
 
     Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
     """

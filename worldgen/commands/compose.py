@@ -32,7 +32,8 @@ class _Recipes(click.Group):
 
 
 EXAMPLES = (
-    "\b\n  worldgen compose recipe.toml --seed 7 --out w.grid\n  worldgen compose recipe.toml --help\n"
+    "\b\n  worldgen compose recipe.toml --seed 7 --out w.grid\n  worldgen compose recipe.toml "
+    "--help\n"
     "  worldgen compose recipe.toml --count 20 --out worlds/\n\n"
     "RECIPE --help lists the recipe's own parameters. docs/compose.md says what a recipe is."
 )

@@ -31,12 +31,25 @@ EXAMPLES = (
     metavar="FORMAT[+OPTION=VALUE]",
     help="What to write, as `worldgen formats` lists it; by the ending of --out if left out.",
 )
-@click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write.")
-@click.option("--at", type=float, metavar="SECONDS", help="Of a world that changes: its cells at this time, for ever.")
 @click.option(
-    "--origin", metavar="X,Y", help="Where the grid's lower-left corner lies, m.  [default: as imported, or 0,0]"
+    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write."
 )
-@click.option("--sidecar/--no-sidecar", default=True, help="Keep what the format has no room for in a file beside it.")
+@click.option(
+    "--at",
+    type=float,
+    metavar="SECONDS",
+    help="Of a world that changes: its cells at this time, for ever.",
+)
+@click.option(
+    "--origin",
+    metavar="X,Y",
+    help="Where the grid's lower-left corner lies, m.  [default: as imported, or 0,0]",
+)
+@click.option(
+    "--sidecar/--no-sidecar",
+    default=True,
+    help="Keep what the format has no room for in a file beside it.",
+)
 @click.option(
     "--noise/--no-noise",
     default=None,
@@ -57,8 +70,8 @@ def export(
 ) -> None:
     """Write a world in another program's format.
 
-    WORLD is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr, and kept
-    in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
+    WORLD is a .grid file. What the format cannot hold is an error; what it leaves out is said on
+    stderr, and kept in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
     """
     from worldgen import interop
     from worldgen.files.grid import read_world
@@ -91,7 +104,10 @@ def _origin(text: str) -> tuple[float, float]:
     point = parse_point("origin", text, "YAW")
     if len(point) != 2:
         raise InvalidParameter(
-            "wrong-form", "origin={text!r} has three numbers", "give X,Y alone: worlds are not turned", text=text[:60]
+            "wrong-form",
+            "origin={text!r} has three numbers",
+            "give X,Y alone: worlds are not turned",
+            text=text[:60],
         )
     return point[0], point[1]
 

@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, named_also, note, seed_option
-from worldgen.commands.wanted_worlds import WISH_OPTIONS, flag_of, given_parameters, make_wished
+from worldgen.cli.output import (
+    draw_seed,
+    emit_json,
+    force_option,
+    json_option,
+    named_also,
+    note,
+    seed_option,
+)
+from worldgen.commands.wanted_worlds import WISH_OPTIONS, flag_of, given_parameters, make_wanted
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
@@ -50,15 +58,19 @@ def command_of(made_by: Family, name: str) -> click.Command:
     ) -> None:
         place = _set_place(count, out)
         if where is not None or difficulty is not None:
-            make_wished(
+            make_wanted(
                 made_by, name, seed, given_parameters(params),
                 where=where, difficulty=difficulty, tries=tries, count=None if place is None else count,
                 out=out, metrics=metrics is not False, force=force, as_json=as_json,
             )  # fmt: skip
         elif tries is not None:
-            raise click.UsageError("--tries is for a search; say with --where or --difficulty what for")
+            raise click.UsageError(
+                "--tries is for a search; say with --where or --difficulty what for"
+            )
         elif place is None:
-            _make_one(made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json)
+            _make_one(
+                made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json
+            )
         else:
             from worldgen.commands.set_output import make_many
             from worldgen.sets import plan_set
@@ -67,7 +79,12 @@ def command_of(made_by: Family, name: str) -> click.Command:
             make_many(plan, seed, place, workers=workers, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
-    for decorate in (json_option, force_option, *reversed((*_SET_OPTIONS, *WISH_OPTIONS)), seed_option):
+    for decorate in (
+        json_option,
+        force_option,
+        *reversed((*_SET_OPTIONS, *WISH_OPTIONS)),
+        seed_option,
+    ):
         command = decorate(command)
     for parameter in reversed(made_by.parameters):
         command = _option(parameter, made_by)(command)
@@ -84,49 +101,65 @@ def _set_place(count: int | None, out: Path | None) -> Path | None:
     from worldgen.files.worlds import is_world_file
 
     if count is None and out is not None and is_archive(out):
-        raise click.UsageError(f"{out} names an archive; say with --count how many worlds go into it")
+        raise click.UsageError(
+            f"{out} names an archive; say with --count how many worlds go into it"
+        )
     if count is None or (count == 1 and (out is None or is_world_file(out.name))):
         return None
     if out is None:
-        raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
+        raise click.UsageError(
+            f"--count {count} writes {count} files; name a folder for them with --out"
+        )
     if count > 1 and is_world_file(out.name):
-        raise click.UsageError(f"{out} names one world's file; for {count} name a folder or an archive")
+        raise click.UsageError(
+            f"{out} names one world's file; for {count} name a folder or an archive"
+        )
     return out
 
 
 _count_option = click.option(
-    "--count", type=click.IntRange(1), help="Make a set of so many worlds, of rising seeds, with a manifest."
+    "--count",
+    type=click.IntRange(1),
+    help="Make a set of so many worlds, of rising seeds, with a manifest.",
 )
 _out_option = click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or .tar.bz2. "
+    help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or "
+    ".tar.bz2. "
     "Without it, the world goes to stdout.",
 )
 _workers_option = click.option(
-    "--workers", type=click.IntRange(1, 256), help="Processes that make a set [default: one a core, for large ones]."
+    "--workers",
+    type=click.IntRange(1, 256),
+    help="Processes that make a set [default: one a core, for large ones].",
 )
 _metrics_option = click.option(
     "--metrics/--no-metrics",
     default=None,
-    help="Measure each world, into its file's header.  [default: a single world up to 2000 x 2000 cells, and sets]",
+    help="Measure each world, into its file's header.  [default: a single world up to 2000 x 2000 "
+    "cells, and sets]",
 )
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 
 
-_MEASURED = (
-    4_000_000  # cells of the largest world that is measured unasked: longer than a quarter of a minute is too long
-)
+# Cells of the largest world that is measured unasked: longer than a quarter of a minute is too
+# long.
+_MEASURED = 4_000_000
 
 
 def _option(parameter: Parameter, made_by: Family) -> Any:
     words = flag_of(parameter.name, made_by)
     flags = f"--{words}/--no-{words}" if isinstance(parameter.default, bool) else f"--{words}"
     earlier = parameter.name.replace("_", "-")
-    option = click.option if words == earlier else functools.partial(named_also, also=f"--{earlier}")
+    option = (
+        click.option if words == earlier else functools.partial(named_also, also=f"--{earlier}")
+    )
     kind = click.Choice(parameter.choices) if parameter.choices else type(parameter.default)
     default = parameter.python_default
-    return option(flags, parameter.name, type=kind, default=default, show_default=True, help=parameter.note)
+    return option(
+        flags, parameter.name, type=kind, default=default, show_default=True, help=parameter.note
+    )
 
 
 def _make_one(
@@ -150,7 +183,8 @@ def _make_one(
         result = _result(world, out)
     click.echo(text, nl=False)
     note(
-        (f"{out}: " if out is not None else "") + f"{made_by.name} {world.width} x {world.height} cells, "
+        (f"{out}: " if out is not None else "")
+        + f"{made_by.name} {world.width} x {world.height} cells, "
         f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
     )
     if as_json:
@@ -158,10 +192,17 @@ def _make_one(
 
 
 def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str, Any]:
-    return {"family": made_by.name, "version": made_by.version, "seed": seed, "params": made_by.complete(params)}
+    return {
+        "family": made_by.name,
+        "version": made_by.version,
+        "seed": seed,
+        "params": made_by.complete(params),
+    }
 
 
-def _made(made_by: Family, seed: int, params: dict[str, Value], work: Work, *, metrics: bool | None) -> World:
+def _made(
+    made_by: Family, seed: int, params: dict[str, Value], work: Work, *, metrics: bool | None
+) -> World:
     from worldgen.generation import generate
 
     work.say("drawing it and proving that its target can be reached")

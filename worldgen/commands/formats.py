@@ -44,23 +44,36 @@ def formats(name: str | None, as_json: bool) -> None:
 
 def _options(parameters: tuple[Parameter, ...]) -> list[dict[str, object]]:
     return [
-        {"name": one.name, "default": one.default, "choices": list(one.choices), "help": one.help} for one in parameters
+        {"name": one.name, "default": one.default, "choices": list(one.choices), "help": one.help}
+        for one in parameters
     ]
 
 
 def _print_table(known: list[Format]) -> None:
     from worldgen.support.plain_text import aligned
 
-    click.echo(aligned([("format", "way", "files"), *((one.name, one.direction, one.summary) for one in known)]))
+    click.echo(
+        aligned(
+            [("format", "way", "files"), *((one.name, one.direction, one.summary) for one in known)]
+        )
+    )
 
 
 def _print_one(known: Format) -> None:
     from worldgen.interop import HELD
 
-    click.echo(f"{known.name} ({known.direction}): {known.summary}; for {known.client or 'whoever reads it'}")
+    click.echo(
+        f"{known.name} ({known.direction}): {known.summary}; for "
+        f"{known.client or 'whoever reads it'}"
+    )
     held = [HELD[name] for name in HELD if name in known.holds]
-    click.echo(f"holds the cells{''.join(f', {one}' for one in held)}{', changes' if known.changes else ''}")
+    click.echo(
+        f"holds the "
+        f"cells{''.join(f', {one}' for one in held)}{', changes' if known.changes else ''}"
+    )
     for flag, parameters in (("--from", known.read_options), ("--to", known.write_options)):
         for one in parameters:
             values = "|".join(one.choices) or type(one.default).__name__
-            click.echo(f"{flag} {known.name}+{one.name}={values}  {one.help}  [default: {one.default}]")
+            click.echo(
+                f"{flag} {known.name}+{one.name}={values}  {one.help}  [default: {one.default}]"
+            )

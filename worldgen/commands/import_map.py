@@ -23,19 +23,35 @@ EXAMPLES = (
 
 @click.command("import", epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
+@click.option(
+    "--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write."
+)
 @click.option(
     "--from",
     "name",
     metavar="FORMAT[+OPTION=VALUE]",
     help="What PATH is, as `worldgen formats` lists it; recognised if left out.",
 )
-@click.option("--radius", type=float, help="Robot's radius, m.  [default: the file's, or what suits such maps]")
+@click.option(
+    "--radius",
+    type=float,
+    help="Robot's radius, m.  [default: the file's, or what suits such maps]",
+)
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
-@click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
-@click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
-@click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
-@click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
+@click.option(
+    "--start",
+    metavar="X,Y[,HEADING]",
+    help="m and rad, from the lower-left corner; placed if left out.",
+)
+@click.option(
+    "--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius."
+)
+@click.option(
+    "--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target."
+)
+@click.option(
+    "--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen."
+)
 @click.option(
     "--cell-size",
     "--cell",
@@ -44,10 +60,21 @@ EXAMPLES = (
     help="Side of a cell, m, of a map without units, or of a mesh.  [default: 0.1; 0.05]",
 )
 @click.option(
-    "--slice", "slice_height", type=float, help="Height of the cut through a mesh, m above the floor.  [default: 0.2]"
+    "--slice",
+    "slice_height",
+    type=float,
+    help="Height of the cut through a mesh, m above the floor.  [default: 0.2]",
 )
-@click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
+@click.option(
+    "--unknown",
+    type=click.Choice(["solid", "free"]),
+    help="What unknown ROS cells are.  [default: solid]",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**64 - 1),
+    help="Where the search for far places begins.  [default: 0]",
+)
 @click.option(
     "--ignore-unread",
     "--ignore-meshes",
@@ -77,19 +104,21 @@ def import_map(
 ) -> None:
     """Read a foreign map and place start and target.
 
-    PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI, worlds of robot
-    simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless told otherwise. A mesh is cut at the
-    height --slice, where the lidar is. Start and target that are given neither here nor in the file are placed far
-    apart in the largest region the robot can drive through, with room to turn.
+    PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
+        worlds of robot
+    simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless told otherwise. A
+    mesh is cut at the height --slice, where the lidar is. Start and target that are given neither
+    here nor in the file are placed far apart in the largest region the robot can drive through,
+    with room to turn.
 
-    Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a path was found but
-    the file has obstacles that cannot be read, such as a mesh, nothing is written and the exit code is 2;
-    --ignore-unread judges the world without them.
+    Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a
+    path was found but the file has obstacles that cannot be read, such as a mesh, nothing is
+    written and the exit code is 2; --ignore-unread judges the world without them.
     """
     from worldgen import interop
     from worldgen.files.grid import write_world
 
-    robot = interop.RobotOptions(
+    robot = interop.ImportedRobot(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed, ignore_unread,
@@ -111,7 +140,9 @@ def import_map(
         click.echo("\n".join(interop.describe(file, imported)))
     if imported.withheld:
         note(
-            f"{out} was not written; --ignore-unread judges and writes the world without what was not read", always=True
+            f"{out} was not written; --ignore-unread judges and writes the world without what was "
+            f"not read",
+            always=True,
         )
         raise click.exceptions.Exit(2)
     if imported.decision.result != "reachable":

@@ -21,15 +21,23 @@ __all__ = ["measure"]
 
 
 @click.command()
-@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
-@click.option("--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line a world.")
+@click.argument(
+    "paths",
+    metavar="PATH...",
+    nargs=-1,
+    required=True,
+    type=click.Path(exists=True, path_type=Path),
+)
+@click.option(
+    "--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line a world."
+)
 @json_option
 def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.
 
-    Metrics are worked out anew, by the file's own witness; a map without a certificate is decided first. What has no
-    meaning for a world is left empty. A folder or an archive stands for the .grid files in it. docs/difficulty.md
-    defines every metric.
+    Metrics are worked out anew, by the file's own witness; a map without a certificate is decided
+    first. What has no meaning for a world is left empty. A folder or an archive stands for the
+    .grid files in it. docs/difficulty.md defines every metric.
     """
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds
@@ -82,7 +90,9 @@ def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["path", *METRICS])
-    writer.writerows([str(path), *(_cell(metrics.get(name)) for name in METRICS)] for path, metrics in results)
+    writer.writerows(
+        [str(path), *(_cell(metrics.get(name)) for name in METRICS)] for path, metrics in results
+    )
     return text.getvalue()
 
 
@@ -93,11 +103,16 @@ def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
 
     if len(results) == 1:
         path, metrics = results[0]
-        lines = [[name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning] for name in METRICS]
+        lines = [
+            [name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning]
+            for name in METRICS
+        ]
         return f"{shown(path)}\n" + aligned([line for line in lines if line[1]], right={1})
     used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
     head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
-    rows = [[shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results]
+    rows = [
+        [shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results
+    ]
     return aligned([*head, *rows], right=range(1, 1 + len(used)))
 
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 __all__ = ["regenerate"]
 
 EXAMPLES = (
-    "\b\n  worldgen regenerate mazes/ --check\n  worldgen regenerate mazes/manifest.jsonl --out again/\n"
+    "\b\n  worldgen regenerate mazes/ --check\n  worldgen regenerate mazes/manifest.jsonl --out "
+    "again/\n"
     "  worldgen regenerate mazes.zip --out again.zip"
 )
 SHOWN = 20  # differences in text; --json has them all
@@ -25,12 +26,25 @@ SHOWN = 20  # differences in text; --json has them all
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", metavar="SET", type=click.Path(exists=True, path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder or archive to make; with --check, to look at.")
-@click.option("--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra.")
 @click.option(
-    "--family", "families", multiple=True, help="Where a family is that is not registered: ./mine.py:pillars."
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder or archive to make; with --check, to look at.",
 )
-@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core, for large sets].")
+@click.option(
+    "--check", is_flag=True, help="Make nothing; list files that are missing, changed or extra."
+)
+@click.option(
+    "--family",
+    "families",
+    multiple=True,
+    help="Where a family is that is not registered: ./mine.py:pillars.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    help="Processes [default: one a core, for large sets].",
+)
 @force_option
 @json_option
 def regenerate(
@@ -44,10 +58,12 @@ def regenerate(
 ) -> None:
     """Make a set of worlds again from its manifest, byte for byte, or check it.
 
-    SET is a set's folder, its archive, or its manifest alone. With --out the whole set is made there; without, what
-    is missing in the set's own folder. Every world is compared with the manifest before it is written.
+    SET is a set's folder, its archive, or its manifest alone. With --out the whole set is made
+    there; without, what is missing in the set's own folder. Every world is compared with the
+    manifest before it is written.
 
-    Exits with 0 if the set is what its manifest says, with 1 if it is not, or a world comes out otherwise.
+    Exits with 0 if the set is what its manifest says, with 1 if it is not, or a world comes out
+    otherwise.
     """
     from worldgen.sets import manifest_of
 
@@ -56,7 +72,16 @@ def regenerate(
     if check:
         _check(path, place, manifest, as_json=as_json)
     else:
-        _make(path, place, manifest, families, workers, elsewhere=out is not None, force=force, as_json=as_json)
+        _make(
+            path,
+            place,
+            manifest,
+            families,
+            workers,
+            elsewhere=out is not None,
+            force=force,
+            as_json=as_json,
+        )
 
 
 def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> None:
@@ -70,7 +95,10 @@ def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> Non
     for difference in differences[:SHOWN] if not as_json else ():
         click.echo(f"{place / difference.file}: {difference.kind}")
     more = f"{len(differences)} differences" if len(differences) != 1 else "1 difference"
-    note(f"{place}: {len(manifest.entries)} worlds, {more if differences else 'all as the manifest says'}")
+    note(
+        f"{place}: {len(manifest.entries)} worlds, "
+        f"{more if differences else 'all as the manifest says'}"
+    )
     if differences:
         raise click.exceptions.Exit(1)
 
@@ -111,12 +139,24 @@ def _make(
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set
             processes = workers_for(count, workers)
-            done = work(manifest, place, families=families, workers=processes, force=force, progress=progress)
+            done = work(
+                manifest,
+                place,
+                families=families,
+                workers=processes,
+                force=force,
+                progress=progress,
+            )
     except SetDiffers as error:
         note(f"worldgen: {error}", always=True)
         if as_json:
             _emit(
-                path, place, manifest, made=0, ok=False, differences=[{"kind": "changed", "file": error.facts["file"]}]
+                path,
+                place,
+                manifest,
+                made=0,
+                ok=False,
+                differences=[{"kind": "changed", "file": error.facts["file"]}],
             )
         raise click.exceptions.Exit(1) from error
     note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there")
@@ -125,7 +165,21 @@ def _make(
 
 
 def _emit(
-    path: Path, place: Path, manifest: Manifest, *, made: int, ok: bool, differences: list[dict[str, str]]
+    path: Path,
+    place: Path,
+    manifest: Manifest,
+    *,
+    made: int,
+    ok: bool,
+    differences: list[dict[str, str]],
 ) -> None:
     where = {"manifest": str(path), "out": str(place)}
-    emit_json({**where, "worlds": len(manifest.entries), "made": made, "ok": ok, "differences": differences})
+    emit_json(
+        {
+            **where,
+            "worlds": len(manifest.entries),
+            "made": made,
+            "ok": ok,
+            "differences": differences,
+        }
+    )

@@ -13,7 +13,7 @@ from worldgen.errors import OutputError, WorldgenError
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.sets import SetPlan, StratifiedPlan, WishedPlan
+    from worldgen.sets import SetPlan, StratifiedPlan, WantedPlan
 
 __all__ = ["make_many", "told", "workers_for"]
 
@@ -21,7 +21,7 @@ _LARGE = 200  # worlds; below it takes longer to start processes than to do with
 
 
 def make_many(
-    plan: SetPlan | WishedPlan | StratifiedPlan,
+    plan: SetPlan | WantedPlan | StratifiedPlan,
     seed: int | None,
     out: Path,
     *,
@@ -33,7 +33,8 @@ def make_many(
 
     Args:
         plan: The set, from any seed on.
-        seed: The first world's; without it, that of an unfinished set there, or else one that is drawn.
+        seed: The first world's; without it, that of an unfinished set there, or else one that is
+            drawn.
         out: Folder or archive.
         workers: Processes.
         force: Whether to replace what is there.
@@ -43,23 +44,35 @@ def make_many(
     from worldgen.sets import make_set, manifest_of
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))
-    header, count = plan.header, plan.header.count
+    header = plan.header
+    count = plan.header.count
     with told(out, count, force=force) as progress:
-        done = make_set(plan, out, workers=workers_for(count, workers), force=force, progress=progress)
+        done = make_set(
+            plan, out, workers=workers_for(count, workers), force=force, progress=progress
+        )
     last = (header.seed + count - 1) & MASK64
     note(
         f"{out}: {count} worlds of {header.family}, "
         + (f"found for {header.wish!r}" if header.wish else f"seeds {header.seed} to {last}")
     )
     if as_json:
-        asked = {"family": header.family, "version": header.version, "seed": header.seed, "params": header.params}
+        asked = {
+            "family": header.family,
+            "version": header.version,
+            "seed": header.seed,
+            "params": header.params,
+        }
         asked |= {"wish": header.wish} if header.wish else {}
         entries = [entry.as_dict() for entry in manifest_of(out).entries]
         files = [{**entry, "file": str(out / entry["file"])} for entry in entries]
-        emit_json({**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files})
+        emit_json(
+            {**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files}
+        )
 
 
-def _seed(plan: SetPlan | WishedPlan | StratifiedPlan, seed: int | None, out: Path, *, force: bool) -> int:
+def _seed(
+    plan: SetPlan | WantedPlan | StratifiedPlan, seed: int | None, out: Path, *, force: bool
+) -> int:
     from worldgen.sets import begun_set
 
     begun = begun_set(out) if seed is None and not force else None
@@ -76,9 +89,10 @@ def workers_for(count: int, workers: int | None) -> int:
 
 @contextmanager
 def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
-    """Give what to call with the number of worlds that are safe; say that number if the work ends early.
+    """Give what to call with the number of worlds that are safe.
 
-    With ``force`` the same command would begin again from nothing.
+    Say that number if the work ends early. With ``force`` the same command would begin again from
+    nothing.
     """
     safe = -1
     with working(f"writing {out}") as work:

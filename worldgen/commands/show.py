@@ -28,10 +28,20 @@ OUT = click.Path(path_type=Path)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--png", type=OUT, metavar="OUT", help="Write a PNG picture.")
 @click.option("--svg", type=OUT, metavar="OUT", help="Write an SVG picture.")
-@click.option("--html", type=OUT, metavar="OUT", help="Write an HTML page with the picture and the facts.")
-@click.option("--pixels", type=int, default=900, show_default=True, help="Longer side of the map in a picture.")
+@click.option(
+    "--html", type=OUT, metavar="OUT", help="Write an HTML page with the picture and the facts."
+)
+@click.option(
+    "--pixels",
+    type=int,
+    default=900,
+    show_default=True,
+    help="Longer side of the map in a picture.",
+)
 @click.option("--signal/--no-signal", default=True, help="Tint the floor by the target's signal.")
-@click.option("--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world.")
+@click.option(
+    "--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world."
+)
 @json_option
 @force_option
 def show(
@@ -47,8 +57,8 @@ def show(
 ) -> None:
     """Draw a world in the terminal, or as PNG, SVG or HTML.
 
-    With --png, --svg or --html nothing is drawn in the terminal; they may be combined. With --json the world's facts
-    are printed instead of a drawing.
+    With --png, --svg or --html nothing is drawn in the terminal; they may be combined. With --json
+    the world's facts are printed instead of a drawing.
     """
     from worldgen import render
     from worldgen.files.grid import read_world
@@ -108,5 +118,7 @@ def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
 
 def _failure_lines(failure: FailureRecord, path: Path) -> str:
     evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
-    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (f" ({evidence})" if evidence else "")
+    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (
+        f" ({evidence})" if evidence else ""
+    )
     return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"

@@ -18,24 +18,48 @@ __all__ = ["verify", "verify_world"]
 
 
 @click.command()
-@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's.")
-@click.option("--widest", is_flag=True, help="Say too which is the largest disc that could get to the target at all.")
-@click.option("--deadline", type=float, metavar="T", help="Ask whether the robot can be there within T seconds.")
+@click.argument(
+    "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
+@click.option(
+    "--radius",
+    type=float,
+    metavar="R",
+    help="Ask for a disc of this radius, m, instead of the robot's.",
+)
+@click.option(
+    "--widest",
+    is_flag=True,
+    help="Say too which is the largest disc that could get to the target at all.",
+)
+@click.option(
+    "--deadline",
+    type=float,
+    metavar="T",
+    help="Ask whether the robot can be there within T seconds.",
+)
 @json_option
-def verify(paths: tuple[Path, ...], radius: float | None, widest: bool, deadline: float | None, as_json: bool) -> None:
+def verify(
+    paths: tuple[Path, ...],
+    radius: float | None,
+    widest: bool,
+    deadline: float | None,
+    as_json: bool,
+) -> None:
     """Check a world's proof, or decide a map afresh.
 
-    A file's certificate is checked by code that shares nothing with the code that made it. A map without a
-    certificate is decided afresh, and so is a certificate that says nothing about the radius asked for; what
-    was decided is then checked in the same way. A folder or an archive stands for the
-    .grid files in it.
+    A file's certificate is checked by code that shares nothing with the code that made it. A map
+    without a certificate is decided afresh, and so is a certificate that says nothing about the
+    radius asked for; what was decided is then checked in the same way. A folder or an archive
+    stands for the .grid files in it.
 
-    Of a world that changes it says too how late the robot may set out: on the witness (its margin), and on
+    Of a world that changes it says too how late the robot may set out: on the witness (its margin),
+        and on
     any path (the latest start).
 
-    Exits with 0 if every certificate holds or every map could be decided (blocked is an answer too), with 1
-    if a certificate does not hold or a map stays undecided, with 2 if a file cannot be read.
+    Exits with 0 if every certificate holds or every map could be decided (blocked is an answer
+    too), with 1 if a certificate does not hold or a map stays undecided, with 2 if a file cannot be
+    read.
     """
     from worldgen.files.worlds import read_worlds
     from worldgen.reach import widest_disc
@@ -56,7 +80,9 @@ def verify(paths: tuple[Path, ...], radius: float | None, widest: bool, deadline
         raise click.exceptions.Exit(1)
 
 
-def verify_world(world: World, radius: float | None = None, deadline: float | None = None) -> dict[str, Any]:
+def verify_world(
+    world: World, radius: float | None = None, deadline: float | None = None
+) -> dict[str, Any]:
     """Checks a world's certificate, or decides the world and checks that.
 
     Args:
@@ -65,10 +91,11 @@ def verify_world(world: World, radius: float | None = None, deadline: float | No
         deadline: s, by which the robot must be in the target; None for any time.
 
     Returns:
-        ``result``, ``certificate`` (witness, cut, confinement or None), ``certificate_valid``, ``decided`` (afresh,
-        or read from the file), ``clearance``, ``radius`` and ``reason``; ``deadline`` if there is one; of a witness in
-        a world that changes, or under a deadline, also ``margin`` and ``latest_start``: s by which it may begin later,
-        and until which the robot may wait at the start if it may take any path; None for any time.
+        ``result``, ``certificate`` (witness, cut, confinement or None), ``certificate_valid``,
+        ``decided`` (afresh, or read from the file), ``clearance``, ``radius`` and ``reason``;
+        ``deadline`` if there is one; of a witness in a world that changes, or under a deadline,
+        also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
+            robot may wait at the start if it may take any path; None for any time.
 
     Raises:
         InvalidParameter: If the radius or the deadline is not a finite number above 0.
@@ -88,20 +115,39 @@ def verify_world(world: World, radius: float | None = None, deadline: float | No
     asked = world.robot_radius if radius is None else radius
     check_radius(asked, world.cell_size)
     check_deadline(deadline)
-    decision, afresh = Decision(UNDECIDED, world.certificate, ""), False
+    decision = Decision(UNDECIDED, world.certificate, "")
+    afresh = False
     if not _answers(world, asked, deadline):
-        decision, afresh = decide_in_time(world, deadline, radius=asked), True
+        decision = decide_in_time(world, deadline, radius=asked)
+        afresh = True
     certificate = decision.certificate
-    answer: dict[str, Any] = {"result": UNDECIDED, "certificate": None, "certificate_valid": False, "decided": afresh}
+    answer: dict[str, Any] = {
+        "result": UNDECIDED,
+        "certificate": None,
+        "certificate_valid": False,
+        "decided": afresh,
+    }
     answer |= {"clearance": None, "radius": asked, "reason": decision.reason}
     answer |= {} if deadline is None else {"deadline": deadline}
     ahead = world if deadline is None else until(world, deadline)
     if certificate is not None:
-        report = check_certificate(world if certificate is world.certificate else ahead, certificate, radius=asked)
-        kind, claim = ("witness", REACHABLE) if isinstance(certificate, Witness) else ("cut", BLOCKED)
-        answer |= {"result": claim if report.valid else UNDECIDED, "certificate": kind, "clearance": report.clearance}
+        report = check_certificate(
+            world if certificate is world.certificate else ahead, certificate, radius=asked
+        )
+        kind, claim = (
+            ("witness", REACHABLE) if isinstance(certificate, Witness) else ("cut", BLOCKED)
+        )
+        answer |= {
+            "result": claim if report.valid else UNDECIDED,
+            "certificate": kind,
+            "clearance": report.clearance,
+        }
         answer |= {"certificate_valid": report.valid, "reason": report.reason}
-        if report.valid and isinstance(certificate, Witness) and (world.is_dynamic or deadline is not None):
+        if (
+            report.valid
+            and isinstance(certificate, Witness)
+            and (world.is_dynamic or deadline is not None)
+        ):
             answer |= _lateness(world, certificate, asked, deadline)
     elif decision.confinement is not None:
         report = check_confinement(ahead, decision.confinement, radius=asked)
@@ -111,17 +157,26 @@ def verify_world(world: World, radius: float | None = None, deadline: float | No
 
 
 def _answers(world: World, radius: float, deadline: float | None) -> bool:
-    """Whether the certificate in the file speaks of what is asked; if of that alone, it need not hold."""
+    """Whether the certificate in the file speaks of what is asked.
+
+    If of that alone, it need not hold.
+    """
     from worldgen.reach import check_certificate
     from worldgen.world import Witness
 
     certificate = world.certificate
-    if certificate is None or (radius != world.robot_radius and not check_certificate(world, radius=radius).valid):
+    if certificate is None or (
+        radius != world.robot_radius and not check_certificate(world, radius=radius).valid
+    ):
         return False
-    return deadline is None or not isinstance(certificate, Witness) or certificate.duration <= deadline
+    return (
+        deadline is None or not isinstance(certificate, Witness) or certificate.duration <= deadline
+    )
 
 
-def _lateness(world: World, witness: Witness, radius: float, deadline: float | None) -> dict[str, float | None]:
+def _lateness(
+    world: World, witness: Witness, radius: float, deadline: float | None
+) -> dict[str, float | None]:
     """How much later the witness may begin, and some path."""
     from worldgen.reach import latest_start, witness_margin
 
@@ -144,12 +199,23 @@ def _line(result: dict[str, Any]) -> str:
     else:
         how = "decided afresh and checked" if result["decided"] else "checked"
         disc = f"a disc of {result['radius']:g} m" + _within(result)
-        verdict = f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
+        verdict = (
+            f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
+        )
     if "margin" in result:
-        late, latest = result["margin"], result["latest_start"]
-        verdict += "; the witness may begin " + ("at any time" if late is None else f"up to {late:g} s late")
-        verdict += ", and on some path the robot may wait " + ("for ever" if latest is None else f"until {latest:g} s")
-    at_all = f"; the largest disc that could pass at all: {result['widest']:.9g} m" if "widest" in result else ""
+        late = result["margin"]
+        latest = result["latest_start"]
+        verdict += "; the witness may begin " + (
+            "at any time" if late is None else f"up to {late:g} s late"
+        )
+        verdict += ", and on some path the robot may wait " + (
+            "for ever" if latest is None else f"until {latest:g} s"
+        )
+    at_all = (
+        f"; the largest disc that could pass at all: {result['widest']:.9g} m"
+        if "widest" in result
+        else ""
+    )
     return f"{shown(result['path'])}: {verdict}{at_all}"
 
 

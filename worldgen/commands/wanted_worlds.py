@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from worldgen.family import Family
     from worldgen.world import Value
 
-__all__ = ["WISH_OPTIONS", "flag_of", "given_parameters", "make_wished"]
+__all__ = ["WISH_OPTIONS", "flag_of", "given_parameters", "make_wanted"]
 
 _TRIES = 500
 _ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
@@ -30,7 +30,9 @@ class Difficulty(click.ParamType[tuple[float, ...]]):
 
     name = "D or D..D"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
         """Read one number, or the two ends of a range."""
         if isinstance(value, tuple):
             return value
@@ -40,7 +42,10 @@ class Difficulty(click.ParamType[tuple[float, ...]]):
             numbers = ()
         if len(numbers) not in (1, 2):
             self.fail(
-                f"{value!r} is neither a difficulty, such as 0.8, nor a range of it, such as 0.1..0.9", param, ctx
+                f"{value!r} is neither a difficulty, such as 0.8, nor a range of it, such as "
+                f"0.1..0.9",
+                param,
+                ctx,
             )
         return numbers
 
@@ -49,12 +54,14 @@ WISH_OPTIONS = (
     click.option(
         "--where",
         metavar="WISH",
-        help="Search for a world with such metrics: 'detour > 3 and bottleneck < 1.2r'. Parameters not given vary.",
+        help="Search for a world with such metrics: 'detour > 3 and bottleneck < 1.2r'. Parameters "
+        "not given vary.",
     ),
     click.option(
         "--difficulty",
         type=Difficulty(),
-        help="Search for a world of this difficulty, 0 to 1; with a range and --count, spread a set over the range.",
+        help="Search for a world of this difficulty, 0 to 1; with a range and --count, spread a "
+        "set over the range.",
     ),
     click.option(
         "--tries",
@@ -71,7 +78,7 @@ def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in params.items() if source(name) is not default}
 
 
-def make_wished(
+def make_wanted(
     made_by: Family,
     name: str,
     seed: int | None,
@@ -91,8 +98,8 @@ def make_wished(
     Raises:
         Exit: With code 1 if a world that fits was not found; those found before it stay.
     """
-    from worldgen.difficulty.search import Search, found, wish_for
-    from worldgen.sets import plan_wished_set
+    from worldgen.difficulty.search import Search, constraint_for, found
+    from worldgen.sets import plan_wanted_set
 
     if difficulty is not None and len(difficulty) == 2:
         if count is not None and out is not None:
@@ -102,7 +109,9 @@ def make_wished(
             )  # fmt: skip
             return
         where = _within(difficulty[0], difficulty[1], where)
-    wish = wish_for(where, difficulty[0] if difficulty is not None and len(difficulty) == 1 else None)
+    wish = constraint_for(
+        where, difficulty[0] if difficulty is not None and len(difficulty) == 1 else None
+    )
     search: Search | None = None
     results: list[dict[str, Any]] = []
     try:
@@ -114,18 +123,42 @@ def make_wished(
                 work.say(lambda: _how_near(now))
 
             if count is not None and out is not None:
-                plan = plan_wished_set(
-                    made_by, 0, count, params, where=wish.text, tries=tries or _TRIES, metrics=metrics, tell=progress
+                plan = plan_wanted_set(
+                    made_by,
+                    0,
+                    count,
+                    params,
+                    where=wish.text,
+                    tries=tries or _TRIES,
+                    metrics=metrics,
+                    tell=progress,
                 )
                 make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
                 return
             search = Search(made_by, wish, draw_seed(seed), params)
             for one in found(search, 1, tries or _TRIES, progress):
-                results.append(_write(one, out, made_by, name, params, metrics=metrics, force=force, as_json=as_json))
+                results.append(
+                    _write(
+                        one,
+                        out,
+                        made_by,
+                        name,
+                        params,
+                        metrics=metrics,
+                        force=force,
+                        as_json=as_json,
+                    )
+                )
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
         if as_json:
-            emit_json({"wish": wish.text, "tried": search.tried if search else 0, "nearest": _nearest(search)})
+            emit_json(
+                {
+                    "wish": wish.text,
+                    "tried": search.tried if search else 0,
+                    "nearest": _nearest(search),
+                }
+            )
         raise click.exceptions.Exit(1) from failure
     if as_json:
         emit_json({"wish": wish.text, "tried": search.tried, **results[0]})
@@ -160,19 +193,30 @@ def _make_stratified(
     from worldgen.sets import manifest_of, plan_stratified_set, strata_of
 
     plan = plan_stratified_set(
-        made_by, 0, count, params, difficulty=ends, where=where, tries=tries or _TRIES, metrics=metrics
+        made_by,
+        0,
+        count,
+        params,
+        difficulty=ends,
+        where=where,
+        tries=tries or _TRIES,
+        metrics=metrics,
     )
     try:
         make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
         if as_json:
-            emit_json({"wish": plan.header.wish, "count": count, "out": str(out), "error": str(failure)})
+            emit_json(
+                {"wish": plan.header.wish, "count": count, "out": str(out), "error": str(failure)}
+            )
         raise click.exceptions.Exit(1) from failure
     for stratum in strata_of(manifest_of(out)):
         missing = stratum.share - stratum.worlds
         why = (
-            f"  {missing} fewer than its share: no more were found, and its neighbours got them" if missing > 0 else ""
+            f"  {missing} fewer than its share: no more were found, and its neighbours got them"
+            if missing > 0
+            else ""
         )
         note(f"  difficulty {stratum.low:g} to {stratum.high:g}: {stratum.worlds}{why}")
 
@@ -198,7 +242,10 @@ def _write(
         say(dumps(world).decode(), nl=False)
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
     again = _command(made_by, name, one.seed, {**params, **one.params})
-    note((f"{file}: " if file is not None else "") + f"fits at try {one.number}: {values}\n  made again by: {again}")
+    note(
+        (f"{file}: " if file is not None else "")
+        + f"fits at try {one.number}: {values}\n  made again by: {again}"
+    )
     made = world.provenance
     return {
         "file": None if file is None else str(file),
@@ -211,7 +258,10 @@ def _write(
 
 
 def flag_of(parameter: str, made_by: Family) -> str:
-    """Return the name of a parameter's option, without the dashes; the robot's are called as in every other command."""
+    """Return the name of a parameter's option, without the dashes.
+
+    The robot's are called as in every other command.
+    """
     short = _ROBOT.get(parameter)
     own = {one.name for one in made_by.parameters}
     return parameter.replace("_", "-") if short is None or short in own else short
@@ -221,18 +271,28 @@ def _command(made_by: Family, name: str, seed: int, params: Mapping[str, Value])
     words = ["worldgen", name, "--seed", str(seed)]
     for key, value in params.items():
         flag = flag_of(key, made_by)
-        words += [f"--{flag}" if value else f"--no-{flag}"] if isinstance(value, bool) else [f"--{flag}", str(value)]
+        words += (
+            [f"--{flag}" if value else f"--no-{flag}"]
+            if isinstance(value, bool)
+            else [f"--{flag}", str(value)]
+        )
     return shlex.join(words)
 
 
 def _nearest(search: Search | None) -> dict[str, Any] | None:
     near = None if search is None else search.nearest
-    return None if near is None else {"seed": near.seed, "params": near.params, "metrics": near.metrics}
+    return (
+        None
+        if near is None
+        else {"seed": near.seed, "params": near.params, "metrics": near.metrics}
+    )
 
 
 def _how_near(search: Search) -> str:
     near = search.nearest
     values = (
-        "" if near is None else "; nearest: " + ", ".join(f"{name} {value:g}" for name, value in near.metrics.items())
+        ""
+        if near is None
+        else "; nearest: " + ", ".join(f"{name} {value:g}" for name, value in near.metrics.items())
     )
     return f"{search.tried:,} worlds tried{values}"

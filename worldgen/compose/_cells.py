@@ -10,7 +10,17 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.timeline import CellState, Timeline
 
-__all__ = ["HOW", "Bools", "Events", "How", "put_together", "settled", "state_of_two", "taken", "timeline_of"]
+__all__ = [
+    "HOW",
+    "Bools",
+    "Events",
+    "How",
+    "put_together",
+    "settled",
+    "state_of_two",
+    "taken",
+    "timeline_of",
+]
 
 Bools: TypeAlias = npt.NDArray[np.bool_]
 Whole: TypeAlias = npt.NDArray[np.int64]
@@ -18,16 +28,22 @@ How: TypeAlias = Literal["over", "union", "intersection", "carve"]
 
 MAX_EVENTS = 4_000_000  # of one piece; a repeated fire could take all memory
 SILENT = 3  # for a cell of which a piece says nothing
-_FREE, _SOLID, _BURNING = (int(state) for state in (CellState.FREE, CellState.SOLID, CellState.BURNING))
-_F, _S, _B = _FREE, _SOLID, _BURNING
+_FREE, _SOLID, _BURNING = (
+    int(state) for state in (CellState.FREE, CellState.SOLID, CellState.BURNING)
+)
+_F = _FREE
+_S = _SOLID
+_B = _BURNING
 
-# What a cell is, by what the host says (free, solid, burning, nothing) and then the piece (free, solid, burning).
-# Where the host says nothing, the piece alone counts.
+# What a cell is, by what the host says (free, solid, burning, nothing) and then the piece (free,
+# solid, burning). Where the host says nothing, the piece alone counts.
 HOW: dict[How, npt.NDArray[np.uint8]] = {
     "over": np.array([[_F, _S, _B], [_F, _S, _B], [_F, _S, _B], [_F, _S, _B]], np.uint8),
     "union": np.array([[_F, _S, _B], [_S, _S, _S], [_B, _S, _B], [_F, _S, _B]], np.uint8),
     "intersection": np.array([[_F, _F, _B], [_F, _S, _B], [_B, _B, _B], [_F, _S, _B]], np.uint8),
-    "carve": np.array([[_F, _F, _F], [_S, _F, _S], [_B, _F, _B], [SILENT, SILENT, SILENT]], np.uint8),
+    "carve": np.array(
+        [[_F, _F, _F], [_S, _F, _S], [_B, _F, _B], [SILENT, SILENT, SILENT]], np.uint8
+    ),
 }
 
 
@@ -63,10 +79,15 @@ def timeline_of(events: Events, width: int) -> Timeline:
 
 
 def settled(events: Events, solid: Bools) -> Events:
-    """In order of time, then of place; of one cell and time the last; none that says what already is."""
+    """In order of time, then of place; of one cell and time the last.
+
+    None that says what already is.
+    """
     ordered = events.only(np.lexsort((events.times, events.cells)))
     same_cell = ordered.cells[1:] == ordered.cells[:-1]
-    ordered = ordered.only(np.append(~(same_cell & (ordered.times[1:] == ordered.times[:-1])), True)[: len(events[0])])
+    ordered = ordered.only(
+        np.append(~(same_cell & (ordered.times[1:] == ordered.times[:-1])), True)[: len(events[0])]
+    )
     before = solid.ravel()[ordered.cells].astype(np.uint8)
     follows = np.flatnonzero(ordered.cells[1:] == ordered.cells[:-1]) + 1
     before[follows] = ordered.states[follows - 1]
@@ -113,7 +134,13 @@ def state_of_two(host: Bools, host_mask: Bools, piece: Bools, how: How) -> Bools
 
 
 def put_together(
-    host: Events, piece: Events, solid: Bools, mask: Bools, piece_solid: Bools, says: Bools, how: How
+    host: Events,
+    piece: Events,
+    solid: Bools,
+    mask: Bools,
+    piece_solid: Bools,
+    says: Bools,
+    how: How,
 ) -> Events:
     """The events of a host with a piece on it, in order of time.
 
@@ -128,7 +155,8 @@ def put_together(
     """
     covered = says.ravel()
     piece = piece.only(covered[piece.cells])
-    own, under = host.only(~covered[host.cells]), host.only(covered[host.cells])
+    own = host.only(~covered[host.cells])
+    under = host.only(covered[host.cells])
     if how != "over" and len(under.cells) + len(piece.cells):
         host_says = np.where(mask, solid.astype(np.uint8), np.uint8(SILENT)).ravel()
         piece = _merged(under, piece, host_says, piece_solid.ravel().astype(np.uint8), how)
@@ -137,7 +165,11 @@ def put_together(
 
 
 def _merged(
-    host: Events, piece: Events, host_says: npt.NDArray[np.uint8], piece_says: npt.NDArray[np.uint8], how: How
+    host: Events,
+    piece: Events,
+    host_says: npt.NDArray[np.uint8],
+    piece_says: npt.NDArray[np.uint8],
+    how: How,
 ) -> Events:
     """What happens to cells of which host and piece speak, by both's events.
 
@@ -151,7 +183,8 @@ def _merged(
     both = host.with_(piece)
     of_piece = np.repeat([False, True], [len(host.cells), len(piece.cells)])
     order = np.lexsort((both.times, both.cells))
-    both, of_piece = both.only(order), of_piece[order]
+    both = both.only(order)
+    of_piece = of_piece[order]
     number = np.arange(len(order))
     begins = np.searchsorted(both.cells, both.cells, "left")
 

@@ -13,9 +13,22 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, exact, heading_from_lattice, heading_to_lattice, in_cells
 from worldgen.world import Pose, Target, World
 
-__all__ = ["HALF", "START", "TARGET", "Mark", "Marks", "frozen", "mark_at", "marks_of", "moved", "pose_of", "target_of"]
+__all__ = [
+    "HALF",
+    "START",
+    "TARGET",
+    "Mark",
+    "Marks",
+    "frozen",
+    "mark_at",
+    "marks_of",
+    "moved",
+    "pose_of",
+    "target_of",
+]
 
-START, TARGET = "start", "target"
+START = "start"
+TARGET = "target"
 HALF = Fraction(1, 2)
 
 Marks: TypeAlias = Mapping[str, "Mark"]
@@ -57,7 +70,10 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
             continue
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
             raise InvalidParameter(
-                "not-a-number", "{value!r} is no place in cells or degrees", "give a number below 1e9", value=value
+                "not-a-number",
+                "{value!r} is no place in cells or degrees",
+                "give a number below 1e9",
+                value=value,
             )
         numbers.append(exact(value))
     place_x, place_y, angle, disc = numbers
@@ -74,16 +90,26 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
 
 def marks_of(world: World) -> Marks:
     """Start and target of a world."""
-    start, target, side = world.start, world.target, world.cell_size
+    start = world.start
+    target = world.target
+    side = world.cell_size
     return frozen(
         {
-            START: Mark(in_cells(start.x, side), in_cells(start.y, side), heading_to_lattice(start.heading)),
-            TARGET: Mark(in_cells(target.x, side), in_cells(target.y, side), radius=in_cells(target.radius, side)),
+            START: Mark(
+                in_cells(start.x, side), in_cells(start.y, side), heading_to_lattice(start.heading)
+            ),
+            TARGET: Mark(
+                in_cells(target.x, side),
+                in_cells(target.y, side),
+                radius=in_cells(target.radius, side),
+            ),
         }
     )
 
 
-def moved(marks: Marks, place: Place, width: int, height: int, turn: int = 0, sign: int = 1) -> Marks:
+def moved(
+    marks: Marks, place: Place, width: int, height: int, turn: int = 0, sign: int = 1
+) -> Marks:
     """Marks where a change of the piece puts them; those that then lie outside are left out.
 
     Args:
@@ -104,10 +130,14 @@ def moved(marks: Marks, place: Place, width: int, height: int, turn: int = 0, si
 
 
 def pose_of(start: Mark, target: Mark, cell_size: float) -> Pose:
-    """The start as a world has it; without a heading of its own it looks towards the target, to a quarter turn."""
+    """The start as a world has it.
+
+    Without a heading of its own it looks towards the target, to a quarter turn.
+    """
     heading = start.heading
     if heading is None:
-        dx, dy = target.x - start.x, target.y - start.y
+        dx = target.x - start.x
+        dy = target.y - start.y
         quarters = (0 if dx >= 0 else 2) if abs(dx) >= abs(dy) else (1 if dy > 0 else 3)
         heading = quarters * TURN // 4
     side = exact(cell_size)
@@ -117,4 +147,6 @@ def pose_of(start: Mark, target: Mark, cell_size: float) -> Pose:
 def target_of(target: Mark, cell_size: float) -> Target:
     """The target as a world has it; its disc is half a cell where the mark does not say."""
     side = exact(cell_size)
-    return Target(float(target.x * side), float(target.y * side), float((target.radius or HALF) * side))
+    return Target(
+        float(target.x * side), float(target.y * side), float((target.radius or HALF) * side)
+    )

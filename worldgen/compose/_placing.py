@@ -14,7 +14,7 @@ from worldgen.compose._cells import Events, How, put_together, state_of_two, tim
 from worldgen.compose._marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
 from worldgen.compose._sizes import whole
 from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
-from worldgen.compose._world import usual, way_of
+from worldgen.compose._world import usual, witness_path_of
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_choice
@@ -68,8 +68,9 @@ def corner_of(
         raise InvalidParameter("needs-seed", "at={at!r} is drawn", "give it a seed", at=at)
     rng = seed if isinstance(seed, RandomStream) else RandomStream(seed).child("place", at)
     world = host.layout() if at == "way" else None
-    way = way_of(world) if world is not None else None
-    size, radius = usual(host.cell_size, DEFAULT_CELL_SIZE), usual(host.robot_radius, DEFAULT_ROBOT_RADIUS)
+    way = witness_path_of(world) if world is not None else None
+    size = usual(host.cell_size, DEFAULT_CELL_SIZE)
+    radius = usual(host.robot_radius, DEFAULT_ROBOT_RADIUS)
     marks = marks_of(world) if world is not None else host.marks
     free = [(marks[name], in_cells(radius, size)) for name in (START, TARGET) if name in marks]
     return draw_corner(rng, *sizes, margin, free, way, size)
@@ -78,9 +79,13 @@ def corner_of(
 def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
     """First cell of a piece where a point of it goes to a place."""
     if anchor in piece.marks:
-        x, y = piece.marks[anchor].x, piece.marks[anchor].y
+        x = piece.marks[anchor].x
+        y = piece.marks[anchor].y
     elif anchor in NAMED:
-        x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (piece.width, piece.height), strict=True))
+        x, y = (
+            Fraction(half * n, 2)
+            for half, n in zip(NAMED[anchor], (piece.width, piece.height), strict=True)
+        )
     else:
         raise InvalidParameter(
             "unknown-name",
@@ -93,7 +98,12 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
 
 
 def put_down(
-    host: Piece, piece: Piece, corner: tuple[int, int], how: How, outside: str, whose: Mapping[str, str]
+    host: Piece,
+    piece: Piece,
+    corner: tuple[int, int],
+    how: How,
+    outside: str,
+    whose: Mapping[str, str],
 ) -> Piece:
     """The host with a piece on it.
 
@@ -106,14 +116,21 @@ def put_down(
         whose: Of ``start`` and ``target``: the ``host``'s counts, or the ``piece``'s.
 
     Raises:
-        InvalidParameter: If the piece sticks out and may not, lacks a mark, or has cells of another size.
+        InvalidParameter: If the piece sticks out and may not, lacks a mark, or has cells of another
+            size.
     """
     x, y = corner
-    over = [max(0, -x), max(0, x + piece.width - host.width), max(0, -y), max(0, y + piece.height - host.height)]
+    over = [
+        max(0, -x),
+        max(0, x + piece.width - host.width),
+        max(0, -y),
+        max(0, y + piece.height - host.height),
+    ]
     if any(over) and outside == "refuse":
         raise InvalidParameter(
             "outside-grid",
-            "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x {host_height} cells",
+            "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x "
+            "{host_height} cells",
             "put it elsewhere, or give outside='clip' or 'grow'",
             width=piece.width,
             height=piece.height,
@@ -124,9 +141,12 @@ def put_down(
         )
     if any(over) and outside == "grow":
         host = host.pad(*over)
-        x, y = x + over[0], y + over[2]
+        x = x + over[0]
+        y = y + over[2]
     dropped = [name for name, who in whose.items() if _is_piece(name, who, piece)]
-    kept = replace(host, marks={name: mark for name, mark in host.marks.items() if name not in dropped})
+    kept = replace(
+        host, marks={name: mark for name, mark in host.marks.items() if name not in dropped}
+    )
     return overlaid(kept, piece, x, y, how)
 
 
@@ -134,25 +154,33 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
     """The host with a piece on it, what sticks out cut off."""
     agreed = replace(
         host,
-        marks={**moved(piece.marks, lambda mx, my: (mx + x, my + y), host.width, host.height), **host.marks},
+        marks={
+            **moved(piece.marks, lambda mx, my: (mx + x, my + y), host.width, host.height),
+            **host.marks,
+        },
         cell_size=_same_size(host.cell_size, piece.cell_size),
         robot_radius=piece.robot_radius if host.robot_radius is None else host.robot_radius,
         robot_speed=piece.robot_speed if host.robot_speed is None else host.robot_speed,
     )
-    low_x, low_y = max(x, 0), max(y, 0)
-    high_x, high_y = min(x + piece.width, host.width), min(y + piece.height, host.height)
+    low_x = max(x, 0)
+    low_y = max(y, 0)
+    high_x = min(x + piece.width, host.width)
+    high_y = min(y + piece.height, host.height)
     if low_x >= high_x or low_y >= high_y:
         return agreed
     part = piece.crop(low_x - x, low_y - y, high_x - low_x, high_y - low_y)
     here = (slice(low_y, high_y), slice(low_x, high_x))
     says, solid, mask = (np.zeros_like(host.solid) for _ in range(3))
-    says[here], solid[here] = part.mask, part.solid
+    says[here] = part.mask
+    solid[here] = part.solid
     if how == "carve":
         says &= host.mask
     mask = host.mask | says
     events = Events.of(part.timeline, host.width)
     events = events._replace(cells=events.cells + low_y * host.width + low_x)
-    both = put_together(Events.of(host.timeline, host.width), events, host.solid, host.mask, solid, says, how)
+    both = put_together(
+        Events.of(host.timeline, host.width), events, host.solid, host.mask, solid, says, how
+    )
     solid = np.where(says, state_of_two(host.solid, host.mask, solid, how), host.solid)
     return replace(agreed, solid=solid, mask=mask, timeline=timeline_of(both, host.width))
 
@@ -162,7 +190,10 @@ def _is_piece(name: str, whose: str, piece: Piece) -> bool:
     check_choice(name, whose, ("host", "piece"))
     if whose == "piece" and name not in piece.marks:
         raise InvalidParameter(
-            "missing-mark", "{name}='piece', and the piece has no {name}", "give it one, or leave {name} out", name=name
+            "missing-mark",
+            "{name}='piece', and the piece has no {name}",
+            "give it one, or leave {name} out",
+            name=name,
         )
     return whose == "piece"
 

@@ -17,7 +17,7 @@ from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
 
-__all__ = ["Run", "Work"]
+__all__ = ["RecipeCells", "RecipeRun"]
 
 MOST_WORK = 64_000_000  # cells of all pieces that a recipe makes on the way to its world
 MOST_TIMES = 100  # repetitions of one step
@@ -26,7 +26,7 @@ Options: TypeAlias = dict[str, Any]
 
 
 @dataclass
-class Work:
+class RecipeCells:
     """Cells made so far."""
 
     cells: int = 0
@@ -55,7 +55,7 @@ class Work:
         self.cells += cells
 
 
-class Run:
+class RecipeRun:
     """One layout of a recipe.
 
     Args:
@@ -72,9 +72,13 @@ class Run:
         ready: Mapping[str, Piece],
         params: Mapping[str, Scalar],
         rng: RandomStream,
-        work: Work,
+        work: RecipeCells,
     ) -> None:
-        self._recipe, self._ready, self._params, self._rng, self._work = recipe, ready, params, rng, work
+        self._recipe = recipe
+        self._ready = ready
+        self._params = params
+        self._rng = rng
+        self._work = work
         self._made: dict[str, Piece] = {}
 
     def piece(self) -> Piece:
@@ -90,7 +94,8 @@ class Run:
         if made.cell_size is not None and made.cell_size != cell_size:
             raise InvalidParameter(
                 "cell-sizes-differ",
-                "the world's cells are {cell_size:g} m a side, the parameter cell_size is {parameter:g} m",
+                "the world's cells are {cell_size:g} m a side, the parameter cell_size is "
+                "{parameter:g} m",
                 "write cell_size = {cell_size:g} under [parameters]",
                 cell_size=made.cell_size,
                 parameter=cell_size,
@@ -130,7 +135,8 @@ class Run:
             return rectangle(width, height, solid=fill == "solid")
         if part.source == "part":
             return self._part(str(value))
-        upwards, pieces = part.source == "above", [self._part(name) for name in value]
+        upwards = part.source == "above"
+        pieces = [self._part(name) for name in value]
         width, height = row_size(pieces, options.get("gap", 0), upwards=upwards)
         self._work.spend(width * height * (len(pieces) - 1))  # each is put on the whole row
         return (above if upwards else beside)(pieces, **options)
@@ -141,7 +147,9 @@ class Run:
         params = {key: self._params[key] for key in ROBOT if key in known}
         for key, spec in part.params.items():
             value = self._value(spec, rng.child("params"), key)
-            params[key] = float(value) if type(known.get(key)) is float and type(value) is int else value
+            params[key] = (
+                float(value) if type(known.get(key)) is float and type(value) is int else value
+            )
         side = params.get("size", known.get("size"))  # cells a side, in every family that has it
         if type(side) is int and side > 0:
             check_size(f"{name} of size={side}", side, side)
@@ -165,7 +173,11 @@ class Run:
             times = whole("times", self._value(step.options["times"], rng, "times"), 0, MOST_TIMES)
         for time in range(times):
             draw = rng.child(time)
-            options = {key: self._value(spec, draw, key) for key, spec in step.options.items() if key != "times"}
+            options = {
+                key: self._value(spec, draw, key)
+                for key, spec in step.options.items()
+                if key != "times"
+            }
             at = options.get("at", [0, 0])
             options["at"] = at if isinstance(at, str) else _point(at, "at")
             if "margin" in options:
@@ -216,7 +228,11 @@ def _numbers(value: Any, count: int, name: str) -> list[int]:
 def _point(value: Any, name: str) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
         raise InvalidParameter(
-            "wrong-form", "{name}={value!r} is no place", "give [x, y] in cells", name=name, value=value
+            "wrong-form",
+            "{name}={value!r} is no place",
+            "give [x, y] in cells",
+            name=name,
+            value=value,
         )
     return value[0], value[1]
 
@@ -224,13 +240,21 @@ def _point(value: Any, name: str) -> tuple[float, float]:
 def _word(value: Any, name: str) -> str:
     if not isinstance(value, str):
         raise InvalidParameter(
-            "wrong-type", "{name}={value!r} is no word", "give one in quotes", name=name, value=value
+            "wrong-type",
+            "{name}={value!r} is no word",
+            "give one in quotes",
+            name=name,
+            value=value,
         )
     return value
 
 
 def _pad(piece: Piece, value: Any, options: Options) -> Piece:
-    sides = _numbers(value, 4, "pad") if isinstance(value, list) else [whole("pad", value, 0, MAX_SIDE)] * 4
+    sides = (
+        _numbers(value, 4, "pad")
+        if isinstance(value, list)
+        else [whole("pad", value, 0, MAX_SIDE)] * 4
+    )
     return piece.pad(*sides, fill=options.get("with", "nothing"))
 
 
@@ -242,7 +266,9 @@ def _keep(piece: Piece, value: Any, options: Options) -> Piece:
 def _dig(piece: Piece, value: Any, options: Options) -> Piece:
     if "to" not in options:
         raise InvalidParameter(
-            "missing-key", "a passage leads from somewhere to somewhere", 'write {{ dig = "a", to = [8, 3] }}'
+            "missing-key",
+            "a passage leads from somewhere to somewhere",
+            'write {{ dig = "a", to = [8, 3] }}',
         )
     ends = [end if isinstance(end, str) else _point(end, "dig") for end in (value, options["to"])]
     return piece.dig(ends[0], ends[1], width=options.get("width", 2))
@@ -251,13 +277,18 @@ def _dig(piece: Piece, value: Any, options: Options) -> Piece:
 def _mark(piece: Piece, value: Any, options: Options) -> Piece:
     if "at" not in options:
         raise InvalidParameter("missing-key", "a mark is somewhere", "give at = [x, y]")
-    return piece.with_mark(_word(value, "mark"), *_point(options["at"], "at"), degrees=options.get("degrees"))
+    return piece.with_mark(
+        _word(value, "mark"), *_point(options["at"], "at"), degrees=options.get("degrees")
+    )
 
 
 def _trim(piece: Piece, value: Any, options: Options) -> Piece:
     if value is not True:
         raise InvalidParameter(
-            "no-effect", "trim={value!r} says nothing", "write trim = true, or leave it out", value=value
+            "no-effect",
+            "trim={value!r} says nothing",
+            "write trim = true, or leave it out",
+            value=value,
         )
     return piece.trim()
 
@@ -300,7 +331,9 @@ _STEPS: dict[str, Callable[[Piece, Any, Options], Piece]] = {
     "keep": _keep,
     "fill": lambda piece, value, options: piece.filled(value),
     "dig": _dig,
-    "start": lambda piece, value, options: piece.with_start(*_point(value, "start"), degrees=options.get("degrees")),
+    "start": lambda piece, value, options: piece.with_start(
+        *_point(value, "start"), degrees=options.get("degrees")
+    ),
     "target": lambda piece, value, options: piece.with_target(
         *_point(value, "target"), radius=options.get("radius", 0.5)
     ),

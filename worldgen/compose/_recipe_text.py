@@ -16,10 +16,22 @@ from worldgen.family import MARGIN
 from worldgen.files.grid.header import Header
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
-__all__ = ["MAX_BYTES", "ROBOT", "Declared", "Part", "RecipeText", "Step", "read_recipe", "words_of"]
+__all__ = [
+    "MAX_BYTES",
+    "ROBOT",
+    "Declared",
+    "Part",
+    "RecipeText",
+    "Step",
+    "read_recipe",
+    "words_of",
+]
 
 MAX_BYTES = 64 << 10  # of a recipe; it travels in the header of every world that it makes
-MAX_PARAMETERS, MAX_PARTS, MAX_STEPS = 50, 64, 256  # the last for all parts together
+# the last for all parts together
+MAX_PARAMETERS = 50
+MAX_PARTS = 64
+MAX_STEPS = 256
 _NAME = re.compile(r"[a-z][a-z0-9-]{0,39}\Z")
 _PARAMETER = re.compile(r"[a-z][a-z0-9_]{0,39}\Z")
 
@@ -120,9 +132,17 @@ def words_of(value: Spec) -> tuple[str, ...]:
     Raises:
         InvalidParameter: If it may be no word.
     """
-    items = value.options if isinstance(value, Choice) else value if isinstance(value, tuple) else (value,)
+    items = (
+        value.options
+        if isinstance(value, Choice)
+        else value
+        if isinstance(value, tuple)
+        else (value,)
+    )
     if not items or not all(isinstance(item, str) for item in items):
-        raise InvalidParameter("wrong-type", "names are words in quotes, or {{ any = [...] }} of such", "give one")
+        raise InvalidParameter(
+            "wrong-type", "names are words in quotes, or {{ any = [...] }} of such", "give one"
+        )
     return tuple(str(item) for item in items)
 
 
@@ -138,7 +158,7 @@ class RecipeText:
     parts: Mapping[str, Part] = field(default_factory=dict)
 
 
-class _Reader:
+class _RecipeReader:
     """The text with the places of its tables, for messages."""
 
     def __init__(self, text: str, source: str | None) -> None:
@@ -166,7 +186,9 @@ class _Reader:
             yield
         except InvalidParameter as error:
             message = error.message.behind("{place}: ", place=place) if place else error.message
-            raise FormatError.of(message, line=self.line(part, *path), source=self.source) from error
+            raise FormatError.of(
+                message, line=self.line(part, *path), source=self.source
+            ) from error
 
 
 def _check(holds: bool, message: Message) -> None:
@@ -200,16 +222,26 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
         raise FormatError(
-            "too-large", "a recipe has at most {most} bytes", "put maps into files", most=MAX_BYTES, source=source
+            "too-large",
+            "a recipe has at most {most} bytes",
+            "put maps into files",
+            most=MAX_BYTES,
+            source=source,
         )
-    reader = _Reader(text, source)
+    reader = _RecipeReader(text, source)
     data = reader.header.data
     with reader.at("", None):
         _known_keys(data, _TOP)
         parts_table = data.get("part", [])
-        tables = isinstance(parts_table, list) and all(isinstance(table, Mapping) for table in parts_table)
-        _check(tables, Message("wrong-type", "a recipe's parts are tables", "begin each with [[part]]"))
-        _check(len(parts_table) > 0, Message("empty", "there is no part", "begin one with [[part]]"))
+        tables = isinstance(parts_table, list) and all(
+            isinstance(table, Mapping) for table in parts_table
+        )
+        _check(
+            tables, Message("wrong-type", "a recipe's parts are tables", "begin each with [[part]]")
+        )
+        _check(
+            len(parts_table) > 0, Message("empty", "there is no part", "begin one with [[part]]")
+        )
         _check(
             len(parts_table) <= MAX_PARTS,
             Message(
@@ -220,7 +252,8 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
                 most=MAX_PARTS,
             ),
         )
-    name, about = data.get("recipe"), data.get("about", "A world made by a recipe.")
+    name = data.get("recipe")
+    about = data.get("about", "A world made by a recipe.")
     with reader.at("recipe", None, "recipe"):
         _check(
             isinstance(name, str) and _NAME.match(name) is not None,
@@ -258,12 +291,16 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
 def _whole(value: object, least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**31:
         raise InvalidParameter(
-            "not-a-number", "{value!q} is no whole number from {least} on", "give one", value=value, least=least
+            "not-a-number",
+            "{value!q} is no whole number from {least} on",
+            "give one",
+            value=value,
+            least=least,
         )
     return value
 
 
-def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
+def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
     found = {name: Declared(default, help=note) for name, (default, note) in ROBOT.items()}
     with reader.at("parameters", None, "parameters"):
         _check(
@@ -283,7 +320,9 @@ def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
     own: dict[str, Declared] = {}
     for name, raw in table.items():
         with reader.at(f"parameters.{name}", None, "parameters", name):
-            plain = _PARAMETER.match(name) is not None and not keyword.iskeyword(name) and name != "rng"
+            plain = (
+                _PARAMETER.match(name) is not None and not keyword.iskeyword(name) and name != "rng"
+            )
             _check(
                 plain,
                 Message(
@@ -295,7 +334,10 @@ def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
             _check(
                 name not in _RESERVED,
                 Message(
-                    "reserved-name", "is a word of provenance, as {known!l}", "take another", known=list(_RESERVED)
+                    "reserved-name",
+                    "is a word of provenance, as {known!l}",
+                    "take another",
+                    known=list(_RESERVED),
                 ),
             )
             own[name] = _declared(raw)
@@ -303,9 +345,14 @@ def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
                 default = own[name].default
                 if isinstance(default, bool | str):
                     raise InvalidParameter(
-                        "not-a-number", "default={default!q} is no number", "give one", default=default
+                        "not-a-number",
+                        "default={default!q} is no number",
+                        "give one",
+                        default=default,
                     )
-                note = own[name].help if isinstance(raw, Mapping) and "help" in raw else _NOTES[name]
+                note = (
+                    own[name].help if isinstance(raw, Mapping) and "help" in raw else _NOTES[name]
+                )
                 own[name] = replace(own[name], default=float(default), help=note)
     return {**own, **{name: known for name, known in found.items() if name not in own}}
 
@@ -314,14 +361,21 @@ def _declared(raw: Any) -> Declared:
     if not isinstance(raw, Mapping):
         raw = {"default": raw}
     _known_keys(raw, _DECLARED)
-    default, least, most = raw.get("default"), raw.get("least"), raw.get("most")
-    choices, note = raw.get("choices", []), raw.get("help", "A parameter of the recipe.")
+    default = raw.get("default")
+    least = raw.get("least")
+    most = raw.get("most")
+    choices = raw.get("choices", [])
+    note = raw.get("help", "A parameter of the recipe.")
     if not isinstance(default, bool | int | float | str):
         raise InvalidParameter(
-            "wrong-type", "default={default!q} is no number, text or truth", "give one", default=default
+            "wrong-type",
+            "default={default!q} is no number, text or truth",
+            "give one",
+            default=default,
         )
     _check(
-        isinstance(note, str), Message("wrong-type", "help={help!q} is no text", "give a sentence in quotes", help=note)
+        isinstance(note, str),
+        Message("wrong-type", "help={help!q} is no text", "give a sentence in quotes", help=note),
     )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
@@ -329,7 +383,12 @@ def _declared(raw: Any) -> Declared:
     )
     _check(
         not choices or default in choices,
-        Message("unknown-name", "default={default!q} is none of its choices", "give one of them", default=default),
+        Message(
+            "unknown-name",
+            "default={default!q} is none of its choices",
+            "give one of them",
+            default=default,
+        ),
     )
     for name, value in (("least", least), ("most", most)):
         if value is not None:
@@ -345,17 +404,27 @@ def _declared(raw: Any) -> Declared:
                 ),
             )
     if isinstance(default, int | float) and not isinstance(default, bool):
-        low, high = (float("-inf") if least is None else least), (float("inf") if most is None else most)
+        low = float("-inf") if least is None else least
+        high = float("inf") if most is None else most
         _check(
             low <= default <= high,
             Message(
-                "out-of-range", "default={default} is not between least and most", "give one that is", default=default
+                "out-of-range",
+                "default={default} is not between least and most",
+                "give one that is",
+                default=default,
             ),
         )
-    return Declared(default, least, most, tuple(choices), " ".join(str(note).split()) or "A parameter of the recipe.")
+    return Declared(
+        default,
+        least,
+        most,
+        tuple(choices),
+        " ".join(str(note).split()) or "A parameter of the recipe.",
+    )
 
 
-def _read_parts(reader: _Reader, raw: list[Any], names: Sequence[str]) -> dict[str, Part]:
+def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> dict[str, Part]:
     parts: dict[str, Part] = {}
     steps = 0
     for number, table in enumerate(raw):
@@ -372,14 +441,18 @@ def _read_parts(reader: _Reader, raw: list[Any], names: Sequence[str]) -> dict[s
             )
             _check(
                 name not in parts,
-                Message("twice", "name={name!q} is that of an earlier part", "give another", name=name),
+                Message(
+                    "twice", "name={name!q} is that of an earlier part", "give another", name=name
+                ),
             )
         part = _read_part(reader, number, str(name), table, names)
         steps += len(part.steps)
         with reader.at(part.place, number):
             _check(
                 steps <= MAX_STEPS,
-                Message("too-large", "more than {most} steps in all", "split the recipe", most=MAX_STEPS),
+                Message(
+                    "too-large", "more than {most} steps in all", "split the recipe", most=MAX_STEPS
+                ),
             )
             for used in part.uses():
                 _check(
@@ -396,7 +469,9 @@ def _read_parts(reader: _Reader, raw: list[Any], names: Sequence[str]) -> dict[s
     return parts
 
 
-def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any], names: Sequence[str]) -> Part:
+def _read_part(
+    reader: _RecipeReader, number: int, name: str, table: Mapping[str, Any], names: Sequence[str]
+) -> Part:
     place = f"part {name!r}"
     with reader.at(place, number):
         sources = [key for key in SOURCES if key in table]
@@ -415,7 +490,12 @@ def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any]
         params = table.get("params", {})
         _check(
             isinstance(params, Mapping),
-            Message("wrong-type", "params={params!q} is no table", "write params = {{ size = 20 }}", params=params),
+            Message(
+                "wrong-type",
+                "params={params!q} is no table",
+                "write params = {{ size = 20 }}",
+                params=params,
+            ),
         )
         _check(
             isinstance(table.get("steps", []), list),
@@ -424,22 +504,35 @@ def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any]
     with reader.at(f"{place}, {source}", number, source):
         value = spec_of(table[source], names)
         if source in ("beside", "above"):
-            is_list = isinstance(value, tuple) and value and all(isinstance(item, str) for item in value)
+            is_list = (
+                isinstance(value, tuple) and value and all(isinstance(item, str) for item in value)
+            )
             _check(
-                bool(is_list), Message("wrong-type", "is a list of parts", 'write {source} = ["a", "b"]', source=source)
+                bool(is_list),
+                Message(
+                    "wrong-type", "is a list of parts", 'write {source} = ["a", "b"]', source=source
+                ),
             )
         elif source in ("family", "part"):
             _check(
                 not isinstance(value, tuple),
-                Message("wrong-type", "is one word", "to draw one write {source} = {{ any = [...] }}", source=source),
+                Message(
+                    "wrong-type",
+                    "is one word",
+                    "to draw one write {source} = {{ any = [...] }}",
+                    source=source,
+                ),
             )
             words_of(value)
         elif source != "box":
             _check(
                 isinstance(value, str),
-                Message("wrong-type", "{value!q} is no text", "give one in quotes", value=table[source]),
+                Message(
+                    "wrong-type", "{value!q} is no text", "give one in quotes", value=table[source]
+                ),
             )
-    options, chosen = {}, {}
+    options = {}
+    chosen = {}
     for key in SOURCES[source]:
         if key in table and key != "params":
             with reader.at(f"{place}, {key}", number, key):
@@ -451,19 +544,31 @@ def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any]
     for index, raw in enumerate(table.get("steps", [])):
         with reader.at(f"{place}, step {index + 1}", number, "steps"):
             steps.append(_read_step(raw, f"{place}, step {index + 1}", names))
-    return Part(name, source, value, options, chosen, tuple(steps), place, reader.line(number, source))
+    return Part(
+        name, source, value, options, chosen, tuple(steps), place, reader.line(number, source)
+    )
 
 
 def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     if not isinstance(raw, Mapping):
-        raise InvalidParameter("wrong-type", "{value!q} is no table", "write {{ rotate = 1 }}", value=raw)
+        raise InvalidParameter(
+            "wrong-type", "{value!q} is no table", "write {{ rotate = 1 }}", value=raw
+        )
     verbs = [key for key in raw if key in VERBS]
     if len(verbs) > 1:  # start and target of a place are its options
-        verbs = [verb for verb in verbs if not any(verb in VERBS[other] for other in verbs if other != verb)]
+        verbs = [
+            verb
+            for verb in verbs
+            if not any(verb in VERBS[other] for other in verbs if other != verb)
+        ]
     if len(verbs) != 1:
         said = " and ".join(verbs) or ", ".join(str(key)[:40] for key in raw) or "nothing"
         raise InvalidParameter(
-            "unknown-name", "says {said}", "a step does one of {known!l}", said=said, known=list(VERBS)
+            "unknown-name",
+            "says {said}",
+            "a step does one of {known!l}",
+            said=said,
+            known=list(VERBS),
         )
     verb = verbs[0]
     _known_keys(raw, (verb, *VERBS[verb]))
@@ -471,7 +576,9 @@ def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     if verb in NAMING_PARTS:
         _check(
             not isinstance(value, tuple),
-            Message("wrong-type", "{verb} is one part", "to draw one write {{ any = [...] }}", verb=verb),
+            Message(
+                "wrong-type", "{verb} is one part", "to draw one write {{ any = [...] }}", verb=verb
+            ),
         )
         words_of(value)
     options = {key: spec_of(raw[key], names) for key in VERBS[verb] if key in raw}

@@ -22,7 +22,11 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     Raises:
         InvalidParameter: If it is none.
     """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | np.integer)
+        or not low <= value <= high
+    ):
         raise InvalidParameter(
             "not-a-number",
             "{name}={value!r} is no whole number from {low} to {high}",
@@ -44,7 +48,8 @@ def check_size(what: str, width: int, height: int) -> None:
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_CELLS):
         raise TooLarge(
             "too-large",
-            "{what} gives {width} x {height} cells; a piece has sides of 1 to {max_side} and at most {max_cells} cells",
+            "{what} gives {width} x {height} cells; a piece has sides of 1 to {max_side} and at "
+            "most {max_cells} cells",
             "take a smaller one",
             what=what,
             width=width,

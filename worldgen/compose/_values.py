@@ -87,9 +87,18 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
         return tuple(spec_of(item, names, depth + 1) for item in raw)
     if isinstance(raw, Mapping) and set(raw) == {"from", "to"}:
         return Range(spec_of(raw["from"], names, depth + 1), spec_of(raw["to"], names, depth + 1))
-    if isinstance(raw, Mapping) and set(raw) == {"any"} and isinstance(raw["any"], list) and raw["any"]:
+    if (
+        isinstance(raw, Mapping)
+        and set(raw) == {"any"}
+        and isinstance(raw["any"], list)
+        and raw["any"]
+    ):
         return Choice(tuple(spec_of(item, names, depth + 1) for item in raw["any"]))
-    shown = "a table of " + ", ".join(map(str, raw)) if isinstance(raw, Mapping) else f"a {type(raw).__name__}"
+    shown = (
+        "a table of " + ", ".join(map(str, raw))
+        if isinstance(raw, Mapping)
+        else f"a {type(raw).__name__}"
+    )
     raise InvalidParameter(
         "wrong-type",
         "{value} is no value",
@@ -186,7 +195,11 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
             value = node.value  # type: ignore[attr-defined]  # a constant: _check has seen to it
         if not abs(value) < _LARGEST:
             raise InvalidParameter(
-                "too-large", "{text!r} grows beyond {most}", "give smaller numbers", text=formula.text, most=_LARGEST
+                "too-large",
+                "{text!r} grows beyond {most}",
+                "give smaller numbers",
+                text=formula.text,
+                most=_LARGEST,
             )
         return value  # type: ignore[no-any-return]  # a number: _check has seen to it
 
@@ -194,7 +207,10 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         return at(formula.tree)
     except ZeroDivisionError:
         raise InvalidParameter(
-            "division-by-zero", "{text!r} divides by zero", "change it or its parameters", text=formula.text
+            "division-by-zero",
+            "{text!r} divides by zero",
+            "change it or its parameters",
+            text=formula.text,
         ) from None
 
 
@@ -207,15 +223,26 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
     if isinstance(spec, Formula):
         return compute(spec, params)
     if isinstance(spec, Range):
-        low, high = (value_of(end, params, rng.child(name)) for name, end in (("from", spec.low), ("to", spec.high)))
+        low, high = (
+            value_of(end, params, rng.child(name))
+            for name, end in (("from", spec.low), ("to", spec.high))
+        )
         for end in (low, high):
             if isinstance(end, bool) or not isinstance(end, int | float) or not math.isfinite(end):
                 raise InvalidParameter(
-                    "not-a-number", "from {low!r} to {high!r} is no range of numbers", "give two", low=low, high=high
+                    "not-a-number",
+                    "from {low!r} to {high!r} is no range of numbers",
+                    "give two",
+                    low=low,
+                    high=high,
                 )
         if low > high:
             raise InvalidParameter(
-                "empty-range", "from {low} to {high} is empty", "give the smaller number first", low=low, high=high
+                "empty-range",
+                "from {low} to {high} is empty",
+                "give the smaller number first",
+                low=low,
+                high=high,
             )
         if isinstance(low, int) and isinstance(high, int):
             if high - low >= 2**63:

@@ -16,7 +16,8 @@ from worldgen.world import Witness
 
 __all__ = ["DRAWN", "NAMED", "draw_corner", "named_corner"]
 
-# Shares of the room left over, in halves: lower left is (0, 0), the centre (1, 1), upper right (2, 2).
+# Shares of the room left over, in halves: lower left is (0, 0), the centre (1, 1), upper right (2,
+# 2).
 NAMED = {
     "lower-left": (0, 0),
     "bottom": (1, 0),
@@ -36,10 +37,14 @@ Corner = tuple[int, int]
 
 
 def named_corner(word: str, host: tuple[int, int], piece: tuple[int, int], margin: int) -> Corner:
-    """First cell of a piece at a named place of its host, ``margin`` cells in from the sides; sizes are (x, y)."""
+    """First cell of a piece at a named place of its host, ``margin`` cells in from the sides.
+
+    Sizes are (x, y).
+    """
     corner = []
     for half, of_host, of_piece in zip(NAMED[word], host, piece, strict=True):
-        low, high = margin, of_host - of_piece - margin
+        low = margin
+        high = of_host - of_piece - margin
         corner.append((low, (of_host - of_piece) // 2, high)[half])
     return corner[0], corner[1]
 
@@ -76,7 +81,9 @@ def draw_corner(
 
     corners = np.zeros((0, 2), np.int64)
     if min(most) >= margin and way is not None:
-        along = _along(way, cell_size, piece).clip(margin, most)  # near a side the way still crosses the piece
+        along = _along(way, cell_size, piece).clip(
+            margin, most
+        )  # near a side the way still crosses the piece
         corners = clear(np.array(list(dict.fromkeys(map(tuple, along.tolist()))), np.int64))
     elif min(most) >= margin:
         for _ in range(_BLIND):  # nearly all places do, and a large host has millions

@@ -16,7 +16,7 @@ from worldgen.reach import REACHABLE, decide
 from worldgen.timeline import Timeline
 from worldgen.world import Witness, World
 
-__all__ = ["proved", "usual", "way_of", "world_of"]
+__all__ = ["proved", "usual", "witness_path_of", "world_of"]
 
 Robot = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
 
@@ -26,7 +26,9 @@ def usual(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
-def world_of(walls: npt.NDArray[np.bool_], marks: Marks, timeline: Timeline, robot: Robot, seed: int) -> World:
+def world_of(
+    walls: npt.NDArray[np.bool_], marks: Marks, timeline: Timeline, robot: Robot, seed: int
+) -> World:
     """The world, without proof; start and target as marked, or placed far apart.
 
     Raises:
@@ -60,7 +62,7 @@ def _mark(point: tuple[float, float], cell_size: float) -> Mark:
     return Mark(in_cells(point[0], cell_size), in_cells(point[1], cell_size))
 
 
-def way_of(world: World) -> Witness:
+def witness_path_of(world: World) -> Witness:
     """A way from start to target through a world as it is at the beginning.
 
     Raises:

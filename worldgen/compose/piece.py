@@ -33,7 +33,9 @@ from worldgen.world import (
 __all__ = ["Piece"]
 
 _FINE = 64  # units a cell, where a piece is turned by any angle
-_THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted wall of one cell then has no hole
+_THICKER = (
+    14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted wall of one cell then has no hole
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +71,8 @@ class Piece:
         if solid.ndim != 2 or mask.shape != solid.shape:
             raise InvalidParameter(
                 "wrong-shape",
-                "a piece's cells have shape {shape}, its mask {mask_shape}; both are (height, width), the same",
+                "a piece's cells have shape {shape}, its mask {mask_shape}; both are (height, "
+                "width), the same",
                 shape=solid.shape,
                 mask_shape=mask.shape,
             )
@@ -83,7 +86,9 @@ class Piece:
         if len(line):
             if not line.is_within(self.width, self.height):
                 raise InvalidParameter(
-                    "outside-grid", "a piece's timeline has a cell outside of it", "cut the timeline, or the world"
+                    "outside-grid",
+                    "a piece's timeline has a cell outside of it",
+                    "cut the timeline, or the world",
                 )
             events = settled(Events.of(line, self.width), solid)
             events = events.only(mask.ravel()[events.cells])
@@ -102,7 +107,9 @@ class Piece:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Piece):
             return NotImplemented
-        arrays = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("solid", "mask"))
+        arrays = all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("solid", "mask")
+        )
         rest = ("marks", "timeline", "cell_size", "robot_radius", "robot_speed")
         return arrays and all(getattr(self, name) == getattr(other, name) for name in rest)
 
@@ -111,7 +118,10 @@ class Piece:
     # Moving and cutting: each new cell is taken from an old one.
 
     def _taken(self, source: npt.NDArray[np.int64], marks: Marks) -> Piece:
-        """A piece each of whose cells is one of this one's: (height, width) flat cells, -1 for none."""
+        """A piece each of whose cells is one of this one's.
+
+        (height, width) flat cells, -1 for none.
+        """
         flat = source.ravel()
         mask = np.asarray((source >= 0) & self.mask.ravel()[source])
         solid = np.asarray(mask & self.solid.ravel()[source])
@@ -128,7 +138,8 @@ class Piece:
         Raises:
             InvalidParameter: If the axis is neither.
         """
-        width, height = self.width, self.height
+        width = self.width
+        height = self.height
         if axis == "x":
             marks = moved(self.marks, lambda x, y: (width - x, y), width, height, TURN // 2, -1)
             return self._taken(self._numbers()[:, ::-1], marks)
@@ -157,9 +168,11 @@ class Piece:
     def turn(self, degrees: int) -> Piece:
         """Turned counter-clockwise by whole degrees; quarter turns are exact.
 
-        At any other angle walls are rastered and made a little thicker, so that they have no holes: passages
-        get up to two cells narrower, and of two walls a cell apart one may touch the other. What lies between
-        the turned sides and the new rectangle says nothing. Marks go to the nearest half cell.
+        At any other angle walls are rastered and made a little thicker, so that they have no holes:
+            passages
+        get up to two cells narrower, and of two walls a cell apart one may touch the other. What
+        lies between the turned sides and the new rectangle says nothing. Marks go to the nearest
+        half cell.
         """
         whole("turn", degrees, -1_000_000, 1_000_000)
         if degrees % 90 == 0:
@@ -170,14 +183,18 @@ class Piece:
             for across, along in ((cos, sin), (sin, cos))
         )
         check_size(f"turn={degrees}", width, height)
-        x, y = (2 * np.arange(n, dtype=np.int64) + 1 - n for n in (width, height))  # half cells from the middle
-        x, y = x[np.newaxis, :] * (_FINE // 2), y[:, np.newaxis] * (_FINE // 2)
+        x, y = (
+            2 * np.arange(n, dtype=np.int64) + 1 - n for n in (width, height)
+        )  # half cells from the middle
+        x = x[np.newaxis, :] * (_FINE // 2)
+        y = y[:, np.newaxis] * (_FINE // 2)
         u = (x * cos + y * sin) // SCALE + self.width * _FINE // 2
         v = (y * cos - x * sin) // SCALE + self.height * _FINE // 2
         half_turn = (TURN * (degrees % 360) + 180) // 360
 
         def place(at_x: Fraction, at_y: Fraction) -> tuple[Fraction, Fraction]:
-            du, dv = at_x - Fraction(self.width, 2), at_y - Fraction(self.height, 2)
+            du = at_x - Fraction(self.width, 2)
+            dv = at_y - Fraction(self.height, 2)
             to = (du * cos - dv * sin) / SCALE, (du * sin + dv * cos) / SCALE
             return Fraction(round(2 * to[0] + width), 2), Fraction(round(2 * to[1] + height), 2)
 
@@ -192,7 +209,8 @@ class Piece:
 
     def _cell_at(self, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         """Flat cells that hold points, in fine units; -1 outside."""
-        ix, iy = u // _FINE, v // _FINE
+        ix = u // _FINE
+        iy = v // _FINE
         inside = (ix >= 0) & (ix < self.width) & (iy >= 0) & (iy < self.height)
         return np.where(inside, iy * self.width + ix, -1)
 
@@ -202,8 +220,13 @@ class Piece:
         Raises:
             InvalidParameter: If it does not.
         """
-        numbers = [whole(f"crop {name}", value, 0, MAX_SIDE) for name, value in (("x", x), ("y", y))]
-        sides = [whole(f"crop {name}", value, 1, MAX_SIDE) for name, value in (("width", width), ("height", height))]
+        numbers = [
+            whole(f"crop {name}", value, 0, MAX_SIDE) for name, value in (("x", x), ("y", y))
+        ]
+        sides = [
+            whole(f"crop {name}", value, 1, MAX_SIDE)
+            for name, value in (("width", width), ("height", height))
+        ]
         if numbers[0] + sides[0] > self.width or numbers[1] + sides[1] > self.height:
             raise InvalidParameter(
                 "outside-grid",
@@ -230,7 +253,8 @@ class Piece:
         rows, columns = (np.flatnonzero(self.mask.any(axis=axis)) for axis in (1, 0))
         if not len(rows):
             return self
-        x, y = int(columns[0]), int(rows[0])
+        x = int(columns[0])
+        y = int(rows[0])
         return self.crop(x, y, int(columns[-1]) - x + 1, int(rows[-1]) - y + 1)
 
     def pad(self, left: int, right: int, bottom: int, top: int, *, fill: str = "nothing") -> Piece:
@@ -243,17 +267,25 @@ class Piece:
             whole(f"pad {name}", value, 0, MAX_SIDE)
         if fill not in ("solid", "free", "nothing"):
             raise InvalidParameter(
-                "unknown-name", "fill={fill!r} is none of solid, free, nothing", "give one of these", fill=fill
+                "unknown-name",
+                "fill={fill!r} is none of solid, free, nothing",
+                "give one of these",
+                fill=fill,
             )
-        width, height = self.width + left + right, self.height + bottom + top
+        width = self.width + left + right
+        height = self.height + bottom + top
         check_size("pad", width, height)
         numbers = np.full((height, width), -1, np.int64)
         numbers[bottom : bottom + self.height, left : left + self.width] = self._numbers()
-        padded = self._taken(numbers, moved(self.marks, lambda x, y: (x + left, y + bottom), width, height))
+        padded = self._taken(
+            numbers, moved(self.marks, lambda x, y: (x + left, y + bottom), width, height)
+        )
         if fill == "nothing":
             return padded
         ring = numbers < 0
-        return replace(padded, solid=padded.solid | (ring & (fill == "solid")), mask=padded.mask | ring)
+        return replace(
+            padded, solid=padded.solid | (ring & (fill == "solid")), mask=padded.mask | ring
+        )
 
     def border(self, cells: int = 1) -> Piece:
         """With a solid border round it."""
@@ -261,7 +293,9 @@ class Piece:
 
     def tile(self, columns: int, rows: int) -> Piece:
         """Repeated, side by side; marks stay in the lower left one."""
-        columns, rows = (whole(f"tile {n}", v, 1, MAX_SIDE) for n, v in (("columns", columns), ("rows", rows)))
+        columns, rows = (
+            whole(f"tile {n}", v, 1, MAX_SIDE) for n, v in (("columns", columns), ("rows", rows))
+        )
         check_size("tile", self.width * columns, self.height * rows)
         return self._taken(np.tile(self._numbers(), (rows, columns)), self.marks)
 
@@ -270,13 +304,18 @@ class Piece:
         factor = whole("scale", factor, 1, MAX_SIDE)
         check_size("scale", self.width * factor, self.height * factor)
         numbers = self._numbers().repeat(factor, axis=0).repeat(factor, axis=1)
-        width, height = self.width * factor, self.height * factor
-        return self._taken(numbers, moved(self.marks, lambda x, y: (x * factor, y * factor), width, height))
+        width = self.width * factor
+        height = self.height * factor
+        return self._taken(
+            numbers, moved(self.marks, lambda x, y: (x * factor, y * factor), width, height)
+        )
 
     # What the piece speaks of.
 
     def masked(self, mask: Bools | Piece) -> Piece:
-        """Says nothing any more outside a mask: (height, width) bool, or a piece, whose solid cells count.
+        """Says nothing any more outside a mask.
+
+        (height, width) bool, or a piece, whose solid cells count.
 
         Raises:
             InvalidParameter: If it has another size.
@@ -305,11 +344,18 @@ class Piece:
         """What it said nothing of is ``solid`` or ``free``."""
         if fill not in ("solid", "free"):
             raise InvalidParameter(
-                "unknown-name", "fill={fill!r} is neither solid nor free", "give one of these", fill=fill
+                "unknown-name",
+                "fill={fill!r} is neither solid nor free",
+                "give one of these",
+                fill=fill,
             )
-        return replace(self, solid=self.solid | (~self.mask & (fill == "solid")), mask=np.ones_like(self.mask))
+        return replace(
+            self, solid=self.solid | (~self.mask & (fill == "solid")), mask=np.ones_like(self.mask)
+        )
 
-    def dig(self, begin: str | tuple[float, float], end: str | tuple[float, float], *, width: int = 2) -> Piece:
+    def dig(
+        self, begin: str | tuple[float, float], end: str | tuple[float, float], *, width: int = 2
+    ) -> Piece:
         """With a passage, first along x, then along y, whatever was there; it stays free for ever.
 
         Args:
@@ -350,7 +396,9 @@ class Piece:
     # Marks and robot.
 
     def with_mark(self, name: str, x: float, y: float, *, degrees: float | None = None) -> Piece:
-        """With a named place, in cells; ``degrees`` is where the robot looks, from +x counter-clockwise.
+        """With a named place, in cells.
+
+        ``degrees`` is where the robot looks, from +x counter-clockwise.
 
         Raises:
             InvalidParameter: If the place lies outside.
@@ -384,10 +432,17 @@ class Piece:
 
     def without_marks(self, *names: str) -> Piece:
         """Without some marks; without all, if none is named."""
-        return replace(self, marks={name: mark for name, mark in self.marks.items() if names and name not in names})
+        return replace(
+            self,
+            marks={name: mark for name, mark in self.marks.items() if names and name not in names},
+        )
 
     def for_robot(
-        self, *, radius: float | None = None, speed: float | None = None, cell_size: float | None = None
+        self,
+        *,
+        radius: float | None = None,
+        speed: float | None = None,
+        cell_size: float | None = None,
     ) -> Piece:
         """For another robot, or cells of another size, in m and m/s; what is left out stays.
 
@@ -425,24 +480,29 @@ class Piece:
 
         Args:
             piece: What to put down. Its marks come along where the host has none of their names.
-            at: Where its lower left cell goes, in cells; or a word: ``centre``, a side (``left``, ``top``, ...) or a
-                corner (``lower-left``, ...) inside the host; or a mark of the host, on which the piece's middle goes;
-                or drawn: ``way``, its middle on the way from the host's start to its target, or ``anywhere``, both
-                clear of start and target.
-            anchor: What of the piece goes to the place or mark instead: its ``centre``, a side, a corner, or a mark
-                of its own; to the nearest whole cell.
-            how: ``over``: what the piece says replaces what was there. ``union``: walls of both. ``intersection``:
-                walls where both have them, so that the piece's floor is dug out. ``carve``: the piece's walls are
-                cut out. Where the host says nothing, the piece alone counts; nothing is carved there.
-            outside: What becomes of what sticks out of the host: ``refuse`` it, ``clip`` it off, or ``grow`` the
-                host, which says nothing of the new cells.
+            at: Where its lower left cell goes, in cells; or a word: ``centre``, a side (``left``,
+                ``top``, ...) or a corner (``lower-left``, ...) inside the host; or a mark of the
+                host, on which the piece's middle goes; or drawn: ``way``, its middle on the way
+                from the host's start to its target, or ``anywhere``, both clear of start and
+                target.
+            anchor: What of the piece goes to the place or mark instead: its ``centre``, a side, a
+                corner, or a mark of its own; to the nearest whole cell.
+            how: ``over``: what the piece says replaces what was there. ``union``: walls of both.
+                ``intersection``: walls where both have them, so that the piece's floor is dug out.
+                    ``carve``: the piece's walls are
+                cut out. Where the host says nothing, the piece alone counts; nothing is carved
+                there.
+            outside: What becomes of what sticks out of the host: ``refuse`` it, ``clip`` it off, or
+                ``grow`` the host, which says nothing of the new cells.
             start: Whose start counts, ``host`` or ``piece``, where both have one.
             target: Likewise.
-            margin: Cells between the piece and the host's sides, where ``at`` is a word; 1 keeps a border.
+            margin: Cells between the piece and the host's sides, where ``at`` is a word; 1 keeps a
+                border.
             seed: Of the place, where that is drawn.
 
         Raises:
-            InvalidParameter: If a word is unknown, the piece fits nowhere, or the cells have different sizes.
+            InvalidParameter: If a word is unknown, the piece fits nowhere, or the cells have
+                different sizes.
             InvalidWorld: If it is to go on the way, and the host has no place for the robot.
         """
         check_choice("how", how, tuple(HOW))
@@ -467,7 +527,8 @@ class Piece:
     def layout(self, *, seed: int = 0) -> World:
         """The world, without proof; what no piece spoke of is solid.
 
-        A start or a target that is missing is placed far from the other, as ``worldgen import`` does.
+        A start or a target that is missing is placed far from the other, as ``worldgen import``
+        does.
 
         Args:
             seed: Where the search for far places begins.

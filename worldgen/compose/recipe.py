@@ -1,8 +1,8 @@
 """Recipes: small TOML files that become families.
 
-A recipe's whole text travels in the provenance of every world that it makes, with the ``.grid`` files that it
-reads; so a world is made again from its file alone. Larger maps, and those of other formats, travel as their
-SHA-256 of their cells: when they are read again they must be the same.
+A recipe's whole text travels in the provenance of every world that it makes, with the ``.grid``
+files that it reads; so a world is made again from its file alone. Larger maps, and those of other
+formats, travel as their SHA-256 of their cells: when they are read again they must be the same.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from worldgen.compose._recipe_run import Run, Work
+from worldgen.compose._recipe_run import RecipeCells, RecipeRun
 from worldgen.compose._recipe_text import MAX_BYTES, RecipeText, read_recipe, words_of
 from worldgen.compose._values import Scalar, is_drawn
 from worldgen.compose._where import DRAWN
@@ -56,12 +56,17 @@ def family_from_recipe(
     source = None
     if isinstance(recipe, Path) or "\n" not in recipe:
         path = Path(recipe)
-        source, folder = str(path), folder or path.parent
+        source = str(path)
+        folder = folder or path.parent
         try:
             text = read_bounded(path, MAX_BYTES).decode("utf-8")
         except UnicodeDecodeError as error:
             raise FormatError(
-                "not-utf8", "is no UTF-8 text at byte {byte}", "save it as UTF-8", byte=error.start, source=source
+                "not-utf8",
+                "is no UTF-8 text at byte {byte}",
+                "save it as UTF-8",
+                byte=error.start,
+                source=source,
             ) from error
     else:
         text = recipe
@@ -73,7 +78,9 @@ def family_from_recipe(
     if kept:
         constants["files"] = {**kept}
     try:
-        made = family(f"recipe:{read_text.name}", version=read_text.version)(_builder(read_text, pieces))
+        made = family(f"recipe:{read_text.name}", version=read_text.version)(
+            _builder(read_text, pieces)
+        )
     except InvalidParameter as error:  # a parameter called like an option of every family
         raise FormatError.of(error.message, source=source) from error
     return replace(made, constants=constants, changes=_changes(read_text, pieces))
@@ -90,8 +97,15 @@ def _versions(recipe: RecipeText) -> dict[str, Value]:
 
 def _changes(recipe: RecipeText, pieces: Mapping[str, Piece]) -> bool:
     """Whether a recipe's worlds may change with time."""
-    families = [name for part in recipe.parts.values() if part.source == "family" for name in words_of(part.value)]
-    return any(FAMILIES.get(name).changes for name in families) or any(len(p.timeline) for p in pieces.values())
+    families = [
+        name
+        for part in recipe.parts.values()
+        if part.source == "family"
+        for name in words_of(part.value)
+    ]
+    return any(FAMILIES.get(name).changes for name in families) or any(
+        len(p.timeline) for p in pieces.values()
+    )
 
 
 def _check_families(recipe: RecipeText, source: str | None) -> None:
@@ -101,7 +115,9 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
             continue
         for name in words_of(part.value):
             try:
-                if not _PLAIN.match(name):  # a file from elsewhere must not load code when it is made again
+                if not _PLAIN.match(
+                    name
+                ):  # a file from elsewhere must not load code when it is made again
                     raise InvalidParameter(
                         "unknown-name",
                         "family={name!r} is no registered family",
@@ -154,7 +170,10 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
     digest = _DIGEST + _digest(piece)
     if given is not None and given != digest:
         raise InvalidParameter(
-            "file-changed", "{path} has changed since the world was made of it", "put the old file there", path=path
+            "file-changed",
+            "{path} has changed since the world was made of it",
+            "put the old file there",
+            path=path,
         )
     if given is None and path.suffix == ".grid":
         data = read_bounded(path)
@@ -166,7 +185,9 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
 def _digest(piece: Piece) -> str:
     """SHA-256 of all that a map's file gives; some formats have their cells in another file yet."""
     line = piece.timeline
-    events = b"".join(np.ascontiguousarray(part).tobytes() for part in (line.times, line.ix, line.iy, line.states))
+    events = b"".join(
+        np.ascontiguousarray(part).tobytes() for part in (line.times, line.ix, line.iy, line.states)
+    )
     settings = repr((piece.solid.shape, piece.cell_size, dict(piece.marks))).encode()
     return hashlib.sha256(np.packbits(piece.solid).tobytes() + events + settings).hexdigest()
 
@@ -177,15 +198,22 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
 
     def build(rng: RandomStream, **values: Any) -> World:
         params: dict[str, Scalar] = {name: values[name] for name in recipe.parameters}
-        work = Work()
+        work = RecipeCells()
         if not by_chance:
             margin = params.get(MARGIN, 0.0)
-            return _only(recipe.name, Run(recipe, pieces, params, rng, work).piece().layout(), margin)
-        return first_possible(lambda stream: Run(recipe, pieces, params, stream, work).piece().layout(), rng)
+            return _only(
+                recipe.name, RecipeRun(recipe, pieces, params, rng, work).piece().layout(), margin
+            )
+        return first_possible(
+            lambda stream: RecipeRun(recipe, pieces, params, stream, work).piece().layout(), rng
+        )
 
     listed = recipe.parameters.items()
     rng = inspect.Parameter("rng", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    own = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=known.default) for name, known in listed]
+    own = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=known.default)
+        for name, known in listed
+    ]
     build.__signature__ = inspect.Signature([rng, *own])  # type: ignore[attr-defined]
     build.__annotations__ = {
         name: Literal.__getitem__(known.choices)
@@ -199,7 +227,9 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
 
 
 def _only(name: str, world: World, margin: Scalar) -> World:
-    """The one world of a recipe in which nothing is drawn; where it cannot be solved, no other seed helps.
+    """The one world of a recipe in which nothing is drawn.
+
+    Where it cannot be solved, no other seed helps.
 
     Raises:
         GenerationFailed: If it cannot be solved, with the reason.

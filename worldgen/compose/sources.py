@@ -71,7 +71,9 @@ def of_cells(solid: npt.ArrayLike) -> Piece:
 
 
 def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value) -> Piece:
-    """A world of any family: of a seed, the one that ``generate`` gives; of a stream, a layout that is drawn from it.
+    """A world of any family: of a seed, the one that ``generate`` gives.
+
+    Of a stream, a layout that is drawn from it.
 
     Raises:
         InvalidParameter: If family or a parameter is unknown, or out of range.
@@ -103,8 +105,9 @@ def drawn(rows: str | Sequence[str]) -> Piece:
     """A drawing, top row first.
 
     Args:
-        rows: Lines, or one text of them: ``#`` solid, ``.`` free, ``_`` nothing said; ``S`` and ``G`` mark start and
-            target, small letters other marks, in the middle of their free cells. All lines are equally long.
+        rows: Lines, or one text of them: ``#`` solid, ``.`` free, ``_`` nothing said; ``S`` and
+            ``G`` mark start and target, small letters other marks, in the middle of their free
+            cells. All lines are equally long.
 
     Raises:
         InvalidParameter: If a line has another length or another sign, or a mark stands twice.
@@ -149,7 +152,10 @@ def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -
     name = {"S": START, "G": TARGET}.get(sign, sign)
     if name in marks:
         raise InvalidParameter(
-            "twice", "row {row} of a drawing has a second {sign!r}; a mark stands once", row=row, sign=sign
+            "twice",
+            "row {row} of a drawing has a second {sign!r}; a mark stands once",
+            row=row,
+            sign=sign,
         )
     marks[name] = Mark(column + _HALF, rows - row + _HALF)
 
@@ -175,10 +181,12 @@ def beside(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: i
         pieces: At least one.
         gap: Cells between two, of which nothing is said.
         align: ``low``, ``centre`` or ``high``: where shorter pieces stand.
-        join: Width, in cells, of a passage that is dug from each piece's target to the next one's start; 0: none.
+        join: Width, in cells, of a passage that is dug from each piece's target to the next one's
+            start; 0: none.
 
     Raises:
-        InvalidParameter: If there is no piece, or one that is to be joined has no start or no target.
+        InvalidParameter: If there is no piece, or one that is to be joined has no start or no
+            target.
     """
     return _chain(pieces, gap, align, join, upwards=False)
 
@@ -197,7 +205,8 @@ def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, 
     if not pieces:
         raise InvalidParameter("empty", "there is no piece to put in a row", "give at least one")
     gaps = whole("gap", gap, 0, MAX_SIDE) * (len(pieces) - 1)
-    widths, heights = [piece.width for piece in pieces], [piece.height for piece in pieces]
+    widths = [piece.width for piece in pieces]
+    heights = [piece.height for piece in pieces]
     size = (max(widths), sum(heights) + gaps) if upwards else (sum(widths) + gaps, max(heights))
     check_size("a row of pieces", *size)
     return size
@@ -209,9 +218,11 @@ def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards:
     lengths = [piece.height if upwards else piece.width for piece in pieces]
     breadths = [piece.width if upwards else piece.height for piece in pieces]
     width, height = row_size(pieces, gap, upwards=upwards)
-    size, breadth = (height, width), max(breadths)
+    size = (height, width)
+    breadth = max(breadths)
     scene = Piece(np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_))
-    at, last = 0, len(pieces) - 1
+    at = 0
+    last = len(pieces) - 1
     for number, (piece, own, across) in enumerate(zip(pieces, lengths, breadths, strict=True)):
         off = (0, (breadth - across) // 2, breadth - across)[_ALIGNED.index(align)]
         kept = piece if number == 0 else _renamed(piece, START, number, join)
@@ -242,7 +253,9 @@ def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
 
 
 def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> World:
-    """The first of a function's compositions that the robot can get through, proved; up to 64 are tried.
+    """The first of a function's compositions that the robot can get through, proved.
+
+    Up to 64 are tried.
 
     Args:
         build: Draws a piece from a stream, and from nothing else.
@@ -261,7 +274,9 @@ def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> Wor
 
 
 def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
-    """The first of a function's compositions whose parts fit; what was drawn may be too large for its place.
+    """The first of a function's compositions whose parts fit.
+
+    What was drawn may be too large for its place.
 
     Raises:
         WorldgenError: What the function raised first, if it raises every time.

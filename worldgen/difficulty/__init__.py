@@ -19,6 +19,18 @@ from worldgen.support.lazy import lazy_names
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Search, search_world
 
-__getattr__, __dir__ = lazy_names(__name__, {"search": ("Search", "search_world")})  # which needs the families
+__getattr__, __dir__ = lazy_names(
+    __name__, {"search": ("Search", "search_world")}
+)  # which needs the families
 
-__all__ = ["METRICS", "Expression", "Metric", "Metrics", "Search", "measure", "parse", "search_world", "with_metrics"]
+__all__ = [
+    "METRICS",
+    "Expression",
+    "Metric",
+    "Metrics",
+    "Search",
+    "measure",
+    "parse",
+    "search_world",
+    "with_metrics",
+]

@@ -1,8 +1,9 @@
 """The largest disc that could get from the start to the target at all, without trying disc after disc.
 
-A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from target
-(docs/reachability.md). So the gaps are taken from the narrowest on, and the cells on both sides united; the first gap
-that closes such a chain is the bottleneck between two poses. Beside it, start and target have to hold the disc.
+A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from
+target (docs/reachability.md). So the gaps are taken from the narrowest on, and the cells on both
+sides united; the first gap that closes such a chain is the bottleneck between two poses. Beside it,
+start and target have to hold the disc.
 """
 
 from __future__ import annotations
@@ -32,26 +33,37 @@ from worldgen.world import World
 
 __all__ = ["bottleneck", "narrowest_gap_sq"]
 
-_CLOSE = 1e-7  # share of the radius to which it is found where a pose beside the target's centre may take a larger disc
-_LEAST = 1 / 64  # cell: where the target's centre cannot be reached, smaller discs are not asked for
+# Share of the radius to which it is found where a pose beside the target's centre may take a larger
+# disc.
+_CLOSE = 1e-7
+_LEAST = (
+    1 / 64
+)  # cell: where the target's centre cannot be reached, smaller discs are not asked for
 
 
 def bottleneck(world: World, solid: Bools) -> float:
-    """Radius, m, of the largest disc that gets from the start to the target; 0 if none of 1/64 cell or more does.
+    """Radius, m, of the largest disc that gets from the start to the target.
+
+    0 if none of 1/64 cell or more does.
 
     Args:
         world: Start, target and lengths.
         solid: (height, width) bool, the cells that count.
     """
-    walls, disc = Walls(solid, Fraction(1)), target_disc(world)
-    start = (in_cells(world.start.x, world.cell_size) * UNIT, in_cells(world.start.y, world.cell_size) * UNIT)
+    walls = Walls(solid, Fraction(1))
+    disc = target_disc(world)
+    start = (
+        in_cells(world.start.x, world.cell_size) * UNIT,
+        in_cells(world.start.y, world.cell_size) * UNIT,
+    )
     at_start = math.sqrt(walls.nearest(start)[1]) / UNIT
     centre = (disc.x, disc.y)
     at_target = math.sqrt(walls.nearest(centre)[1]) / UNIT
     least = min(at_start, at_target)
     gap_sq = narrowest_gap_sq(solid, start, centre, math.ceil(4 * least * least)) if least else 0
     between = math.inf if gap_sq is None else math.sqrt(gap_sq) / 2
-    sure, reach = min(least, between), float(disc.radius) / UNIT
+    sure = min(least, between)
+    reach = float(disc.radius) / UNIT
     highest = min(at_start, at_target + reach)
     if sure < highest and not (between == sure and at_target - reach > between):
         # Some other pose of the target's disc may be reached by a larger disc than its centre.
@@ -61,7 +73,7 @@ def bottleneck(world: World, solid: Bools) -> float:
 
 def _halved(world: World, solid: Bools, low: float, high: float) -> float:
     """The largest radius, cells, between two; ``low`` if nothing larger passes."""
-    question = _Question(world, solid)
+    question = _DiscQuery(world, solid)
     if not question.passes(max(low * (1 + _CLOSE), _LEAST)):
         return low
     if question.passes(high):
@@ -72,19 +84,25 @@ def _halved(world: World, solid: Bools, low: float, high: float) -> float:
     return low
 
 
-class _Question:
+class _DiscQuery:
     """Whether a disc that fits at the start gets to any pose of the target, asked for one radius after another.
 
-    No way is sought: a pose that no chain parts from the start can be reached (docs/reachability.md).
+    No way is sought: a pose that no chain parts from the start can be reached
+        (docs/reachability.md).
     """
 
     def __init__(self, world: World, solid: Bools) -> None:
-        self.world, self.solid, self.disc = world, solid, target_disc(world)
-        self.start = tuple(in_cells(value, world.cell_size) * UNIT for value in (world.start.x, world.start.y))
+        self.world = world
+        self.solid = solid
+        self.disc = target_disc(world)
+        self.start = tuple(
+            in_cells(value, world.cell_size) * UNIT for value in (world.start.x, world.start.y)
+        )
 
     def passes(self, radius: float) -> bool:
         """For a radius in cells."""
-        exactly, start = Fraction(radius), (self.start[0], self.start[1])
+        exactly = Fraction(radius)
+        start = (self.start[0], self.start[1])
         if radius <= 0.0:
             return False
         walls = Walls(self.solid, exactly)
@@ -98,7 +116,9 @@ class _Question:
         chains: list[Chain] = []
         index = 0
         while index < len(poses):
-            unparted = max((poses.first_unparted(chain, start, index) for chain in chains), default=index)
+            unparted = max(
+                (poses.first_unparted(chain, start, index) for chain in chains), default=index
+            )
             if unparted > index:
                 index = unparted
                 continue
@@ -111,7 +131,9 @@ class _Question:
 
 
 def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int | None:
-    """Squared width, cells, of the narrowest gap that closes a chain between two poses; None from ``below`` on.
+    """Squared width, cells, of the narrowest gap that closes a chain between two poses.
+
+    None from ``below`` on.
 
     Args:
         solid: (height, width) bool.
@@ -120,7 +142,8 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
         below: Squared widths that matter.
     """
     cells, number, stride, pad = _rim(solid, below)
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     parent = np.arange(len(cells), dtype=np.int64)
     bit = np.zeros(len(cells), np.uint8)
     tree = (writable(ffi, parent, np.int64), writable(ffi, bit, np.uint8), len(cells))
@@ -133,7 +156,8 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
             other = number[place + (dy * stride + dx)]
             near = np.flatnonzero(other >= 0)
 
-            # Only links near the rays upwards from the two poses can cross them, and few cells are there.
+            # Only links near the rays upwards from the two poses can cross them, and few cells are
+            # there.
             for pose, close in rays:
                 odd[close] ^= _crosses(cells[close] - pad, dx, dy, pose)
             crossing = odd[near]
@@ -147,7 +171,10 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
 
 
 def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
-    """The solid cells beside free ones: (n, 2) padded (column, row); numbers by place; stride; padding."""
+    """The solid cells beside free ones: (n, 2) padded (column, row); numbers by place; stride.
+
+    Padding.
+    """
     pad = math.isqrt(max(below - 1, 0)) + 2
     rim = np.pad(rim_cells(solid), pad - 1)
     rows, columns = np.nonzero(rim)
@@ -177,17 +204,29 @@ def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
 def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
     """Whether each cell's link to the one at an offset crosses the ray upwards from a pose an odd number of times."""
     fine = math.lcm(*(Fraction(value).denominator for value in pose))
-    unit, half = UNIT * fine, UNIT * fine // 2
+    unit = UNIT * fine
+    half = UNIT * fine // 2
     px, py = (int(value * fine) for value in pose)
-    close = np.flatnonzero((cells[:, 0] + max(dx, 0) >= px // unit - 1) & (cells[:, 0] + min(dx, 0) <= px // unit + 1))
+    close = np.flatnonzero(
+        (cells[:, 0] + max(dx, 0) >= px // unit - 1) & (cells[:, 0] + min(dx, 0) <= px // unit + 1)
+    )
     found = np.zeros(len(cells), np.uint8)
     chosen = cells[close].astype(object if unit > UNIT else np.int64)
-    ax, ay = unit * chosen[:, 0] + half, unit * chosen[:, 1] + half
-    sx, sy = (dx > 0) - (dx < 0), (dy > 0) - (dy < 0)
-    corners = [(0, 0), (half * sx, half * sy), (unit * dx - half * sx, unit * dy - half * sy), (unit * dx, unit * dy)]
+    ax = unit * chosen[:, 0] + half
+    ay = unit * chosen[:, 1] + half
+    sx = (dx > 0) - (dx < 0)
+    sy = (dy > 0) - (dy < 0)
+    corners = [
+        (0, 0),
+        (half * sx, half * sy),
+        (unit * dx - half * sx, unit * dy - half * sy),
+        (unit * dx, unit * dy),
+    ]
     for (fx, fy), (gx, gy) in itertools.pairwise(corners):
-        qx, qy = ax + fx, ay + fy
-        ex, ey = gx - fx, gy - fy
+        qx = ax + fx
+        qy = ay + fy
+        ex = gx - fx
+        ey = gy - fy
         astride = (qx <= px) != (qx + ex <= px)
         above = (qy - py) * ex + ey * (px - qx)
         found[close] ^= (astride & ((above > 0) == (ex > 0)) & (above != 0)).astype(np.uint8)

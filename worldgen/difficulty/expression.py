@@ -1,7 +1,9 @@
-"""Wishes about metrics: ``detour > 3 and bottleneck < 1.2r``, read by Python's own parser, never run as code.
+"""Wishes about metrics.
 
-Grammar, loosest first: ``or``, ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``,
-``* /``, signs, parentheses, names of metrics, numbers. A number may carry a unit: ``m``, ``s``, or ``r``, the robot's
+``detour > 3 and bottleneck < 1.2r``, read by Python's own parser, never run as code. Grammar,
+loosest first: ``or``, ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained),
+    ``+ -``, ``* /``, signs, parentheses, names of metrics, numbers. A number may carry a unit:
+    ``m``, ``s``, or ``r``, the robot's
 radius.
 """
 
@@ -25,14 +27,18 @@ UNITS: Final = ("m", "s", "r")
 MOST_CHARACTERS: Final = 2000
 MOST_NESTED: Final = 50
 _DEEPEST: Final = 250  # levels of the syntax tree; Python allows a thousand calls within each other
-_EMPTY: Final = 2.0  # violation of a comparison with a metric that the world does not have: more than any other
+_EMPTY: Final = (
+    2.0  # violation of a comparison with a metric that the world does not have: more than any other
+)
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<unit>[A-Za-z_]\w*)?|(?P<word>[A-Za-z_]\w*)"
     r"|(?P<mark><=|>=|==|!=|[<>+\-*/()])|(?P<end>\Z)|(?P<wrong>.))",
     re.DOTALL | re.ASCII,
 )
-_BEGINNERS = frozenset({"(", "and", "or", "not", "+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="})
+_BEGINNERS = frozenset(
+    {"(", "and", "or", "not", "+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="}
+)
 _BETWEEN = _BEGINNERS - {"(", "not"}
 _CONDITION_NEXT = frozenset({"(", "and", "or", "not"})
 _MARKS: Final[dict[type[ast.AST], str]] = {
@@ -74,7 +80,10 @@ class Expression:
     _wish: _Wish
 
     def violation(self, metrics: Values, robot_radius: float) -> float:
-        """How far a world is from it: 0 if it holds, else more the farther; a metric left out fulfils nothing."""
+        """How far a world is from it: 0 if it holds, else more the farther.
+
+        A metric left out fulfils nothing.
+        """
         return self._wish.violation(metrics, robot_radius)
 
     def holds(self, metrics: Values, robot_radius: float) -> bool:
@@ -99,11 +108,17 @@ def parse(text: str) -> Expression:
     scan = _Scan(text)
     try:
         tree = ast.parse(f"({scan.structure})", mode="eval").body
-    except (SyntaxError, MemoryError, RecursionError):  # the scan leaves nothing to refuse but signs without end
+    except (
+        SyntaxError,
+        MemoryError,
+        RecursionError,
+    ):  # the scan leaves nothing to refuse but signs without end
         tree = None
     if tree is None or _levels(tree) > _DEEPEST:
         scan.fail(_too_deep(_DEEPEST), 0)
-    return Expression(text, frozenset(scan.names), _Meaning(scan).wish(tree, len(text) - len(text.lstrip())))
+    return Expression(
+        text, frozenset(scan.names), _Meaning(scan).wish(tree, len(text) - len(text.lstrip()))
+    )
 
 
 class _Scan:
@@ -111,7 +126,8 @@ class _Scan:
 
     Attributes:
         operands: What each number and metric means, by the place where it begins.
-        structure: The text with a name of the same length for each of them, which Python's own parser can read.
+        structure: The text with a name of the same length for each of them, which Python's own
+            parser can read.
     """
 
     def __init__(self, text: str) -> None:
@@ -123,7 +139,8 @@ class _Scan:
         before = "("  # as if the whole were in parentheses
         for token in _TOKEN.finditer(text):
             kind = "number" if token["number"] is not None else str(token.lastgroup)
-            word, at = token[kind], token.start(kind)
+            word = token[kind]
+            at = token.start(kind)
             if open_brackets > MOST_NESTED:
                 self.fail(_too_deep(MOST_NESTED), at)
             if kind == "wrong":
@@ -133,17 +150,26 @@ class _Scan:
             begins = before in _BEGINNERS
             is_operand = kind == "number" or (kind == "word" and word not in ("and", "or", "not"))
             if begins:
-                fits = is_operand or word in ("(", "+", "-") or (word == "not" and before in _CONDITION_NEXT)
+                fits = (
+                    is_operand
+                    or word in ("(", "+", "-")
+                    or (word == "not" and before in _CONDITION_NEXT)
+                )
             elif open_brackets:
                 fits = word in _BETWEEN or word == ")"
             else:
                 fits = word in _BETWEEN or kind == "end"
             if not fits:
-                self.fail(_misplaced("the end" if kind == "end" else repr(word), begins, open_brackets), at)
+                self.fail(
+                    _misplaced("the end" if kind == "end" else repr(word), begins, open_brackets),
+                    at,
+                )
 
             # Numbers and metrics get their meaning here; signs and brackets are left to the parser.
             if is_operand:
-                self.operands[at] = self._constant(token, at) if kind == "number" else self._metric(word, at)
+                self.operands[at] = (
+                    self._constant(token, at) if kind == "number" else self._metric(word, at)
+                )
                 word = "_" * (token.end() - at)
             open_brackets += {"(": 1, ")": -1}.get(word, 0)
             self.structure += " " * (at - token.start()) + word
@@ -156,16 +182,31 @@ class _Scan:
         line = "".join(c if c.isprintable() else " " for c in self.text)
         first = max(0, place - 60)
         piece = line[first : first + 100]
-        marked = message.before("\n  {line}\n  {mark:>{column}}", line=piece, mark="^", column=place - first + 1)
+        marked = message.before(
+            "\n  {line}\n  {mark:>{column}}", line=piece, mark="^", column=place - first + 1
+        )
         raise InvalidParameter.of(marked)
 
     def _constant(self, token: re.Match[str], at: int) -> _Number:
-        value, unit = float(token["number"]), token["unit"]
+        value = float(token["number"])
+        unit = token["unit"]
         if not math.isfinite(value):
-            self.fail(Message("too-large", "this number is beyond the range of a float64", "give a smaller one"), at)
+            self.fail(
+                Message(
+                    "too-large",
+                    "this number is beyond the range of a float64",
+                    "give a smaller one",
+                ),
+                at,
+            )
         if unit is not None and unit not in UNITS:
             self.fail(
-                Message("unknown-name", "{name!r} is no unit", "write m, s, or r for the robot's radius", name=unit),
+                Message(
+                    "unknown-name",
+                    "{name!r} is no unit",
+                    "write m, s, or r for the robot's radius",
+                    name=unit,
+                ),
                 token.start("unit"),
             )
         return _Number(lambda _, radius: value * radius if unit == "r" else value)
@@ -196,7 +237,12 @@ def _misplaced(came: str, begins: bool, open_brackets: int) -> Message:
 
 
 def _too_deep(most: int) -> Message:
-    return Message("nested-too-deep", "nested deeper than {most} levels", "take parentheses and signs away", most=most)
+    return Message(
+        "nested-too-deep",
+        "nested deeper than {most} levels",
+        "take parentheses and signs away",
+        most=most,
+    )
 
 
 class _Meaning:
@@ -217,7 +263,9 @@ class _Meaning:
             return found
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             return self.wish(node.operand, _place(node.operand)).opposite()
-        message = Message("wrong-form", "this is a number, not a condition", "compare it, as in detour > 3")
+        message = Message(
+            "wrong-form", "this is a number, not a condition", "compare it, as in detour > 3"
+        )
         self._scan.fail(message, at)
 
     def number(self, node: ast.expr, at: int) -> _Number:
@@ -231,9 +279,14 @@ class _Meaning:
         if isinstance(node, ast.UnaryOp) and not isinstance(node.op, ast.Not):
             value = self.number(node.operand, _place(node.operand)).value
             return _Number(
-                (lambda metrics, radius: -value(metrics, radius)) if isinstance(node.op, ast.USub) else value
+                (lambda metrics, radius: -value(metrics, radius))
+                if isinstance(node.op, ast.USub)
+                else value
             )
-        message = Message("wrong-form", "this is a condition, not a number; it cannot be compared or reckoned with")
+        message = Message(
+            "wrong-form",
+            "this is a condition, not a number; it cannot be compared or reckoned with",
+        )
         self._scan.fail(message, at)
 
     def _comparison(self, node: ast.Compare, at: int) -> _Wish:
@@ -265,7 +318,8 @@ def _place(node: ast.expr) -> int:
 
 def _reckon(mark: str, one: _Number, other: _Number) -> _Number:
     def value(metrics: Values, radius: float) -> float:
-        a, b = one.value(metrics, radius), other.value(metrics, radius)
+        a = one.value(metrics, radius)
+        b = other.value(metrics, radius)
         if mark == "/":
             return a / b if b else math.nan
         return a + b if mark == "+" else a - b if mark == "-" else a * b
@@ -275,13 +329,16 @@ def _reckon(mark: str, one: _Number, other: _Number) -> _Number:
 
 def _compare(mark: str, one: _Number, other: _Number) -> _Wish:
     def violation(metrics: Values, radius: float) -> float:
-        a, b = one.value(metrics, radius), other.value(metrics, radius)
+        a = one.value(metrics, radius)
+        b = other.value(metrics, radius)
         if not (math.isfinite(a) and math.isfinite(b)):
             return _EMPTY
         if _HOLDS[mark](a, b):
             return 0.0
         size = abs(a) + abs(b)
-        return max(abs(a - b) / size if 0.0 < size < math.inf else 0.0, 1e-9)  # 1e-9: equal, and should not be
+        return max(
+            abs(a - b) / size if 0.0 < size < math.inf else 0.0, 1e-9
+        )  # 1e-9: equal, and should not be
 
     return _Wish(violation, lambda: _compare(_OPPOSITE[mark], one, other))
 
@@ -295,6 +352,8 @@ def _and(one: _Wish, other: _Wish) -> _Wish:
 
 def _or(one: _Wish, other: _Wish) -> _Wish:
     return _Wish(
-        lambda metrics, radius: min(one.violation(metrics, radius), other.violation(metrics, radius)),
+        lambda metrics, radius: min(
+            one.violation(metrics, radius), other.violation(metrics, radius)
+        ),
         lambda: _and(one.opposite(), other.opposite()),
     )

@@ -1,11 +1,13 @@
 """Decision points: places along the way from which three or more ways lead.
 
-A *place* is a point, at a multiple of half a cell, with a locally largest free disc: none of its eight neighbours has a
-larger one, and it lies in no larger disc of another place. Its *ring* are the points from 1.5 to 2 radii of its disc
-away that the robot can reach from it without leaving the ring's outer circle; the separate parts of the ring that reach
-to that circle are the *ways* that lead from it. Corners of a passage are nearer than 1.5 radii; those of a blind end,
-which may stick into the ring, are nearer than 2. A *decision point* is a place with three or more ways whose disc the
-witness enters, to half a cell; places that lie in each other's discs are one.
+A *place* is a point, at a multiple of half a cell, with a locally largest free disc: none of its
+    eight neighbours has a
+larger one, and it lies in no larger disc of another place. Its *ring* are the points from 1.5 to 2
+radii of its disc away that the robot can reach from it without leaving the ring's outer circle; the
+separate parts of the ring that reach to that circle are the *ways* that lead from it. Corners of a
+passage are nearer than 1.5 radii; those of a blind end, which may stick into the ring, are nearer
+than 2. A *decision point* is a place with three or more ways whose disc the witness enters, to half
+a cell; places that lie in each other's discs are one.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ __all__ = ["decision_points"]
 
 
 def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
-    """The decision points along a way, each once: column, row and squared radius of its largest disc, in half cells.
+    """The decision points along a way, each once.
+
+    Column, row and squared radius of its largest disc, in half cells.
 
     Args:
         nodes: The world at rest.
@@ -52,7 +56,8 @@ def _largest_discs(nodes: Nodes, away: Ints) -> Bools:
         nodes: The world at rest.
         away: Squared distances; at most two radii of the disc count as near.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     found = np.empty(nodes.graph.clear.shape, np.bool_)
     clear = pointer(ffi, np.ascontiguousarray(nodes.graph.clear), np.bool_)
     squared = pointer(ffi, nodes.clearance_sq, np.int32)
@@ -70,12 +75,19 @@ def _highest(nodes: Nodes, places: Ints, sizes: Ints, chosen: Ints) -> Bools:
         sizes: (n,) squared radii.
         chosen: (k,) numbers of the places in question.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     found = np.empty(len(chosen), np.bool_)
     at = [pointer(ffi, numbers.astype(np.int64), np.int64) for numbers in (places, sizes, chosen)]
     check(
         lib.wg_highest(
-            at[0], at[1], len(places), nodes.graph.stride, at[2], len(chosen), writable(ffi, found, np.bool_)
+            at[0],
+            at[1],
+            len(places),
+            nodes.graph.stride,
+            at[2],
+            len(chosen),
+            writable(ffi, found, np.bool_),
         )
     )
     return found
@@ -83,13 +95,24 @@ def _highest(nodes: Nodes, places: Ints, sizes: Ints, chosen: Ints) -> Bools:
 
 def _openings(nodes: Nodes, places: Ints, sizes: Ints) -> Ints:
     """Return for each place how many ways lead from it; fewer than three may be 0."""
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     graph = nodes.graph
     found = np.empty(len(places), np.int64)
-    rasters = [pointer(ffi, np.ascontiguousarray(raster), np.bool_) for raster in (graph.clear, graph.middle)]
+    rasters = [
+        pointer(ffi, np.ascontiguousarray(raster), np.bool_)
+        for raster in (graph.clear, graph.middle)
+    ]
     asked = [pointer(ffi, column.astype(np.int64), np.int64) for column in (places, sizes)]
     check(
-        lib.wg_openings(*rasters, graph.clear.size, graph.stride, *asked, len(places), writable(ffi, found, np.int64))
+        lib.wg_openings(
+            *rasters,
+            graph.clear.size,
+            graph.stride,
+            *asked,
+            len(places),
+            writable(ffi, found, np.int64),
+        )
     )
     return found
 
@@ -104,7 +127,11 @@ class _Spots:
     """
 
     def __init__(self, places: Ints, sizes: Ints, stride: int) -> None:
-        self.spots = list(zip((places % stride).tolist(), (places // stride).tolist(), sizes.tolist(), strict=True))
+        self.spots = list(
+            zip(
+                (places % stride).tolist(), (places // stride).tolist(), sizes.tolist(), strict=True
+            )
+        )
         self._side = 1 + math.isqrt(int(sizes.max(initial=0)))
         self._boxes: dict[tuple[int, int], list[int]] = {}
         for k, (x, y, _) in enumerate(self.spots):
@@ -113,7 +140,8 @@ class _Spots:
     def _near(self, k: int) -> Iterator[tuple[int, int]]:
         """Numbers of the places that may be in each other's discs, and their squared distances."""
         x, y, _ = self.spots[k]
-        column, row = x // self._side, y // self._side
+        column = x // self._side
+        row = y // self._side
         for dx, dy in itertools.product((-1, 0, 1), repeat=2):
             for other in self._boxes.get((column + dx, row + dy), ()):
                 yield other, (self.spots[other][0] - x) ** 2 + (self.spots[other][1] - y) ** 2

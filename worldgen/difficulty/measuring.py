@@ -14,7 +14,7 @@ from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.metrics import METRICS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import Bools, nodes_of
-from worldgen.difficulty.path import Way, distance, way_of
+from worldgen.difficulty.path import WitnessPath, distance, witness_path_of
 from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.lattice import UNIT
@@ -33,17 +33,21 @@ _POCKETS = frozenset({"concavity", "retreat"})
 def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     """How hard a world is, by every metric that has a meaning for it.
 
-    What goes by a way goes by the world's own witness; a world without a certificate is decided first. Equal worlds
-    with equal witnesses have equal metrics, to the last digit, on every machine.
+    What goes by a way goes by the world's own witness; a world without a certificate is decided
+    first. Equal worlds with equal witnesses have equal metrics, to the last digit, on every
+    machine.
 
     Args:
-        world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot off.
+        world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot
+            off.
         only: Names of the metrics that are asked for, which saves time; others may be left out.
     """
     wanted = frozenset(METRICS if only is None else only)
     if "difficulty" in wanted:
         wanted |= frozenset(INPUTS)
-    certificate = world.certificate if world.certificate is not None else reach.decide(world).certificate
+    certificate = (
+        world.certificate if world.certificate is not None else reach.decide(world).certificate
+    )
     solid = world.cells_at(0.0) != CellState.FREE
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
     if wanted & _BOTTLENECK:
@@ -53,24 +57,33 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
         changing = world.timeline.cells_that_become(shape=solid.shape)
         found["changing"] = int(np.count_nonzero(changing)) / solid.size
     if isinstance(certificate, Witness) and len(certificate.times):
-        way = way_of(world, certificate)
+        way = witness_path_of(world, certificate)
         found |= _along(world, certificate, way)
         found |= _round(world, solid, way, wanted)
         if "difficulty" in wanted and not world.is_dynamic and found.keys() >= set(INPUTS):
             found["difficulty"] = difficulty(found, world.robot_radius)
-    return Metrics(**{name: value if isinstance(value, int) else rounded(value) for name, value in found.items()})
+    return Metrics(
+        **{
+            name: value if isinstance(value, int) else rounded(value)
+            for name, value in found.items()
+        }
+    )
 
 
 def with_metrics(world: World) -> World:
-    """The world with its metrics in its provenance; one without provenance has no place for them and stays as it is."""
+    """The world with its metrics in its provenance.
+
+    One without provenance has no place for them and stays as it is.
+    """
     if world.provenance is None:
         return world
     return replace(world, provenance=replace(world.provenance, metrics=measure(world).as_dict()))
 
 
-def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:
+def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, float]:
     """What goes by the witness."""
-    length, turns = way.length * world.cell_size / UNIT, way.turning
+    length = way.length * world.cell_size / UNIT
+    turns = way.turning
     found = {"length": length, "turns": turns, "duration": way.duration}
     if world.is_dynamic:
         found["waiting"] = way.waiting
@@ -86,13 +99,18 @@ def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:
     return found
 
 
-def _round(world: World, solid: Bools, way: Way, wanted: frozenset[str]) -> dict[str, float]:
+def _round(
+    world: World, solid: Bools, way: WitnessPath, wanted: frozenset[str]
+) -> dict[str, float]:
     """What the robot has round it, and where it may go."""
     samples = samples_of(way)
     found: dict[str, float] = {}
     if wanted & _MEANS:
         means = surroundings(solid, samples)
-        found |= {name: value if name == "dispersion" else value * world.cell_size for name, value in means.items()}
+        found |= {
+            name: value if name == "dispersion" else value * world.cell_size
+            for name, value in means.items()
+        }
     if not wanted & (_POCKETS | {"decisions"}):
         return found
     nodes = nodes_of(world, solid)

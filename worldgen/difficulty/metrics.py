@@ -7,7 +7,9 @@ from typing import Final, NamedTuple
 
 __all__ = ["DIGITS", "METRICS", "Metric", "Metrics", "rounded"]
 
-DIGITS: Final = 6  # significant digits that a metric keeps: more than its meaning bears, fewer than a float's last bits
+# Significant digits that a metric keeps: more than its meaning bears, fewer than a float's last
+# bits.
+DIGITS: Final = 6
 
 
 class Metric(NamedTuple):
@@ -15,7 +17,8 @@ class Metric(NamedTuple):
 
     Args:
         unit: m, s, rad, rad/m, or nothing.
-        harder: 1 if more of it should make a world harder, -1 if less of it should, 0 if neither is expected.
+        harder: 1 if more of it should make a world harder, -1 if less of it should, 0 if neither is
+            expected.
         meaning: One line for tables.
         source: Who published it, if it is not ours.
     """
@@ -29,7 +32,9 @@ class Metric(NamedTuple):
 _BARN = "Perille, Truong, Xiao, Stone, Benchmarking Metric Ground Navigation, 2020"
 
 METRICS: Final = {
-    "difficulty": Metric("", 1, "how likely the library's controllers fail, by a fitted model, 0 to 1"),
+    "difficulty": Metric(
+        "", 1, "how likely the library's controllers fail, by a fitted model, 0 to 1"
+    ),
     "length": Metric("m", 1, "length of the witness"),
     "detour": Metric("", 1, "length of the witness over the straight line from start to target"),
     "turns": Metric("rad", 1, "all turning along the witness"),
@@ -39,11 +44,19 @@ METRICS: Final = {
     "concavity": Metric("m", 1, "depth of the deepest pocket into which the target draws"),
     "retreat": Metric("m", 1, "how much farther from the target than the start every way leads"),
     "decisions": Metric("", 1, "places along the witness from which three or more ways lead"),
-    "wall_distance": Metric("m", -1, "distance to the closest obstacle, mean along the witness", _BARN),
+    "wall_distance": Metric(
+        "m", -1, "distance to the closest obstacle, mean along the witness", _BARN
+    ),
     "visibility": Metric("m", -1, "free length of eight rays, mean along the witness", _BARN),
-    "dispersion": Metric("", 1, "changes between wall and free round the robot, mean along the witness", _BARN),
-    "characteristic_dimension": Metric("m", -1, "narrowest of four widths, mean along the witness", _BARN),
-    "tortuosity": Metric("", 1, "length of the witness over the straight line between its ends", _BARN),
+    "dispersion": Metric(
+        "", 1, "changes between wall and free round the robot, mean along the witness", _BARN
+    ),
+    "characteristic_dimension": Metric(
+        "m", -1, "narrowest of four widths, mean along the witness", _BARN
+    ),
+    "tortuosity": Metric(
+        "", 1, "length of the witness over the straight line between its ends", _BARN
+    ),
     "solid": Metric("", 0, "share of the cells that are solid at time 0"),
     "duration": Metric("s", 1, "when the witness arrives"),
     "waiting": Metric("s", 1, "how long the witness stands still"),
@@ -57,7 +70,8 @@ METRICS: Final = {
 class Metrics:
     """How hard a world is; each field as :data:`METRICS` says, to :data:`DIGITS` significant digits.
 
-    A metric that has no meaning for the world is None: those along a way where none is known, those over the
+    A metric that has no meaning for the world is None: those along a way where none is known, those
+        over the
     straight line where start and target coincide.
     """
 

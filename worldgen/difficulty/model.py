@@ -1,10 +1,12 @@
 """How likely a controller of the library fails in a world, fitted on campaigns.
 
-A weighted sum of a few metrics, each as ``v / (v + scale)``, so that it runs from 0 to 1 without a logarithm, and then
-``(1 + s / (1 + |s|)) / 2`` of the sum ``s``, which is monotone and needs only division. No weight has another sign than
-:data:`worldgen.difficulty.METRICS` says, so no metric that makes a world harder ever lowers its difficulty.
+A weighted sum of a few metrics, each as ``v / (v + scale)``, so that it runs from 0 to 1 without a
+logarithm, and then ``(1 + s / (1 + |s|)) / 2`` of the sum ``s``, which is monotone and needs only
+division. No weight has another sign than :data:`worldgen.difficulty.METRICS` says, so no metric
+that makes a world harder ever lowers its difficulty.
 
-``python -m benchmarks.difficulty`` fits scales and weights and prints them; docs/difficulty.md says how well they do.
+``python -m benchmarks.difficulty`` fits scales and weights and prints them; docs/difficulty.md says
+how well they do.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from worldgen.difficulty.metrics import METRICS
 
 __all__ = ["INPUTS", "difficulty", "squashed"]
 
-# Metric: (scale, weight); lengths in radii of the robot, so that a world and its robot may be scaled together.
+# Metric: (scale, weight); lengths in radii of the robot, so that a world and its robot may be
+# scaled together.
 WEIGHTS: Final = {"concavity": (7.8, 3.46), "detour": (0.39, 2.2)}
 OFFSET: Final = -2.13
 INPUTS: Final = tuple(WEIGHTS)

@@ -1,4 +1,7 @@
-"""Points at multiples of half a cell: how far each is from the nearest wall, exactly, and where the robot is clear."""
+"""Points at multiples of half a cell.
+
+How far each is from the nearest wall, exactly, and where the robot is clear.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,8 @@ class Nodes:
     Args:
         graph: Where the robot's disc is clear, and the steps that it can make.
         walls: The solid cells, for exact questions.
-        clearance_sq: (2 * height + 1, 2 * width + 1) whole numbers, squared distance to the nearest wall, half cells.
+        clearance_sq: (2 * height + 1, 2 * width + 1) whole numbers, squared distance to the nearest
+            wall, half cells.
     """
 
     graph: Graph
@@ -56,7 +60,9 @@ def _near(value: Any, count: int) -> range:
 def nodes_of(world: World, solid: Bools) -> Nodes:
     """The nodes of a world with these cells solid."""
     radius = radius_in_cells(world)
-    return Nodes(build_graph(solid, radius, 2), Walls(solid, radius), squared_distances(_in_walls(solid)))
+    return Nodes(
+        build_graph(solid, radius, 2), Walls(solid, radius), squared_distances(_in_walls(solid))
+    )
 
 
 def _in_walls(solid: Bools) -> Bools:

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from worldgen.lattice import UNIT
 from worldgen.world import Witness, World
 
-__all__ = ["Ints", "Way", "angle", "distance", "way_of"]
+__all__ = ["Ints", "WitnessPath", "angle", "distance", "witness_path_of"]
 
 Ints = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class WitnessPath:
     """A witness without its pauses.
 
     Args:
@@ -35,7 +35,8 @@ class Way:
     @property
     def pieces(self) -> list[float]:
         """Length of each piece, 1/1024 cell."""
-        dx, dy = np.diff(self.x), np.diff(self.y)
+        dx = np.diff(self.x)
+        dy = np.diff(self.y)
         lengths: list[float] = np.sqrt((dx * dx + dy * dy).astype(np.float64)).tolist()
         return lengths
 
@@ -47,13 +48,16 @@ class Way:
     @property
     def turning(self) -> float:
         """Sum of the angles between each piece and the next, rad."""
-        dx, dy = np.diff(self.x), np.diff(self.y)
+        dx = np.diff(self.x)
+        dy = np.diff(self.y)
         dot = dx[:-1] * dx[1:] + dy[:-1] * dy[1:]
         cross = dx[:-1] * dy[1:] - dy[:-1] * dx[1:]
-        return math.fsum(angle(*pair) for pair in zip(dot.tolist(), np.abs(cross).tolist(), strict=True))
+        return math.fsum(
+            angle(*pair) for pair in zip(dot.tolist(), np.abs(cross).tolist(), strict=True)
+        )
 
 
-def way_of(world: World, witness: Witness) -> Way:
+def witness_path_of(world: World, witness: Witness) -> WitnessPath:
     """The witness's points to the nearest 1/1024 cell, in which the prover gives them.
 
     Args:
@@ -61,12 +65,15 @@ def way_of(world: World, witness: Witness) -> Way:
         witness: At least one point.
     """
     points = [
-        np.rint(np.asarray(values) / world.cell_size * UNIT).astype(np.int64) for values in (witness.x, witness.y)
+        np.rint(np.asarray(values) / world.cell_size * UNIT).astype(np.int64)
+        for values in (witness.x, witness.y)
     ]
     moves = (np.diff(points[0]) != 0) | (np.diff(points[1]) != 0)
     waits = np.diff(witness.times)[~moves]
     kept = np.concatenate(([True], moves))
-    return Way(points[0][kept], points[1][kept], witness.duration, math.fsum(waits.tolist()))
+    return WitnessPath(
+        points[0][kept], points[1][kept], witness.duration, math.fsum(waits.tolist())
+    )
 
 
 def distance(ax: float, ay: float, bx: float, by: float) -> float:
@@ -77,7 +84,8 @@ def distance(ax: float, ay: float, bx: float, by: float) -> float:
 def angle(dot: int, cross: int) -> float:
     """Angle between two vectors, rad, 0 to pi, from their dot product and the size of their cross product.
 
-    The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and square roots,
+    The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and
+        square roots,
     which are the same on every machine, as the arc tangents of C libraries are not. Good to 1e-14.
     """
     if cross == 0:
@@ -86,7 +94,9 @@ def angle(dot: int, cross: int) -> float:
     tangent = cross / (size + dot) if dot > 0 else (size - dot) / cross  # neither cancels
     for _ in range(3):
         tangent = tangent / (1.0 + math.sqrt(1.0 + tangent * tangent))
-    square, term, total = tangent * tangent, tangent, 0.0
+    square = tangent * tangent
+    term = tangent
+    total = 0.0
     for odd in range(1, 25, 2):
         total += term / odd
         term *= -square

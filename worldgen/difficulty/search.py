@@ -1,10 +1,13 @@
 """Searches for worlds with wanted metrics, over seeds and over the parameters that nobody fixed.
 
-An evolution strategy: of the worlds tried so far the nearest ones are parents; the next world has the parameters of one
-or two of them, some changed, and a new seed or the parent's. What a family refuses is left out and has no children.
-Every fourth is drawn afresh, so that a wish with more than one answer is not lost in a corner.
+An evolution strategy: of the worlds tried so far the nearest ones are parents; the next world has
+    the parameters of one
+or two of them, some changed, and a new seed or the parent's. What a family refuses is left out and
+has no children. Every fourth is drawn afresh, so that a wish with more than one answer is not lost
+in a corner.
 
-Source: Rechenberg, "Evolutionsstrategie", 1973; Beyer, Schwefel, "Evolution Strategies: A Comprehensive Introduction",
+Source: Rechenberg, "Evolutionsstrategie", 1973; Beyer, Schwefel, "Evolution Strategies: A
+    Comprehensive Introduction",
 2002, for (mu + lambda).
 """
 
@@ -24,13 +27,14 @@ from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
-__all__ = ["CLOSE", "TRIES", "Nearest", "Search", "search_world", "wish_for"]
+__all__ = ["CLOSE", "TRIES", "Nearest", "Search", "constraint_for", "search_world"]
 
 TRIES = 500  # worlds made before a search gives up
 CLOSE = 0.025  # by how much the difficulty may miss the one asked for
 _PARENTS = 12
 _FIRST = 12  # tries before there are parents worth the name
-_REFUSED = 5  # times as many proposals as tries: the rest may be refused by the family, which takes no time
+# Times as many proposals as tries: the rest may be refused by the family, which takes no time.
+_REFUSED = 5
 _SEED_BITS = 32  # short enough to be read and typed
 
 
@@ -55,19 +59,25 @@ class Nearest:
     world: World = field(repr=False)
 
 
-def wish_for(where: str | None, difficulty: float | None = None) -> Expression:
+def constraint_for(where: str | None, difficulty: float | None = None) -> Expression:
     """The wish of ``--where`` and ``--difficulty`` together.
 
     Raises:
-        InvalidParameter: If neither is given, one cannot be read, or the difficulty is outside 0 to 1.
+        InvalidParameter: If neither is given, one cannot be read, or the difficulty is outside 0 to
+            1.
     """
     parts = []
     if difficulty is not None:
         if not 0.0 <= difficulty <= 1.0:
             raise InvalidParameter(
-                "out-of-range", "difficulty={difficulty:g} is outside 0 to 1", "give one between", difficulty=difficulty
+                "out-of-range",
+                "difficulty={difficulty:g} is outside 0 to 1",
+                "give one between",
+                difficulty=difficulty,
             )
-        parts.append(f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}")
+        parts.append(
+            f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}"
+        )
     if where is not None:
         parse(where)  # whose messages show what was written, no more
         parts.append(f"({where})" if parts else where)
@@ -93,7 +103,8 @@ class Search:
         learns: Whether the nearest worlds have children; without it all parameters are drawn.
 
     Raises:
-        InvalidParameter: If a given parameter is refused, or a difficulty is wished of worlds that change.
+        InvalidParameter: If a given parameter is refused, or a difficulty is wished of worlds that
+            change.
     """
 
     def __init__(
@@ -106,7 +117,10 @@ class Search:
         guided: bool = True,
         learns: bool = True,
     ) -> None:
-        self.family, self.wish, self.seed, self.given = family, wish, seed, dict(given)
+        self.family = family
+        self.wish = wish
+        self.seed = seed
+        self.given = dict(given)
         family.complete(given)  # refuses at once what it would refuse every time
         if family.changes and "difficulty" in wish.names:
             raise InvalidParameter(
@@ -118,7 +132,8 @@ class Search:
         self._free = free_parameters(family, given) if guided else ()
         self._rng = RandomStream(seed).child("where", family.name)
         self._parents: list[Nearest] = []
-        self._guided, self._learns = guided, learns
+        self._guided = guided
+        self._learns = learns
         self.asked = self.tried = 0
         self.nearest: Nearest | None = None
 
@@ -139,7 +154,11 @@ class Search:
         except GenerationFailed:
             return None
         self.tried += 1
-        metrics = {k: v for k, v in measure(world, only=self.wish.names).as_dict().items() if k in self.wish.names}
+        metrics = {
+            k: v
+            for k, v in measure(world, only=self.wish.names).as_dict().items()
+            if k in self.wish.names
+        }
         violation = self.wish.violation(metrics, world.robot_radius)
         found = Nearest(violation, seed, values, metrics, self.tried, world)
         if self.nearest is None or violation < self.nearest.violation:
@@ -148,7 +167,10 @@ class Search:
         return found
 
     def _keep(self, found: Nearest) -> None:
-        """Makes it a parent if it is near enough; of equally near ones only the last, so that equals do not crowd."""
+        """Makes it a parent if it is near enough.
+
+        Of equally near ones only the last, so that equals do not crowd.
+        """
         others = [one for one in self._parents if one.violation != found.violation]
         self._parents = sorted([*others, found], key=lambda one: one.violation)[:_PARENTS]
 
@@ -190,14 +212,15 @@ def search_world(
         seed: Of the search.
         tries: Worlds made at most.
         progress: Called after each.
-        **given: Parameters that keep their values; the others are varied, save the robot's and the cells' size.
+        **given: Parameters that keep their values; the others are varied, save the robot's and the
+            cells' size.
 
     Raises:
         InvalidParameter: If the wish cannot be read, or a parameter is unknown.
         GenerationFailed: If no world tried fits, with the nearest.
     """
     made_by = family if isinstance(family, Family) else FAMILIES.find(family, given)
-    search = Search(made_by, wish_for(where, difficulty), seed, given)
+    search = Search(made_by, constraint_for(where, difficulty), seed, given)
     return next(found(search, 1, tries, progress)).world
 
 
@@ -217,12 +240,17 @@ def found(
     """
     seen: set[str] = set()
     for _ in range(count):
-        first, asked = search.tried, search.asked
+        first = search.tried
+        asked = search.asked
         while search.tried < first + tries and search.asked < asked + _REFUSED * tries:
             one = search.step()
             if progress is not None:
                 progress(search)
-            if one is not None and one.violation == 0.0 and (digest := world_digest(one.world)) not in seen:
+            if (
+                one is not None
+                and one.violation == 0.0
+                and (digest := world_digest(one.world)) not in seen
+            ):
                 seen.add(digest)
                 yield one
                 break
@@ -234,16 +262,29 @@ def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
     near = search.nearest
     after = "after {before} that do, " if before else ""
     problem = f"{{family}}: {after}none of {{tries}} worlds fits {{wish!r}}"
-    facts: dict[str, Any] = {"family": search.family.name, "before": before, "tries": tries, "wish": search.wish.text}
+    facts: dict[str, Any] = {
+        "family": search.family.name,
+        "before": before,
+        "tries": tries,
+        "wish": search.wish.text,
+    }
     if near is None:
         return GenerationFailed(
-            "no-world-found", problem + "; the family refused them all", "fix fewer parameters", **facts
+            "no-world-found",
+            problem + "; the family refused them all",
+            "fix fewer parameters",
+            **facts,
         )
     if near.violation == 0.0:
         return GenerationFailed(
-            "no-world-found", problem + " and is new", "give more tries, or fix fewer parameters", **facts
+            "no-world-found",
+            problem + " and is new",
+            "give more tries, or fix fewer parameters",
+            **facts,
         )
-    metrics = {name: near.metrics[name] for name in sorted(search.wish.names) if name in near.metrics}
+    metrics = {
+        name: near.metrics[name] for name in sorted(search.wish.names) if name in near.metrics
+    }
     return GenerationFailed(
         "no-world-found",
         problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",

@@ -1,7 +1,7 @@
 """The parameters of a family as a space to search in.
 
-A family declares types, defaults and words, and refuses what is out of range. So a value is varied by what its type and
-its default allow, and what the family refuses is dropped.
+A family declares types, defaults and words, and refuses what is out of range. So a value is varied
+by what its type and its default allow, and what the family refuses is dropped.
 """
 
 from __future__ import annotations
@@ -22,11 +22,16 @@ _CHOSEN = -1  # of a number: the family chooses
 
 
 def free_parameters(family: Family, given: Collection[str]) -> tuple[Parameter, ...]:
-    """The parameters that a search may vary: those not given, save the robot's and texts without a choice of words."""
+    """The parameters that a search may vary.
+
+    Those not given, save the robot's and texts without a choice of words.
+    """
     return tuple(
         known
         for known in family.parameters
-        if known.name not in given and known.name not in KEPT and (known.choices or not isinstance(known.default, str))
+        if known.name not in given
+        and known.name not in KEPT
+        and (known.choices or not isinstance(known.default, str))
     )
 
 
@@ -35,8 +40,13 @@ def drawn(free: Collection[Parameter], rng: RandomStream, share: float) -> dict[
     return {known.name: _any_value(known, rng) for known in free if rng.random() < share}
 
 
-def varied(free: Collection[Parameter], values: Mapping[str, Value], rng: RandomStream) -> dict[str, Value]:
-    """The values with one or two changed: a step up or down, another word, or back to the default."""
+def varied(
+    free: Collection[Parameter], values: Mapping[str, Value], rng: RandomStream
+) -> dict[str, Value]:
+    """The values with one or two changed.
+
+    A step up or down, another word, or back to the default.
+    """
     found = dict(values)
     choices = list(free)
     for _ in range(1 + rng.below(2)):
@@ -46,7 +56,9 @@ def varied(free: Collection[Parameter], values: Mapping[str, Value], rng: Random
     return {name: value for name, value in found.items() if value != _default(free, name)}
 
 
-def mixed(one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStream) -> dict[str, Value]:
+def mixed(
+    one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStream
+) -> dict[str, Value]:
     """Each value from one of two."""
     names = [*one, *(name for name in other if name not in one)]
     chosen = {name: (one if rng.below(2) else other).get(name) for name in names}
@@ -68,11 +80,18 @@ def _any_value(known: Parameter, rng: RandomStream) -> Value:
         return rng.between(round(_SIZE[0] * default), round(_SIZE[1] * default))
     if isinstance(default, int):
         low = _CHOSEN if default == _CHOSEN else 0
-        return max(low, int(rng.uniform(1.0, 4.0) ** rng.uniform(0.0, 2.5)) - (rng.below(2) if low < 1 else 0))
+        return max(
+            low,
+            int(rng.uniform(1.0, 4.0) ** rng.uniform(0.0, 2.5)) - (rng.below(2) if low < 1 else 0),
+        )
     if known.name == "cell_size" and isinstance(default, float):
         return _rounded(rng.uniform(0.6, 1.5) * default)
     if isinstance(default, float):
-        return _rounded(rng.random() if 0.0 <= default <= 1.0 or default == _CHOSEN else default * _factor(rng, 4.0))
+        return _rounded(
+            rng.random()
+            if 0.0 <= default <= 1.0 or default == _CHOSEN
+            else default * _factor(rng, 4.0)
+        )
     return default
 
 

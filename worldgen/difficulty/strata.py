@@ -1,11 +1,14 @@
 """Searches for worlds spread evenly over a range of difficulty.
 
-Worlds of one family with its default parameters are about equally hard: 98 % of 10,000 default mazes lie between 0.70
-and 0.86. So the range is cut into strata of equal width, each of which is to get equally many worlds. The strata share
-one search: each proposal is made for one of them, from the parameters of worlds that lie in it or near it, and a world
+Worlds of one family with its default parameters are about equally hard: 98 % of 10,000 default
+    mazes lie between 0.70
+and 0.86. So the range is cut into strata of equal width, each of which is to get equally many
+worlds. The strata share one search: each proposal is made for one of them, from the parameters of
+    worlds that lie in it or near it, and a world
 counts for the stratum that it turns out to lie in.
 
-Source: Mouret, Clune, "Illuminating search spaces by mapping elites", 2015, for an archive with a place for each part
+Source: Mouret, Clune, "Illuminating search spaces by mapping elites", 2015, for an archive with a
+    place for each part
 of the range.
 """
 
@@ -78,7 +81,8 @@ def check_range(low: float, high: float) -> None:
     """Refuse what is not a range of difficulty.
 
     Raises:
-        InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one by 0.001 or more.
+        InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one
+            by 0.001 or more.
     """
     if not 0.0 <= low < high <= 1.0:
         raise InvalidParameter(
@@ -100,7 +104,9 @@ def check_range(low: float, high: float) -> None:
 
 
 def edges_of(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Return the ends of the strata of a range, one more than there are strata: at most 10, and no more than worlds.
+    """Return the ends of the strata of a range, one more than there are strata.
+
+    At most 10, and no more than worlds.
 
     Raises:
         InvalidParameter: If it is not a range of difficulty.
@@ -123,7 +129,8 @@ class StrataSearch:
         tries: Worlds made for a stratum, without one in it, before the search gives it up.
 
     Raises:
-        InvalidParameter: If a given parameter is refused, or the family's worlds change and have no difficulty.
+        InvalidParameter: If a given parameter is refused, or the family's worlds change and have no
+            difficulty.
     """
 
     def __init__(
@@ -145,7 +152,10 @@ class StrataSearch:
                 "leave out difficulty",
                 name=family.name,
             )
-        self._family, self._edges, self._seed, self._given = family, edges, seed, dict(given)
+        self._family = family
+        self._edges = edges
+        self._seed = seed
+        self._given = dict(given)
         self._where: Expression | None = None if where is None else parse(where)
         self._names = frozenset({"difficulty"} | (self._where.names if self._where else set()))
         self._tries = tries
@@ -236,7 +246,8 @@ class StrataSearch:
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return
         stratum.closed = True
-        left, stratum.wanted = stratum.wanted - stratum.found, stratum.found
+        left = stratum.wanted - stratum.found
+        stratum.wanted = stratum.found
         takers = [k for k, one in enumerate(self._strata) if not one.closed and one.found]
         takers = takers or [k for k, one in enumerate(self._strata) if not one.closed]
         below = [k for k in takers if k < number][-1:]
@@ -248,7 +259,8 @@ class StrataSearch:
     def _nothing(self, before: int) -> GenerationFailed:
         return GenerationFailed(
             "no-world-found",
-            "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to {high:g}, "
+            "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to "
+            "{high:g}, "
             "{tries} tries after the last",
             "give more tries, fix fewer parameters, or another range",
             family=self._family.name,

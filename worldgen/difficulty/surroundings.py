@@ -1,9 +1,11 @@
-"""What a robot on its way has round it: the averages along a path by which BARN's authors describe a world.
+"""What a robot on its way has round it.
 
-Coordinates are cells in float64. Samples are multiples of a power of two not below 2**-23, so that every sum,
-difference and comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
+The averages along a path by which BARN's authors describe a world. Coordinates are cells in
+float64. Samples are multiples of a power of two not below 2**-23, so that every sum, difference and
+comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
 
-Source: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", 2020; docs/difficulty.md says where this
+Source: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", 2020;
+    docs/difficulty.md says where this
 differs from the authors' program.
 """
 
@@ -17,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen import _core
-from worldgen.difficulty.path import Ints, Way
+from worldgen.difficulty.path import Ints, WitnessPath
 from worldgen.lattice import UNIT
 from worldgen.support.ccall import check, pointer, writable
 
@@ -29,7 +31,8 @@ Bools = npt.NDArray[np.bool_]
 _APART = 0.5  # cells: most between two samples
 _MOST = 50_000  # samples; on longer ways they are farther apart
 _PART = 20_000  # samples looked at together: 30 MB
-_REACH = 3  # cells along the longer axis, within which walls count for the dispersion; the authors' radius
+# Cells along the longer axis, within which walls count for the dispersion; the authors' radius.
+_REACH = 3
 # Sixteen directions, counter-clockwise; every second one is along an axis or a diagonal.
 _DIRECTIONS = np.array(
     [
@@ -64,8 +67,11 @@ class Samples:
         return np.stack((found >> 32, found & 0xFFFFFFFF), axis=1)
 
 
-def samples_of(way: Way) -> Samples:
-    """At most half a cell apart, on long ways farther; the point itself for a way without a length."""
+def samples_of(way: WitnessPath) -> Samples:
+    """At most half a cell apart, on long ways farther.
+
+    The point itself for a way without a length.
+    """
     if len(way.x) == 1:
         return Samples(way.x / UNIT, way.y / UNIT, np.ones(1))
     lengths = np.array(way.pieces) / UNIT
@@ -73,7 +79,9 @@ def samples_of(way: Way) -> Samples:
     while math.fsum(lengths.tolist()) / apart > _MOST:
         apart *= 2.0
     share, power = np.frexp(np.maximum(lengths / apart, 1.0))
-    parts = 2 ** np.where(share == 0.5, power - 1, power).astype(np.int64)  # the next power of two, without logarithms
+    parts = 2 ** np.where(share == 0.5, power - 1, power).astype(
+        np.int64
+    )  # the next power of two, without logarithms
     piece = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     share = (2 * number + 1) / (2 * parts[piece])
@@ -87,10 +95,12 @@ def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
     table = _Walls(solid)
     for first in range(0, len(samples.x), _PART):
         part = slice(first, first + _PART)
-        x, y = samples.x[part], samples.y[part]
+        x = samples.x[part]
+        y = samples.y[part]
         near[part] = table.nearest(x, y)
         far = table.rays(x, y)
-        straight, slanted = far[:, 0::4], far[:, 2::4]
+        straight = far[:, 0::4]
+        slanted = far[:, 2::4]
         seen[part] = (straight.sum(axis=1) + _ROOT_2 * slanted.sum(axis=1)) / 8.0
         widths = np.concatenate(
             (straight[:, :2] + straight[:, 2:], _ROOT_2 * (slanted[:, :2] + slanted[:, 2:])), axis=1
@@ -99,8 +109,17 @@ def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
         walled = far * np.abs(_DIRECTIONS).max(axis=1) <= _REACH
         changes[part] = (walled != np.roll(walled, 1, axis=1)).sum(axis=1)
     total = math.fsum(samples.weight.tolist())
-    means = [math.fsum((values * samples.weight).tolist()) / total for values in (near, seen, narrow, changes)]
-    return dict(zip(("wall_distance", "visibility", "characteristic_dimension", "dispersion"), means, strict=True))
+    means = [
+        math.fsum((values * samples.weight).tolist()) / total
+        for values in (near, seen, narrow, changes)
+    ]
+    return dict(
+        zip(
+            ("wall_distance", "visibility", "characteristic_dimension", "dispersion"),
+            means,
+            strict=True,
+        )
+    )
 
 
 class _Walls:
@@ -111,7 +130,8 @@ class _Walls:
 
     def nearest(self, x: Floats, y: Floats) -> Floats:
         """Return the distance from each point to the nearest wall, cells."""
-        ffi, lib = _core.ffi, _core.lib
+        ffi = _core.ffi
+        lib = _core.lib
         found = np.empty(len(x), np.float64)
         check(lib.wg_nearest_walls(*self._asked(x, y), writable(ffi, found, np.float64)))
         return found
@@ -119,13 +139,23 @@ class _Walls:
     def rays(self, x: Floats, y: Floats) -> Floats:
         """Return (n, 16) how far each ray gets before it touches a solid cell, in steps of its direction.
 
-        Cells are closed: a ray that touches a corner or runs along a wall ends there. Slanted rays between the axes
+        Cells are closed: a ray that touches a corner or runs along a wall ends there. Slanted rays
+            between the axes
         and diagonals are followed for ``_REACH`` cells along the longer axis only.
         """
-        ffi, lib = _core.ffi, _core.lib
+        ffi = _core.ffi
+        lib = _core.lib
         far = np.empty((len(x), len(_DIRECTIONS)), np.float64)
         directions = pointer(ffi, _DIRECTIONS, np.int64)
-        check(lib.wg_rays(*self._asked(x, y), directions, len(_DIRECTIONS), _REACH, writable(ffi, far, np.float64)))
+        check(
+            lib.wg_rays(
+                *self._asked(x, y),
+                directions,
+                len(_DIRECTIONS),
+                _REACH,
+                writable(ffi, far, np.float64),
+            )
+        )
         return far
 
     def _asked(self, x: Floats, y: Floats) -> tuple[Any, ...]:

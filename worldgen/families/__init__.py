@@ -1,9 +1,10 @@
-"""The families of worlds that are installed; call one for a proved world: ``maze(seed=7, size=60)``.
+"""The families of worlds that are installed.
 
-Contents, each imported when it is first used:
-    cave, corridor, forest, maze, rooms, rubble, trap: worlds at rest.
+Call one for a proved world: ``maze(seed=7, size=60)``. Contents, each imported when it is first
+    used: cave, corridor, forest, maze, rooms, rubble, trap: worlds at rest.
     fire, shift: worlds that change with time.
-    Families of other packages, by the name that they are registered under, with underscores for dashes.
+    Families of other packages, by the name that they are registered under, with underscores for
+    dashes.
 """
 
 from __future__ import annotations

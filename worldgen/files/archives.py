@@ -1,7 +1,8 @@
-"""Archives of many small files: written byte for byte alike, read one file at a time and within bounds.
+"""Archives of many small files.
 
-Times, owners and modes are fixed, so equal files in equal order are an equal archive. How bytes are compressed is
-zlib's and libbz2's business: see ``docs/sets.md`` for what that means on other machines.
+Written byte for byte alike, read one file at a time and within bounds. Times, owners and modes are
+fixed, so equal files in equal order are an equal archive. How bytes are compressed is zlib's and
+libbz2's business: see ``docs/sets.md`` for what that means on other machines.
 """
 
 from __future__ import annotations
@@ -20,7 +21,15 @@ from typing import IO, Protocol
 
 from worldgen.errors import FormatError, Message
 
-__all__ = ["ENDINGS", "ArchiveWriter", "Member", "archive_in", "is_archive", "members", "writer_for"]
+__all__ = [
+    "ENDINGS",
+    "ArchiveWriter",
+    "Member",
+    "archive_in",
+    "is_archive",
+    "members",
+    "writer_for",
+]
 
 ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
 
@@ -56,8 +65,8 @@ class Member:
     Args:
         name: Its name there, with forward slashes.
         packed: Bytes that it takes compressed; of the whole archive where it is compressed as one.
-        read: Gives its bytes, or ``None`` if there are more than the number it is called with. Of a tar file it
-            must be called before the next member is asked for.
+        read: Gives its bytes, or ``None`` if there are more than the number it is called with. Of a
+            tar file it must be called before the next member is asked for.
     """
 
     name: str
@@ -71,7 +80,9 @@ class _Zip:
 
     def add(self, name: str, data: bytes) -> None:
         entry = zipfile.ZipInfo(name, _FIRST_DAY)
-        entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, _MODE << 16
+        entry.compress_type = zipfile.ZIP_DEFLATED
+        entry.create_system = 3
+        entry.external_attr = _MODE << 16
         self._zip.writestr(entry, data, compresslevel=_LEVEL)
 
     def close(self) -> None:
@@ -81,12 +92,17 @@ class _Zip:
 class _Tar:
     """A plain tar file, and what compresses it, if anything does."""
 
-    def __init__(self, stream: IO[bytes] | gzip.GzipFile | bz2.BZ2File, *, compresses: bool) -> None:
-        self._stream, self._compresses, self._size = stream, compresses, 0
+    def __init__(
+        self, stream: IO[bytes] | gzip.GzipFile | bz2.BZ2File, *, compresses: bool
+    ) -> None:
+        self._stream = stream
+        self._compresses = compresses
+        self._size = 0
 
     def add(self, name: str, data: bytes) -> None:
         entry = tarfile.TarInfo(name)
-        entry.size, entry.mode = len(data), _MODE
+        entry.size = len(data)
+        entry.mode = _MODE
         self._write(entry.tobuf(tarfile.USTAR_FORMAT, "utf-8", "strict"))
         self._write(data + bytes(-len(data) % _BLOCK))
 
@@ -117,7 +133,9 @@ def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
     if name.endswith(".zip"):
         return _Zip(stream)
     if name.endswith((".gz", ".tgz")):
-        packed = gzip.GzipFile(filename="", mode="wb", compresslevel=_LEVEL, fileobj=stream, mtime=0)
+        packed = gzip.GzipFile(
+            filename="", mode="wb", compresslevel=_LEVEL, fileobj=stream, mtime=0
+        )
         return _Tar(packed, compresses=True)
     if name.endswith(".bz2"):
         return _Tar(bz2.BZ2File(stream, "wb"), compresses=True)
@@ -130,8 +148,17 @@ def _told(source: str) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError as error:
-        raise FormatError("no-such-file", "there is no such file", "check the name", source=source) from error
-    except (zipfile.BadZipFile, tarfile.TarError, EOFError, zlib.error, struct.error, ValueError) as error:
+        raise FormatError(
+            "no-such-file", "there is no such file", "check the name", source=source
+        ) from error
+    except (
+        zipfile.BadZipFile,
+        tarfile.TarError,
+        EOFError,
+        zlib.error,
+        struct.error,
+        ValueError,
+    ) as error:
         if isinstance(error, FormatError):
             raise
         raise FormatError(
@@ -143,11 +170,18 @@ def _told(source: str) -> Iterator[None]:
         ) from error
     except (NotImplementedError, RuntimeError) as error:  # another compression, or encrypted
         raise FormatError(
-            "unsupported", "cannot be unpacked: {reason}", "pack it anew without that", reason=str(error), source=source
+            "unsupported",
+            "cannot be unpacked: {reason}",
+            "pack it anew without that",
+            reason=str(error),
+            source=source,
         ) from error
     except OSError as error:
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=source
+            "unreadable",
+            "cannot be read: {reason}",
+            reason=error.strerror or str(error),
+            source=source,
         ) from error
 
 
@@ -165,11 +199,16 @@ def members(path: Path) -> Iterator[Member]:
         elif name.endswith((".gz", ".tgz")):
             yield from _tar_members(gzip.GzipFile(fileobj=stream), str(path), packed)
         else:
-            yield from _tar_members(bz2.BZ2File(stream) if name.endswith(".bz2") else stream, str(path), packed)
+            yield from _tar_members(
+                bz2.BZ2File(stream) if name.endswith(".bz2") else stream, str(path), packed
+            )
 
 
 def archive_in(path: Path) -> tuple[Path, str] | None:
-    """The archive of which a path names a file, and the file's name there: ``set.zip/maze-7.grid``."""
+    """The archive of which a path names a file, and the file's name there.
+
+    ``set.zip/maze-7.grid``.
+    """
     for parent in path.parents:
         if is_archive(parent) and parent.is_file():
             return parent, path.relative_to(parent).as_posix()
@@ -183,7 +222,9 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
             def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
                 if entry.compress_type not in _METHODS:  # others take memory as the file pleases
                     message = Message(
-                        "unsupported", "is compressed by another method than deflate", "pack it anew with that"
+                        "unsupported",
+                        "is compressed by another method than deflate",
+                        "pack it anew with that",
                     )
                     raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:

@@ -34,7 +34,10 @@ def lock(descriptor: int) -> bool:
 
 
 def sign(descriptor: int) -> None:
-    """Writes into a file that is ours, and that holds nothing else, which process has it; :func:`holder` reads it."""
+    """Writes into a file that is ours, and that holds nothing else, which process has it.
+
+    :func:`holder` reads it.
+    """
     if fcntl is not None:
         with contextlib.suppress(OSError):  # a full disk: then nobody is told whose it is
             os.ftruncate(descriptor, 0)
@@ -42,14 +45,25 @@ def sign(descriptor: int) -> None:
 
 
 def holder(path: Path) -> int | None:
-    """The process of this machine that keeps a signed file; ``None`` if none does, or that cannot be known here."""
+    """The process of this machine that keeps a signed file.
+
+    ``None`` if none does, or that cannot be known here.
+    """
     if fcntl is not None:
         try:
             with path.open("rb") as stream:
-                number, _, host = stream.read(_LONGEST).decode("ascii", "replace").strip().partition(" ")
-                if host != socket.gethostname() or not number.isdecimal() or not 1 < int(number) < 1 << 31:
+                number, _, host = (
+                    stream.read(_LONGEST).decode("ascii", "replace").strip().partition(" ")
+                )
+                if (
+                    host != socket.gethostname()
+                    or not number.isdecimal()
+                    or not 1 < int(number) < 1 << 31
+                ):
                     return None
-                os.kill(int(number), 0)  # so that a file that nobody has is not kept from a process that wants it
+                os.kill(
+                    int(number), 0
+                )  # so that a file that nobody has is not kept from a process that wants it
                 fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
             return int(number)

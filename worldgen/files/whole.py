@@ -1,4 +1,7 @@
-"""Safe reading and writing: a file is read whole within bounds; it is there whole, or it is not there."""
+"""Safe reading and writing: a file is read whole within bounds.
+
+It is there whole, or it is not there.
+"""
 
 from __future__ import annotations
 
@@ -59,21 +62,27 @@ def read_text(path: Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FormatError(
-            "not-utf8", "is no UTF-8 text: byte {byte}", "save it as UTF-8", byte=error.start, source=str(path)
+            "not-utf8",
+            "is no UTF-8 text: byte {byte}",
+            "save it as UTF-8",
+            byte=error.start,
+            source=str(path),
         ) from error
     except FormatError:
         raise
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=str(path)) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=reason, source=str(path)
+        ) from error
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
     """Writes a file whole or not at all.
 
     Raises:
-        OutputError: If the file is there and ``force`` is not set, its folder is missing, or the disk
-            is full or not writable; nothing is left half written.
+        OutputError: If the file is there and ``force`` is not set, its folder is missing, or the
+            disk is full or not writable; nothing is left half written.
     """
     try:
         if path.is_dir():

@@ -22,7 +22,10 @@ def is_world_file(name: str) -> bool:
 
 
 def files_in(folder: Path) -> list[Path]:
-    """The files in a folder and below that are taken for worlds, sorted by name; none in a folder called ``.name``."""
+    """The files in a folder and below that are taken for worlds, sorted by name.
+
+    None in a folder called ``.name``.
+    """
     found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
     return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
 
@@ -36,8 +39,9 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
     """The worlds of files, folders and archives, each read when its turn comes.
 
     Args:
-        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by name; an
-            archive for those in it, in its order; anything else is taken for a world's file.
+        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by
+            name; an archive for those in it, in its order; anything else is taken for a world's
+            file.
 
     Returns:
         Path and world; a world in an archive has the archive's path and then its own name.
@@ -61,7 +65,10 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
             continue
         if not found:
             raise FormatError(
-                "no-map-found", "holds no .grid file", "name a file, or a folder or archive with some", source=str(path)
+                "no-map-found",
+                "holds no .grid file",
+                "name a file, or a folder or archive with some",
+                source=str(path),
             )
 
 

@@ -1,22 +1,31 @@
 """Foreign formats.
 
 Contents:
-    FORMATS, Format, Exported, Destination, HELD: the formats by name, and what a format is (``format``); each is read
+    FORMATS, Format, Exported, Destination, HELD: the formats by name, and what a format is
+        (``format``); each is read
     and written in a file of its own, such as ``ros`` or ``movingai``.
-    import_world, read_map: a foreign map becomes a world with a proof (``importing``, ``recognising``).
+    import_world, read_map: a foreign map becomes a world with a proof (``importing``,
+        ``recognising``).
     export_world, write_export: the way back (``exporting``).
     place: start and target for a map that has none (``place``).
 
-What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes (``boxes``,
-``placed_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures (``grey_image``), YAML
-(``yaml_table``), files that a map names (``companion``).
+What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes
+(``boxes``, ``placed_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures
+(``grey_image``), YAML (``yaml_table``), files that a map names (``sibling_file``).
 """
 
 from worldgen.interop.exporting import Export, export_world, guess_format, write_export
 from worldgen.interop.foreign_map import ForeignMap
 from worldgen.interop.format import FORMATS, HELD, Destination, Exported, Format
-from worldgen.interop.formats.movingai import Scenario, read_scenario
-from worldgen.interop.importing import Imported, RobotOptions, as_json, describe, import_world, parse_point
+from worldgen.interop.formats.movingai import Problem, read_scenario
+from worldgen.interop.importing import (
+    Imported,
+    ImportedRobot,
+    as_json,
+    describe,
+    import_world,
+    parse_point,
+)
 from worldgen.interop.place import Placement, place
 from worldgen.interop.recognising import find_format, looks_like_a_map, read_map, readable_formats
 
@@ -29,9 +38,9 @@ __all__ = [
     "ForeignMap",
     "Format",
     "Imported",
+    "ImportedRobot",
     "Placement",
-    "RobotOptions",
-    "Scenario",
+    "Problem",
     "as_json",
     "describe",
     "export_world",

@@ -26,7 +26,8 @@ class Export:
 
     Args:
         format: The format.
-        files: Contents by name; the first is the file that was asked for; the sidecar, if there is one, the last.
+        files: Contents by name; the first is the file that was asked for; the sidecar, if there is
+            one, the last.
         lost: Sentences on what the file itself does not hold.
         sidecar: Name of the sidecar that holds it; None where nothing is lost, or none was wanted.
         notes: Sentences on what else is worth knowing.
@@ -58,22 +59,27 @@ def export_world(
 
     Args:
         world: The world.
-        name: A registered format, ``package.module:name``, or ``./file.py:name``, with ``+option=value`` if you like.
-        file: Name of the file to be, without folder; ``world`` and the format's usual ending where left out.
+        name: A registered format, ``package.module:name``, or ``./file.py:name``, with
+            ``+option=value`` if you like.
+        file: Name of the file to be, without folder; ``world`` and the format's usual ending where
+            left out.
         options: What can be asked of the format; they win over those behind the name.
         at: Time, s, whose cells are exported, of a world that changes.
-        origin: x and y, m, of the grid's lower-left corner in the file's frame; where left out, what the map said
-            that the world was imported from, else 0.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame; where left out,
+            what the map said that the world was imported from, else 0.
         sidecar: Whether what the file does not hold goes into a sidecar.
 
     Raises:
-        InvalidParameter: If there is no such format, it is only read, or an option means nothing to it.
+        InvalidParameter: If there is no such format, it is only read, or an option means nothing to
+            it.
         InvalidWorld: If the format cannot hold the world.
     """
     plain, worded = split_options(name)
     known = FORMATS.get(plain)
     if known.write is None:
-        raise InvalidParameter("only-read", "{format} is read, not written", "give another format", format=known.name)
+        raise InvalidParameter(
+            "only-read", "{format} is read, not written", "give another format", format=known.name
+        )
     given = known.accept({**worded, **(options or {})}, out=True)
     still = world if at is None else frozen_at(world, at)
     if still.is_dynamic and not known.changes:
@@ -85,9 +91,13 @@ def export_world(
             changes=len(world.timeline),
             format=known.name,
         )
-    destination = Destination(file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin)
+    destination = Destination(
+        file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin
+    )
     written = known.write(still, destination, **given)
-    missing = {key: said for key, said in _missing(still, known, destination) if key not in written.altered}
+    missing = {
+        key: said for key, said in _missing(still, known, destination) if key not in written.altered
+    }
     files = dict(written.files)
     beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if beside is not None:
@@ -99,7 +109,9 @@ def export_world(
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
     """What the format has no room for, where ``import`` would not take the same value by itself."""
-    radius, speed, cell_size = world.robot_radius, world.robot_speed, world.cell_size
+    radius = world.robot_radius
+    speed = world.robot_speed
+    cell_size = world.cell_size
     as_usual = {
         "robot_radius": radius == known.usual_robot.radius(cell_size),
         "robot_speed": speed == DEFAULT_ROBOT_SPEED,
@@ -124,22 +136,31 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
 def _too_large(known: Format, data: bytes) -> Iterator[str]:
     if known.read is not None and len(data) > known.most_bytes:
         yield (
-            f"import reads {known.name} files of up to {known.most_bytes} bytes, and this one has {len(data)}; "
+            f"import reads {known.name} files of up to {known.most_bytes} bytes, and this one has "
+            f"{len(data)}; "
             "keep the .grid, or export a smaller world"
         )
 
 
 def _notes(world: World, at: float | None, destination: Destination) -> Iterator[str]:
     if at is not None and world.is_dynamic:
-        yield f"the world's {len(world.timeline)} changes are not stored; the file has the cells at {at:g} s"
+        yield (
+            f"the world's {len(world.timeline)} changes are not stored; the file has the cells "
+            f"at {at:g} s"
+        )
     if world.failure is not None:
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):
-        yield f"the world's (0, 0) is ({destination.x(0.0)}, {destination.y(0.0)}) m where the file has coordinates"
+        yield (
+            f"the world's (0, 0) is ({destination.x(0.0)}, {destination.y(0.0)}) m where the "
+            f"file has coordinates"
+        )
 
 
 def frozen_at(world: World, time: float) -> World:
-    """The world as it stands at a time, for ever; what burns then is solid, for no robot may touch it.
+    """The world as it stands at a time, for ever.
+
+    What burns then is solid, for no robot may touch it.
 
     Args:
         world: The world.
@@ -149,10 +170,16 @@ def frozen_at(world: World, time: float) -> World:
         InvalidParameter: If the time is negative or no number.
     """
     if not (0.0 <= time < float("inf")):
-        raise InvalidParameter("below-minimum", "at={time:g} is no time", "give seconds from 0 on", time=time)
+        raise InvalidParameter(
+            "below-minimum", "at={time:g} is no time", "give seconds from 0 on", time=time
+        )
     walls = world.cells_at(time) != CellState.FREE
     same = np.array_equal(walls, world.walls) and not world.is_dynamic
-    return world if same else replace(world, walls=walls, timeline=Timeline(), certificate=None, failure=None)
+    return (
+        world
+        if same
+        else replace(world, walls=walls, timeline=Timeline(), certificate=None, failure=None)
+    )
 
 
 def guess_format(file: str) -> str:
@@ -210,10 +237,14 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     written: list[Path] = []
     try:
         for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
-            write_bytes(path, data, force=force)  # what was asked for comes last: it names the others
+            write_bytes(
+                path, data, force=force
+            )  # what was asked for comes last: it names the others
             written.append(path)
     except OutputError:
-        for path in new.intersection(written):  # of no use alone; what another program has made meanwhile stays
+        for path in new.intersection(
+            written
+        ):  # of no use alone; what another program has made meanwhile stays
             path.unlink(missing_ok=True)
         raise
     stale = paths[0].with_name(paths[0].name + SUFFIX)

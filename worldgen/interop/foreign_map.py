@@ -32,7 +32,9 @@ __all__ = [
     "unix_text",
 ]
 
-MAX_CELLS = 64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
+MAX_CELLS = (
+    64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
+)
 MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
 
 
@@ -56,7 +58,9 @@ class UsualRobot:
 
 
 THESIS_ROBOT = UsualRobot(Fraction(7, 10), True, "0.7 cells, as the thesis's robot has")
-GRID_AGENT = UsualRobot(Fraction(2, 5), True, "0.4 cells, so that a corridor one cell wide lets it through")
+GRID_AGENT = UsualRobot(
+    Fraction(2, 5), True, "0.4 cells, so that a corridor one cell wide lets it through"
+)
 FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's")
 
 
@@ -71,14 +75,15 @@ class ForeignMap:
         notes: Sentences worth knowing.
         warnings: Sentences that point at a likely mistake.
         world: The world, where the format holds a whole one.
-        start: x, y, m, and the heading, rad, if the file has it; taken where the robot is clear there.
+        start: x, y, m, and the heading, rad, if the file has it; taken where the robot is clear
+            there.
         target: x, y and, if the file has it, radius, m.
         robot_radius: m, where the file has it.
         robot_speed: m/s, where the file has it.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
         usual_robot: The robot that such maps are drawn for; ``read_map`` sets it to its format's.
-        unread: Obstacles that the file has and ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path in such a
-            map proves nothing.
+        unread: Obstacles that the file has and ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A
+            path in such a map proves nothing.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -100,7 +105,11 @@ def origin_of(world: World) -> tuple[float, float]:
     """X and y, m, of the grid's lower-left corner in the frame of the map that the world was imported from; else 0."""
     made = world.provenance
     origin = made.params.get("origin") if made is not None and made.family == "import" else None
-    if isinstance(origin, list) and len(origin) == 2 and all(isinstance(value, int | float) for value in origin):
+    if (
+        isinstance(origin, list)
+        and len(origin) == 2
+        and all(isinstance(value, int | float) for value in origin)
+    ):
         x, y = (float(value) for value in origin if isinstance(value, int | float))
         return x, y
     return 0.0, 0.0
@@ -114,7 +123,12 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise FormatError("not-a-regular-file", "is no regular file", "give the map file itself", source=str(path))
+            raise FormatError(
+                "not-a-regular-file",
+                "is no regular file",
+                "give the map file itself",
+                source=str(path),
+            )
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
@@ -122,11 +136,19 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
         if isinstance(error, FormatError):
             raise
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", "check the name", reason=reason, source=str(path)
+            "unreadable",
+            "cannot be read: {reason}",
+            "check the name",
+            reason=reason,
+            source=str(path),
         ) from error
     if len(data) > limit:
         raise FormatError(
-            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit, source=str(path)
+            "too-large",
+            "is larger than {most} bytes",
+            "cut a smaller map out of it",
+            most=limit,
+            source=str(path),
         )
     return data
 
@@ -137,16 +159,20 @@ def unix_text(data: bytes) -> bytes:
     return data if b"\n" in data else data.replace(b"\r", b"\n")
 
 
-def check_sides(width: int, height: int, *, line: int | None = None, source: str | None = None) -> None:
+def check_sides(
+    width: int, height: int, *, line: int | None = None, source: str | None = None
+) -> None:
     """Refuses sizes that no world has.
 
     Raises:
-        FormatError: If a side is 0 or above ``MAX_SIDE``, or there are more than ``MAX_CELLS`` cells.
+        FormatError: If a side is 0 or above ``MAX_SIDE``, or there are more than ``MAX_CELLS``
+            cells.
     """
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_CELLS):
         raise FormatError(
             "wrong-size",
-            "{width} x {height} cells; a map has sides of 1 to {max_side} and at most {max_cells} cells",
+            "{width} x {height} cells; a map has sides of 1 to {max_side} and at most {max_cells} "
+            "cells",
             "cut or shrink it",
             width=width,
             height=height,

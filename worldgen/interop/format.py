@@ -14,7 +14,13 @@ from worldgen.errors import InvalidParameter
 from worldgen.files.grid.toml_text import value_text
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
-from worldgen.parameters import Parameter, check_between, check_declared, find_parameter, parameters_of
+from worldgen.parameters import (
+    Parameter,
+    check_between,
+    check_declared,
+    find_parameter,
+    parameters_of,
+)
 from worldgen.plugins.registry import Registry
 from worldgen.world import Value, World
 
@@ -51,7 +57,8 @@ class Destination:
 
     Args:
         name: Name of the file, without folder.
-        origin: x and y, m, of the grid's lower-left corner in the file's frame: what an imported map said, mostly 0.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame: what an imported
+            map said, mostly 0.
 
     Raises:
         InvalidParameter: If the origin is further than 1e12 m away.
@@ -64,7 +71,7 @@ class Destination:
         for name, value in zip(("origin's x", "origin's y"), self.origin, strict=True):
             check_between(name, value, -_FURTHEST, _FURTHEST, "m")
 
-    def companion(self, ending: str) -> str:
+    def sibling_file(self, ending: str) -> str:
         """Name of a file beside it, ``office.pgm`` beside ``office.yaml``.
 
         Raises:
@@ -96,8 +103,11 @@ def decimal(value: float, shift: float = 0.0) -> str:
 
 def decimal_text(value: Fraction) -> str:
     """A fraction that is a decimal, exactly, without exponent."""
-    places = next(n for n in range(2000) if (value * 10**n).denominator == 1)  # sums and halves of decimals are some
-    sign, digits = "-" if value < 0 else "", str(abs(int(value * 10**places))).rjust(places + 1, "0")
+    places = next(
+        n for n in range(2000) if (value * 10**n).denominator == 1
+    )  # sums and halves of decimals are some
+    sign = "-" if value < 0 else ""
+    digits = str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
 
 
@@ -107,8 +117,8 @@ class Exported:
 
     Args:
         files: Contents by name; the first is the file that was asked for, others lie beside it.
-        altered: What of :data:`HELD` this file holds otherwise than the world has it, with a sentence how;
-            the true value goes into the sidecar.
+        altered: What of :data:`HELD` this file holds otherwise than the world has it, with a
+            sentence how; the true value goes into the sidecar.
         notes: Sentences on what else gets lost, or what the other program does with the file.
     """
 
@@ -126,7 +136,8 @@ class Exported:
 class Format:
     """A foreign format; register it in the group ``worldgen.formats``.
 
-    ``read`` and ``write`` declare what can be asked of them as families do: keyword-only parameters with plain
+    ``read`` and ``write`` declare what can be asked of them as families do: keyword-only parameters
+        with plain
     defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
 
     Args:
@@ -139,7 +150,8 @@ class Format:
         holds: What of :data:`HELD` its files have room for.
         changes: Whether its files hold worlds that change with time.
         client: The programs that read it, in a few words.
-        usual_robot: The robot that its maps are drawn for, where neither the file nor the user names one.
+        usual_robot: The robot that its maps are drawn for, where neither the file nor the user
+            names one.
         most_bytes: Of the file that ``read`` takes; ``export`` says where it writes a larger one.
     """
 
@@ -201,8 +213,13 @@ class Format:
         accepted = {}
         for name, value in given.items():
             option = find_parameter(name, known, owner)
-            is_text = value is None or (isinstance(value, str) and not isinstance(option.default, str))
-            accepted[name] = option.parse(value, self.name) if is_text else option.accept(value, self.name)  # type: ignore[arg-type]
+            is_text = value is None or (
+                isinstance(value, str) and not isinstance(option.default, str)
+            )
+            if is_text:
+                accepted[name] = option.parse(value, self.name)  # type: ignore[arg-type]
+            else:
+                accepted[name] = option.accept(value, self.name)
         return accepted
 
 
@@ -219,7 +236,10 @@ def _accept(name: str, thing: Any) -> Format:
 
 
 def held_values(world: World, destination: Destination) -> dict[str, Value]:
-    """What :data:`HELD` names, of a world: m, rad, m/s; two numbers of a point, from the grid's lower-left corner."""
+    """What :data:`HELD` names, of a world: m, rad, m/s.
+
+    Two numbers of a point, from the grid's lower-left corner.
+    """
     return {
         "start": [world.start.x, world.start.y],
         "heading": world.start.heading,
@@ -233,10 +253,14 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
 
 
 def held_lines(world: World, destination: Destination) -> list[str]:
-    """What a text header says of a world beside its walls: a sentence, then ``name = value`` in TOML."""
+    """What a text header says of a world beside its walls.
+
+    A sentence, then ``name = value`` in TOML.
+    """
     values = {"size": [world.width, world.height], **held_values(world, destination)}
     return [
-        "Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at origin.",
+        "Below: m, rad, m/s; start and target from the grid's lower-left corner, which lies at "
+        "origin.",
         *(f"{name} = {value_text(value, name)}" for name, value in values.items()),
     ]
 

@@ -18,26 +18,36 @@ from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Target, Value, World
 
-__all__ = ["VERSION", "Imported", "RobotOptions", "as_json", "describe", "import_world", "parse_point"]
+__all__ = [
+    "VERSION",
+    "Imported",
+    "ImportedRobot",
+    "as_json",
+    "describe",
+    "import_world",
+    "parse_point",
+]
 
 VERSION = 2  # goes up whenever some file becomes another world than before
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
-class RobotOptions:
+class ImportedRobot:
     """What the map does not have.
 
     Args:
         start: x and y, m, and if you like the heading, rad; placed where left out.
         target: x and y, m, and if you like the radius, m; placed where left out.
-        radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such maps are drawn for.
+        radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such
+            maps are drawn for.
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file for start and target.
         row: Which of its problems, from 1.
-        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is given, and
-            a thesis map its program's start.
-        ignore_unread: Whether to judge the map without the obstacles of the file that were not read.
+        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is
+            given, and a thesis map its program's start.
+        ignore_unread: Whether to judge the map without the obstacles of the file that were not
+            read.
     """
 
     start: tuple[float, ...] | None = None
@@ -56,8 +66,9 @@ class Imported:
 
     Args:
         world: With certificate and provenance.
-        decision: Result, proof, and a sentence. ``undecided`` if a path was found on a map that lacks obstacles of
-            its file; a world that is blocked without them is blocked with them, too.
+        decision: Result, proof, and a sentence. ``undecided`` if a path was found on a map that
+            lacks obstacles of its file; a world that is blocked without them is blocked with them,
+            too.
         notes: Sentences worth knowing.
         warnings: Sentences that point at a likely mistake.
         radius_from: Where the robot's radius comes from.
@@ -95,7 +106,7 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
 
 def import_world(
     path: Path,
-    robot: RobotOptions | None = None,
+    robot: ImportedRobot | None = None,
     *,
     name: str | None = None,
     options: Mapping[str, Value | None] | None = None,
@@ -113,7 +124,7 @@ def import_world(
         InvalidParameter: If an option is out of range, or contradicts another.
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
-    robot = robot or RobotOptions()
+    robot = robot or ImportedRobot()
     found = read_map(path, name, options)
     params = dict(found.params)
     if found.origin != (0.0, 0.0):
@@ -122,22 +133,33 @@ def import_world(
     robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
 
-    decision, withheld = decide(world), False
+    decision = decide(world)
+    withheld = False
     if found.unread:
         params["unread"] = list(found.unread)
         warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
         withheld = decision.result == "reachable" and not robot.ignore_unread
         if withheld:
-            decision = Decision("undecided", None, f"what was not read might block the path: {'; '.join(found.unread)}")
+            decision = Decision(
+                "undecided",
+                None,
+                f"what was not read might block the path: {'; '.join(found.unread)}",
+            )
 
     provenance = Provenance("import", VERSION, robot.seed or 0, params)
     world = replace(world, certificate=decision.certificate, provenance=provenance)
     return Imported(
-        world, decision, (*found.notes, *notes), (*found.warnings, *warnings), radius_from, found.unread, withheld
+        world,
+        decision,
+        (*found.notes, *notes),
+        (*found.warnings, *warnings),
+        radius_from,
+        found.unread,
+        withheld,
     )
 
 
-def _radius_from(robot: RobotOptions, found: ForeignMap) -> str:
+def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
     """Where the radius comes from that ``_with_scenario`` and ``_complete`` choose."""
     if robot.radius is not None:
         return "as given"
@@ -148,14 +170,20 @@ def _radius_from(robot: RobotOptions, found: ForeignMap) -> str:
     return found.usual_robot.source
 
 
-def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Value]) -> RobotOptions:
+def _with_scenario(
+    robot: ImportedRobot, found: ForeignMap, params: dict[str, Value]
+) -> ImportedRobot:
     """Start and target of the scenario, where one is given."""
     if robot.scenario is None:
         return robot
     if found.params.get("format") != "movingai":
-        raise InvalidParameter("conflict", "scen is for MovingAI maps", "give start and target instead")
+        raise InvalidParameter(
+            "conflict", "scen is for MovingAI maps", "give start and target instead"
+        )
     if robot.start is not None or robot.target is not None:
-        raise InvalidParameter("conflict", "scen gives start and target", "leave out start and target, or scen")
+        raise InvalidParameter(
+            "conflict", "scen gives start and target", "leave out start and target, or scen"
+        )
     height, width = found.walls.shape
     problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
     params |= {"scenario": robot.scenario.name, "row": robot.row, "optimal": problem.optimal}
@@ -163,9 +191,11 @@ def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Val
     return replace(robot, start=problem.start, target=problem.goal, radius=radius)
 
 
-def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
+def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     """Options with what a world of ours says, and with the default robot, where they are left out."""
-    old, start, target = found.world, robot.start, robot.target
+    old = found.world
+    start = robot.start
+    target = robot.target
     if old is not None and robot.seed is None:  # a seed asks for new places
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
@@ -178,26 +208,42 @@ def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
     return replace(robot, start=start, target=target, radius=radius, speed=speed)
 
 
-def _at_programs_start(robot: RobotOptions, found: ForeignMap) -> tuple[RobotOptions, tuple[str, ...]]:
-    """Options with the start that the format implies, if none is given and the robot fits there; else why not."""
+def _at_programs_start(
+    robot: ImportedRobot, found: ForeignMap
+) -> tuple[ImportedRobot, tuple[str, ...]]:
+    """Options with the start that the format implies, if none is given and the robot fits there.
+
+    Else why not.
+    """
     if robot.start is not None or robot.seed is not None or found.start is None:
         return robot, ()
     x, y = found.start[:2]
-    if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):  # _complete has set the radius
+    if is_clear(
+        found.walls, found.cell_size, robot.radius or 0.0, (x, y)
+    ):  # _complete has set the radius
         return replace(robot, start=found.start), ()
-    return robot, (f"the map's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",)
+    return robot, (
+        f"the map's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",
+    )
 
 
 def _first(*values: float | None) -> float:
     return next(value for value in values if value is not None)
 
 
-def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
+def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
     """The map with start and target, as given or placed."""
-    radius, speed = robot.radius or 0.0, robot.speed or 0.0  # _complete has set them
-    given = [None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)]
-    at, to, warnings = place(found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1])
-    headed, sized = robot.start or (), robot.target or ()
+    # _complete has set them
+    radius = robot.radius or 0.0
+    speed = robot.speed or 0.0
+    given = [
+        None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)
+    ]
+    at, to, warnings = place(
+        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1]
+    )
+    headed = robot.start or ()
+    sized = robot.target or ()
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)
     timeline = found.world.timeline if found.world else Timeline()
@@ -206,7 +252,8 @@ def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ..
 
 def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
     """What ``import --json`` prints."""
-    world, decision = imported.world, imported.decision
+    world = imported.world
+    decision = imported.decision
     return {
         "file": file,
         "result": decision.result,
@@ -226,8 +273,10 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
 
 def describe(file: str | None, imported: Imported) -> list[str]:
     """What ``import`` prints for people."""
-    world, decision = imported.world, imported.decision
-    start, target = world.start, world.target
+    world = imported.world
+    decision = imported.decision
+    start = world.start
+    target = world.target
     radius = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
     return [
         (f"{file}: " if file is not None else "")

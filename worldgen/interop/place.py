@@ -1,8 +1,8 @@
 """Places start and target on a map that has none: far apart, clear, and joined by construction.
 
-The places are the multiples of half a cell at which the disc is clear, exactly. A step of half a cell
-along an axis between two of them is clear as well (docs/reachability.md), so two places that are joined
-by such steps are joined for the robot.
+The places are the multiples of half a cell at which the disc is clear, exactly. A step of half a
+cell along an axis between two of them is clear as well (docs/reachability.md), so two places that
+are joined by such steps are joined for the robot.
 """
 
 from __future__ import annotations
@@ -32,7 +32,11 @@ from worldgen.support.grid_search import Floods
 __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
-_ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))  # radii of room round a placed end, the widest first
+_ROOMY = (
+    Fraction(2),
+    Fraction(3, 2),
+    Fraction(5, 4),
+)  # radii of room round a placed end, the widest first
 _FAR = 0.5  # share of a region that has to be nearer than a placed end with room to turn
 _SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
 _Point = tuple[float, float]
@@ -58,8 +62,9 @@ def place(
     """Start and target, as far apart by path as two sweeps find; what is given stays.
 
     With neither given, both lie in the largest region that the disc can drive through; else what is
-    missing lies as far as possible from what is given, in its region. A placed end has room to turn where the map
-    has such places far enough away: a disc of twice the radius is clear there, or else one of 1.5 or 1.25 radii.
+    missing lies as far as possible from what is given, in its region. A placed end has room to turn
+    where the map has such places far enough away: a disc of twice the radius is clear there, or
+        else one of 1.5 or 1.25 radii.
 
     Args:
         walls: (height, width) bool, row 0 the lowest y.
@@ -70,8 +75,8 @@ def place(
         target: x and y, m; need not be clear itself.
 
     Raises:
-        InvalidWorld: If a given point lies outside, the start is not clear (the message names the wall,
-            its distance, and the nearest clear place), or there is no room for the disc.
+        InvalidWorld: If a given point lies outside, the start is not clear (the message names the
+            wall, its distance, and the nearest clear place), or there is no room for the disc.
     """
     for name, point in (("start", start), ("target", target)):
         if point is not None:
@@ -81,7 +86,7 @@ def place(
         _check_start(walls, cell_size, radius, start)
     if start is not None and target is not None:
         return Placement(start, target)
-    places = _Places(walls, cell_size, radius)
+    places = _ClearPoints(walls, cell_size, radius)
     given = start if start is not None else target
     if given is not None:
         other = places.metres(places.farthest(places.near(given)))
@@ -94,7 +99,8 @@ def place(
         warnings.append("the largest region is a single place; start and target coincide")
     if region.share < _SCATTERED:
         warnings.append(
-            f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and target lie in "
+            f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and "
+            f"target lie in "
             f"the largest, {100 * region.share:.0f} % of the room; a smaller radius may join them"
         )
     return Placement(places.metres(first), places.metres(last), tuple(warnings))
@@ -109,13 +115,15 @@ class _Region(NamedTuple):
     regions: int
 
 
-class _Places:
+class _ClearPoints:
     """The clear multiples of half a cell, as flat indices, and floods over them."""
 
     def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float, radius: float) -> None:
         cells = in_cells(radius, cell_size)
-        self._cell_size, self._radius = cell_size, radius
-        self._cells, self._grid = cells, walls
+        self._cell_size = cell_size
+        self._radius = radius
+        self._cells = cells
+        self._grid = walls
         self._walls = Walls(walls, cells)
         self.clear = build_graph(walls, cells, 2).clear
         self._stride = int(self.clear.shape[1])
@@ -139,9 +147,10 @@ class _Places:
         return int(self._floods.queue[rng.below(region.size)])
 
     def farthest(self, source: int) -> int:
-        """The place with room to turn that takes most steps from ``source``; the last such in the order of the flood.
+        """The place with room to turn that takes most steps from ``source``.
 
-        A place without room is taken if all that have it are near: a start beside its target tests nothing.
+        The last such in the order of the flood. A place without room is taken if all that have it
+            are near: a start beside its target tests nothing.
         """
         size = self._floods.regions(source, source + 1).largest
         nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps
@@ -172,7 +181,8 @@ class _Places:
         if not found:
             raise InvalidWorld(
                 "no-room",
-                "no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m to place the other end from",
+                "no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m to place the "
+                "other end from",
                 "give both start and target, or a smaller radius",
                 radius=self._radius,
                 x=point[0],
@@ -185,8 +195,11 @@ class _Places:
         x, y = (metres_to_lattice(value, self._cell_size) / _HALF for value in point)
         reach = 8
         while True:
-            low_j, low_i = max(0, math.floor(y) - reach), max(0, math.floor(x) - reach)
-            window = self.clear[low_j : math.floor(y) + reach + 1, low_i : math.floor(x) + reach + 1]
+            low_j = max(0, math.floor(y) - reach)
+            low_i = max(0, math.floor(x) - reach)
+            window = self.clear[
+                low_j : math.floor(y) + reach + 1, low_i : math.floor(x) + reach + 1
+            ]
             j, i = np.nonzero(window)
             if len(j):
                 distance = (i + low_i - x) ** 2 + (j + low_j - y) ** 2
@@ -199,7 +212,9 @@ class _Places:
 
     def metres(self, node: int) -> _Point:
         j, i = divmod(node, self._stride)
-        return lattice_to_metres(i * _HALF, self._cell_size), lattice_to_metres(j * _HALF, self._cell_size)
+        return lattice_to_metres(i * _HALF, self._cell_size), lattice_to_metres(
+            j * _HALF, self._cell_size
+        )
 
 
 def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_size: float) -> None:
@@ -233,7 +248,9 @@ def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
     return distance_sq >= max(Fraction(1), solid.radius_sq)
 
 
-def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point) -> None:
+def _check_start(
+    walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point
+) -> None:
     """Refuses a start at which the disc cuts a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)
@@ -243,7 +260,7 @@ def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, 
     height, width = walls.shape
     inside = 0 <= cell[0] < width and 0 <= cell[1] < height
     distance = math.sqrt(distance_sq) / UNIT * cell_size
-    clear = _Places(walls, cell_size, radius).nearest_to(start)
+    clear = _ClearPoints(walls, cell_size, radius).nearest_to(start)
     raise InvalidWorld(
         "not-clear",
         "start ({x:g}, {y:g}) m is "
@@ -266,7 +283,9 @@ def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple
     """Squared distance in lattice units to the nearest solid cell, and the cell."""
     reach = UNIT
     while True:  # the outside is solid, so there is an end to it
-        near = [(Fraction(point_box_sq(point, cell)), cell) for cell in solid.near(point, point, reach)]
+        near = [
+            (Fraction(point_box_sq(point, cell)), cell) for cell in solid.near(point, point, reach)
+        ]
         if near and min(near)[0] <= reach * reach:
             return min(near)
         reach *= 2
@@ -274,5 +293,7 @@ def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple
 
 def heading_towards(start: _Point, target: _Point) -> float:
     """The heading from start to target, on the heading lattice; 0 where they coincide."""
-    angle = math.atan2(float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0])))
+    angle = math.atan2(
+        float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0]))
+    )
     return heading_from_lattice(heading_to_lattice(angle))

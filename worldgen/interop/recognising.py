@@ -22,7 +22,8 @@ _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", "
            ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is no map
 _OURS = "worldgen.interop."
 _WAY_OUT = (
-    "give the .grid file that it was made from, or a file of another format, as `worldgen formats` lists them; if it "
+    "give the .grid file that it was made from, or a file of another format, as `worldgen formats` "
+    "lists them; if it "
     "is one, say which with --from"
 )
 
@@ -49,7 +50,10 @@ def find_format(path: Path, name: str | None = None) -> Format:
         known = FORMATS.get(name)
         if known.read is None:
             raise InvalidParameter(
-                "only-written", "{format} is written, not read", "give a file of another format", format=known.name
+                "only-written",
+                "{format} is written, not read",
+                "give a file of another format",
+                format=known.name,
             )
         return known
     head = _head(path)
@@ -88,7 +92,12 @@ def _unknown(suffix: str) -> Message:
     if written:
         problem = "ends in {suffix}, and {formats} is written, not read"
         return Message(
-            "only-written", problem, _WAY_OUT, at_terminal=True, suffix=suffix, formats=" and ".join(written)
+            "only-written",
+            problem,
+            _WAY_OUT,
+            at_terminal=True,
+            suffix=suffix,
+            formats=" and ".join(written),
         )
     return Message(
         "unknown-format",
@@ -117,10 +126,17 @@ def _only(found: list[Format], path: Path) -> Format:
 
 
 def _by_contents(path: Path, head: bytes) -> list[Format]:
-    """Formats whose beginning matches; of several, those that the file's ending fits too; ours before plug-ins'."""
+    """Formats whose beginning matches; of several, those that the file's ending fits too.
+
+    Ours before plug-ins'.
+    """
     found: list[Format] = []
     for plug_ins in (False, True):
-        found = [known for known in readable_formats(plug_ins=plug_ins) if known.magic and known.magic.match(head)]
+        found = [
+            known
+            for known in readable_formats(plug_ins=plug_ins)
+            if known.magic and known.magic.match(head)
+        ]
         if found:
             break
     named = [known for known in found if path.suffix.lower() in known.suffixes]
@@ -128,7 +144,10 @@ def _by_contents(path: Path, head: bytes) -> list[Format]:
 
 
 def looks_like_a_map(path: Path) -> bool:
-    """Whether a file among others is worth reading as a map: by its contents, or by an ending that only maps have."""
+    """Whether a file among others is worth reading as a map.
+
+    By its contents, or by an ending that only maps have.
+    """
     suffix = ".grid" if path.name.lower().endswith(".grid.gz") else path.suffix.lower()
     if suffix not in _COMMON and any(suffix in known.suffixes for known in readable_formats()):
         return True
@@ -142,13 +161,17 @@ def _head(path: Path) -> bytes:
     try:
         if path.is_file():
             with path.open("rb") as stream:
-                return stream.read(_HEAD).removeprefix(b"\xef\xbb\xbf")  # Windows begins text with it
+                return stream.read(_HEAD).removeprefix(
+                    b"\xef\xbb\xbf"
+                )  # Windows begins text with it
     except (OSError, ValueError):
         pass
     return read_bounded(path, _HEAD)  # says what is wrong with the file
 
 
-def read_map(path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None) -> ForeignMap:
+def read_map(
+    path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None
+) -> ForeignMap:
     """Reads a map of any known format; what its sidecar says, the file does not.
 
     Args:

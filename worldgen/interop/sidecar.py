@@ -1,7 +1,7 @@
 """The sidecar of an exported file: what its format has no room for, in a small TOML file beside it.
 
-``maze.map`` has ``maze.map.worldgen.toml``. Only what the file itself does not hold is in there, so that an edit
-of the file counts.
+``maze.map`` has ``maze.map.worldgen.toml``. Only what the file itself does not hold is in there, so
+that an edit of the file counts.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class Sidecar:
         name: Name of its file.
         sha256: Of its bytes.
         size: Width and height, in cells, of the map that it is for.
-        values: By the names of :data:`~worldgen.interop.format.HELD`: m, rad, m/s; two numbers of a point.
+        values: By the names of :data:`~worldgen.interop.format.HELD`: m, rad, m/s; two numbers of a
+            point.
     """
 
     name: str
@@ -56,7 +57,10 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
     values = held_values(world, destination)
     kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
     kept |= {name: value for name, value in values.items() if name in missing}
-    lines = [f"# What {destination.name!r} has no room for; m, rad, m/s, from the grid's lower-left corner, y up."]
+    lines = [
+        f"# What {destination.name!r} has no room for; m, rad, m/s, from the grid's lower-left "
+        f"corner, y up."
+    ]
     lines += [f"{name} = {value_text(value, name)}" for name, value in kept.items()]
     return ("\n".join(lines) + "\n").encode()
 
@@ -76,7 +80,8 @@ def read_sidecar(path: Path) -> Sidecar | None:
             return None
     except (OSError, ValueError):
         return None
-    data, source = _bytes(beside), str(beside)
+    data = _bytes(beside)
+    source = str(beside)
     try:
         header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
     except UnicodeDecodeError as error:
@@ -88,7 +93,11 @@ def read_sidecar(path: Path) -> Sidecar | None:
         if key not in known:
             raise header.fault(
                 Message(
-                    "unknown-name", "{name!q} is no key of a sidecar", "it has {known!l}", name=key, known=list(known)
+                    "unknown-name",
+                    "{name!q} is no key of a sidecar",
+                    "it has {known!l}",
+                    name=key,
+                    known=list(known),
                 ),
                 key,
             )
@@ -120,9 +129,17 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
     value = header.data.get(key)
     items = value if isinstance(value, list) else [value]
     count = 2 if key in (*_PAIRS, _SIZE) else 1
-    numbers = tuple(float(item) for item in items if isinstance(item, int | float) and not isinstance(item, bool))
+    numbers = tuple(
+        float(item)
+        for item in items
+        if isinstance(item, int | float) and not isinstance(item, bool)
+    )
     if len(items) != count or len(numbers) != count or not all(map(math.isfinite, numbers)):
-        rule = "{key} must be two finite numbers in brackets" if count == 2 else "{key} must be a finite number"
+        rule = (
+            "{key} must be two finite numbers in brackets"
+            if count == 2
+            else "{key} must be a finite number"
+        )
         raise header.fault(Message("wrong-type", rule, key=key), key)
     if key in (*_LENGTHS, _SIZE) and min(numbers) <= 0:
         raise header.fault(Message("not-positive", "{key} must be above 0", key=key), key)
@@ -130,11 +147,15 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
 
 
 def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
-    """The map with what its file could not hold; as it is, with a warning, where the sidecar is another map's."""
+    """The map with what its file could not hold.
+
+    As it is, with a warning, where the sidecar is another map's.
+    """
     height, width = found.walls.shape
     if (width, height) != sidecar.size:
         warning = (
-            f"{sidecar.name} is of a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not {width} x {height}; "
+            f"{sidecar.name} is of a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not "
+            f"{width} x {height}; "
             "it was passed over; delete it, or export the world again"
         )
         return replace(found, warnings=(*found.warnings, warning))

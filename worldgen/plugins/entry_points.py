@@ -1,4 +1,7 @@
-"""Entry points of installed packages, read once: to read them takes as long as to import a large library."""
+"""Entry points of installed packages, read once.
+
+To read them takes as long as to import a large library.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ __all__ = ["points_of"]
 
 
 def points_of(group: str) -> tuple[EntryPoint, ...]:
-    """Return the entry points of a group, such as ``worldgen.families``, as they are for the present ``sys.path``."""
+    """Return the entry points of a group, such as ``worldgen.families``.
+
+    As they are for the present ``sys.path``.
+    """
     return _points(group, tuple(sys.path))
 
 

@@ -44,7 +44,8 @@ def origin() -> Origin:
     Source: PEP 610, "Recording the Direct URL Origin of installed distributions".
     """
     try:
-        # A checkout on the path may hold metadata of its own, which says nothing about the installation.
+        # A checkout on the path may hold metadata of its own, which says nothing about the
+        # installation.
         texts = [found.read_text("direct_url.json") for found in distributions(name="worldgen")]
         record = json.loads(next(filter(None, texts), "{}"))
         url = str(record.get("url", ""))
@@ -62,8 +63,8 @@ def origin() -> Origin:
 def requirement(extra: str = "") -> str:
     """Return what pip must be given to install this worldgen again.
 
-    worldgen may come from a package index, a repository or a checkout. ``worldgen[studio]`` alone would look only in
-    the index, which may not have it.
+    worldgen may come from a package index, a repository or a checkout. ``worldgen[studio]`` alone
+    would look only in the index, which may not have it.
 
     Args:
         extra: Name of an extra, such as ``studio``; none if omitted.

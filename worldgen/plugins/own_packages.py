@@ -1,7 +1,8 @@
-"""Our packages ``sim`` and ``fuzz`` next to a user's folder or file of the same name, as robot projects have one.
+"""Our packages ``sim`` and ``fuzz`` next to a user's folder or file of the same name.
 
-In the program ours are imported, wherever the user's are: call :func:`prefer_own_packages` first. A process of the
-user's, such as a test run, imports what comes first on Python's path; :func:`check_hidden` says what that hides.
+As robot projects have one. In the program ours are imported, wherever the user's are: call
+:func:`prefer_own_packages` first. A process of the user's, such as a test run, imports what comes
+first on Python's path; :func:`check_hidden` says what that hides.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ _ROOT = Path(worldgen.__file__).resolve().parent.parent
 def prefer_own_packages() -> None:
     """Have this process, and those that it starts, import our packages rather than others of the same name.
 
-    The folders on Python's path that hide ours are searched last: what else is in them can still be imported.
+    The folders on Python's path that hide ours are searched last: what else is in them can still be
+    imported.
     """
     hiding = [entry for entry in sys.path if _hides(entry)]
     if not hiding:
@@ -66,8 +68,10 @@ def check_hidden() -> None:
     kind = "folder" if place.is_dir() else "file"
     raise InvalidParameter(
         "hidden-package",
-        "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first on Python's path",
-        "take that folder out of Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, not "
+        "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first "
+        "on Python's path",
+        "take that folder out of Python's path (PYTHONPATH; call `pytest --import-mode=importlib`, "
+        "not "
         "`python -m pytest`), or rename {folder}",
         at_terminal=True,
         kind=kind,

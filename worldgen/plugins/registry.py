@@ -25,19 +25,25 @@ __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-_LOADS_IN = 60.0  # s: ten times what the largest frameworks take; a module that waits or computes for ever has no more
+# s: ten times what the largest frameworks take; a module that waits or computes for ever has no
+# more.
+_LOADS_IN = 60.0
 _LONGEST_LOAD = 1e6  # s: what every system's clock can be set to
 _AGAIN = 1.0  # s, between two rings of the clock
 LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 """The variable that gives modules another time to load, s."""
 ONLY_CODE = "WORLDGEN_ONLY_CODE"
-"""The variable that holds, as a JSON list, what :func:`only_code` was given; processes inherit it."""
+"""The variable that holds, as a JSON list, what :func:`only_code` was given.
+
+Processes inherit it.
+"""
 
 
 def only_code(names: Iterable[str]) -> None:
     """From now on no code is run but the registered and this, here and in processes that this one starts.
 
-    Files from elsewhere may name any code, as their controller, motion model or oracle; reading one then runs nothing.
+    Files from elsewhere may name any code, as their controller, motion model or oracle; reading one
+    then runs nothing.
 
     Args:
         names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
@@ -72,7 +78,9 @@ def _file(place: str) -> Path:
 
 @contextlib.contextmanager
 def user_code(doing: str) -> Iterator[None]:
-    """Code of a user's, run inside, may raise anything, its exit from Python included; only Ctrl-C is let through.
+    """Code of a user's, run inside, may raise anything, its exit from Python included.
+
+    Only Ctrl-C is let through.
 
     Args:
         doing: What failed if it raises, to begin the message with.
@@ -94,7 +102,11 @@ def user_code(doing: str) -> Iterator[None]:
         ) from error
     except BaseException as error:
         raise InvalidParameter(
-            "code-failed", "{doing} failed: {kind}: {reason}", doing=doing, kind=type(error).__name__, reason=str(error)
+            "code-failed",
+            "{doing} failed: {kind}: {reason}",
+            doing=doing,
+            kind=type(error).__name__,
+            reason=str(error),
         ) from error
 
 
@@ -106,7 +118,8 @@ class _TakesTooLongError(BaseException):
 def _loading(doing: str) -> Iterator[None]:
     """Like :func:`user_code`, with an end: a module may compute or wait for ever.
 
-    Only the main thread can be interrupted, on Unix, and only while no other clock of its kind runs.
+    Only the main thread can be interrupted, on Unix, and only while no other clock of its kind
+    runs.
     """
     seconds = _load_seconds()
     try:
@@ -118,7 +131,8 @@ def _loading(doing: str) -> Iterator[None]:
         raise InvalidParameter(
             "load-timeout",
             "{doing} takes longer than {seconds:g} s",
-            "put what waits for input or runs on under if __name__ == '__main__', or give it more time with {variable}",
+            "put what waits for input or runs on under if __name__ == '__main__', or give it more "
+            "time with {variable}",
             doing=doing,
             seconds=seconds,
             variable=LOAD_SECONDS,
@@ -146,7 +160,10 @@ def _load_seconds() -> float:
 @contextlib.contextmanager
 def _alarm(seconds: float) -> Iterator[None]:
     is_main = threading.current_thread() is threading.main_thread()
-    if not (is_main and hasattr(signal, "setitimer")) or signal.getitimer(signal.ITIMER_REAL)[0] > 0.0:
+    if (
+        not (is_main and hasattr(signal, "setitimer"))
+        or signal.getitimer(signal.ITIMER_REAL)[0] > 0.0
+    ):
         yield
         return
 
@@ -155,10 +172,14 @@ def _alarm(seconds: float) -> Iterator[None]:
 
     before = signal.signal(signal.SIGALRM, ring)
     try:
-        signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)  # again and again, for the first may be caught
+        signal.setitimer(
+            signal.ITIMER_REAL, seconds, _AGAIN
+        )  # again and again, for the first may be caught
         yield
     finally:
-        ours = signal.getsignal(signal.SIGALRM) is ring  # and not the module's own meanwhile, which stays
+        ours = (
+            signal.getsignal(signal.SIGALRM) is ring
+        )  # and not the module's own meanwhile, which stays
         if ours or signal.getitimer(signal.ITIMER_REAL)[1] == _AGAIN:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
         if ours:
@@ -173,11 +194,14 @@ class Registry(Generic[T]):
     Args:
         group: Entry-point group, for example ``worldgen.families``.
         noun: What the things are called in messages.
-        accept: Turns what the entry point names into a ``T``; raises :class:`InvalidParameter` if it can't.
+        accept: Turns what the entry point names into a ``T``; raises :class:`InvalidParameter` if
+            it can't.
     """
 
     def __init__(self, group: str, noun: str, accept: Callable[[str, Any], T]) -> None:
-        self.group, self.noun, self._accept = group, noun, accept
+        self.group = group
+        self.noun = noun
+        self._accept = accept
         self._loaded: dict[str, T] = {}
 
     def entry_points(self) -> dict[str, EntryPoint]:
@@ -243,7 +267,11 @@ class Registry(Generic[T]):
             return _file(place)
         with user_code(f"{self.noun} {name!r}: looking for {place}"):
             found = importlib.util.find_spec(place) if place else None
-        return Path(found.origin) if found is not None and found.has_location and found.origin else None
+        return (
+            Path(found.origin)
+            if found is not None and found.has_location and found.origin
+            else None
+        )
 
     def _unknown(self, name: str) -> Message:
         names = self.names()
@@ -262,16 +290,26 @@ class Registry(Generic[T]):
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
         with _loading(f"{self.noun} {name!r}: loading {place}"):
-            module = _load_file(_file(place)) if place.endswith(".py") else importlib.import_module(place)
+            module = (
+                _load_file(_file(place))
+                if place.endswith(".py")
+                else importlib.import_module(place)
+            )
             if hasattr(module, attribute):
                 return getattr(module, attribute)
         public = [key for key in vars(module) if not key.startswith("_")]
-        own = [key for key in public if getattr(vars(module)[key], "__module__", None) == module.__name__]
+        own = [
+            key
+            for key in public
+            if getattr(vars(module)[key], "__module__", None) == module.__name__
+        ]
         near = "".join(difflib.get_close_matches(attribute, public, n=1))
         raise InvalidParameter(
             "unknown-name",
             "{noun} {name!r}: {place} has no {attribute!r}",
-            "did you mean {near!r}? it has {known!l:nothing}" if near else "it has {known!l:nothing}",
+            "did you mean {near!r}? it has {known!l:nothing}"
+            if near
+            else "it has {known!l:nothing}",
             noun=self.noun,
             name=name,
             place=place,
@@ -282,9 +320,16 @@ class Registry(Generic[T]):
 
 
 def _identity(name: str) -> str:
-    """The name, with the whole path of a file: what ``./mine.py:Robot`` is hangs on the folder that one is in."""
+    """The name, with the whole path of a file.
+
+    What ``./mine.py:Robot`` is hangs on the folder that one is in.
+    """
     place, colon, attribute = name.rpartition(":")
-    return f"{_file(place).expanduser().resolve()}{colon}{attribute}" if place.endswith(".py") else name
+    return (
+        f"{_file(place).expanduser().resolve()}{colon}{attribute}"
+        if place.endswith(".py")
+        else name
+    )
 
 
 def _load_file(path: Path) -> Any:

@@ -1,9 +1,10 @@
 """The files next to a user's file: ``import geometry`` in ``./mine.py`` finds ``./geometry.py``.
 
-As with ``python mine.py``, files in the folder come before installed packages. Unlike there, the folder is not put on
-``sys.path``, where it would be searched for everybody's imports: each folder is a package of its own with a private
-name, and only imports written in files of that folder look there. So two folders may each have a ``geometry.py``, and
-a folder named ``sim`` hides nothing of ours.
+As with ``python mine.py``, files in the folder come before installed packages. Unlike there, the
+folder is not put on ``sys.path``, where it would be searched for everybody's imports: each folder
+is a package of its own with a private name, and only imports written in files of that folder look
+there. So two folders may each have a ``geometry.py``, and a folder named ``sim`` hides nothing of
+ours.
 """
 
 from __future__ import annotations
@@ -55,12 +56,19 @@ def import_in(module: ModuleType, package: str) -> None:
 
 
 def neighbours_of(module: ModuleType) -> list[ModuleType]:
-    """Return the files of a module's folder that have been imported so far; none if it was not loaded from a file."""
+    """Return the files of a module's folder that have been imported so far.
+
+    None if it was not loaded from a file.
+    """
     its_builtins = module.__dict__.get("__builtins__")
     importer = its_builtins.get("__import__") if isinstance(its_builtins, dict) else None
     if not isinstance(importer, _Importer):
         return []
-    return [found for name, found in list(sys.modules.items()) if name.startswith(f"{importer.package}.")]
+    return [
+        found
+        for name, found in list(sys.modules.items())
+        if name.startswith(f"{importer.package}.")
+    ]
 
 
 def forget_folder(folder: Path) -> None:
@@ -75,10 +83,17 @@ def forget_folder(folder: Path) -> None:
 
 
 def _forget_bare_names(folder: Path) -> None:
-    """Drop the bare names that a new folder makes ambiguous, so that whoever asks for one by name is told."""
+    """Drop the bare names that a new folder makes ambiguous.
+
+    So that whoever asks for one by name is told.
+    """
     for alias, module in list(sys.modules.items()):
         named = str(getattr(module, "__name__", ""))
-        if named.partition(".")[0] in _FOLDERS and named != alias and (folder / f"{alias}.py").is_file():
+        if (
+            named.partition(".")[0] in _FOLDERS
+            and named != alias
+            and (folder / f"{alias}.py").is_file()
+        ):
             del sys.modules[alias]
 
 
@@ -113,7 +128,8 @@ def _is_in(folder: Path, name: str) -> bool:
     spec = importlib.machinery.PathFinder.find_spec(name, [str(folder)])
     if spec is None:
         return False
-    # A plain folder without __init__.py is a package only if nothing else of that name is installed.
+    # A plain folder without __init__.py is a package only if nothing else of that name is
+    # installed.
     return spec.loader is not None or importlib.machinery.PathFinder.find_spec(name) is None
 
 
@@ -139,9 +155,10 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _ByBareName(importlib.abc.MetaPathFinder):
-    """Finds a folder's module by its bare name where nothing else has that name, as pickles and ``import_module`` ask.
+    """Finds a folder's module by its bare name where nothing else has that name.
 
-    It is the same module, and it is refused if two folders have one.
+    As pickles and ``import_module`` ask. It is the same module, and it is refused if two folders
+    have one.
     """
 
     def find_spec(
@@ -149,7 +166,9 @@ class _ByBareName(importlib.abc.MetaPathFinder):
     ) -> importlib.machinery.ModuleSpec | None:
         if path is not None or "." in fullname or fullname in _OURS:
             return None
-        found = [package for package, folder in _FOLDERS.items() if (folder / f"{fullname}.py").is_file()]
+        found = [
+            package for package, folder in _FOLDERS.items() if (folder / f"{fullname}.py").is_file()
+        ]
         if len(found) > 1:
             folders = " and ".join(str(_FOLDERS[package]) for package in found)
             raise InvalidParameter(
@@ -159,7 +178,11 @@ class _ByBareName(importlib.abc.MetaPathFinder):
                 module=fullname,
                 folders=folders,
             )
-        return importlib.machinery.ModuleSpec(fullname, _Alias(f"{found[0]}.{fullname}")) if found else None
+        return (
+            importlib.machinery.ModuleSpec(fullname, _Alias(f"{found[0]}.{fullname}"))
+            if found
+            else None
+        )
 
 
 class _Alias(importlib.abc.Loader):

@@ -9,7 +9,15 @@ from worldgen.errors import InvalidParameter
 from worldgen.reach.timed.confinement import Confinement
 from worldgen.world import Certificate
 
-__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_deadline", "check_margin", "check_radius"]
+__all__ = [
+    "BLOCKED",
+    "REACHABLE",
+    "UNDECIDED",
+    "Decision",
+    "check_deadline",
+    "check_margin",
+    "check_radius",
+]
 
 REACHABLE = "reachable"
 BLOCKED = "blocked"
@@ -24,8 +32,8 @@ class Decision:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
-        confinement: The proof of ``BLOCKED`` where no cut is one; for :func:`worldgen.reach.check_confinement`.
-            A file holds none.
+        confinement: The proof of ``BLOCKED`` where no cut is one; for
+            :func:`worldgen.reach.check_confinement`. A file holds none.
     """
 
     result: str
@@ -57,7 +65,11 @@ def check_margin(margin: float) -> None:
     """
     if not 0.0 <= margin <= LATEST:
         raise InvalidParameter(
-            "out-of-range", "{name}={margin} s: must be 0 to {high:g} s", name="margin", margin=margin, high=LATEST
+            "out-of-range",
+            "{name}={margin} s: must be 0 to {high:g} s",
+            name="margin",
+            margin=margin,
+            high=LATEST,
         )
 
 

@@ -1,10 +1,10 @@
 """Pictures of worlds and runs: PNG, SVG, HTML, animated GIF and the terminal.
 
 Contents, each imported when it is first used, so that Pillow loads for a PNG only:
-    Trail, Mark, Pierced: what a robot did, as plain data to draw over a world.
+    Trail, EventMark, WallPenetration: what a robot did, as plain data to draw over a world.
     draw_png, draw_svg, draw_html, draw_terminal: the pictures.
-    Drive, draw_gif: robots that drive, as an animated GIF.
-    Panel, draw_sheet: many worlds with the ways of several robots.
+    Drive, draw_gif: moving robots, as an animated GIF.
+    Panel, draw_sheet: many worlds with the paths of several robots.
     wants_color: whether a stream should get colours.
     Frame: metres to pixels, for those who draw over a picture or read one.
 """
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from worldgen.render.animation import draw_gif
     from worldgen.render.frame import Frame
     from worldgen.render.html import draw_html
-    from worldgen.render.overlay import Drive, Mark, Pierced, Trail
+    from worldgen.render.overlay import Drive, EventMark, Trail, WallPenetration
     from worldgen.render.png import draw_png
     from worldgen.render.sheet import Panel, draw_sheet
     from worldgen.render.svg import draw_svg
@@ -31,7 +31,7 @@ __getattr__, __dir__ = lazy_names(
         "animation": ("draw_gif",),
         "frame": ("Frame",),
         "html": ("draw_html",),
-        "overlay": ("Drive", "Mark", "Pierced", "Trail"),
+        "overlay": ("Drive", "EventMark", "WallPenetration", "Trail"),
         "png": ("draw_png",),
         "sheet": ("Panel", "draw_sheet"),
         "svg": ("draw_svg",),
@@ -41,11 +41,11 @@ __getattr__, __dir__ = lazy_names(
 
 __all__ = [
     "Drive",
+    "EventMark",
     "Frame",
-    "Mark",
     "Panel",
-    "Pierced",
     "Trail",
+    "WallPenetration",
     "draw_gif",
     "draw_html",
     "draw_png",

@@ -1,6 +1,7 @@
-"""A run as an animated GIF: the same bytes for the same run, of bounded size, readable by everything.
+"""A run as an animated GIF.
 
-All frames share one palette of fixed colours, so that nothing flickers and only what has moved is stored.
+The same bytes for the same run, of bounded size, readable by everything. All frames share one
+palette of fixed colours, so that nothing flickers and only what has moved is stored.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from worldgen.render.palette import (
     rgb,
 )
 from worldgen.render.png import draw_parts
-from worldgen.render.primitives import Circle, Paint, Path, Primitive, Text
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.scene import moment_parts
 from worldgen.render.trail_parts import breach_crosses, pierced_parts
 from worldgen.timeline import CellState
@@ -49,12 +50,21 @@ BLINK = 0.2  # of a run: a loop that takes less is shown once more
 HELD = 1500  # ms that the last frame stays
 DEFAULT_SIDE = 480  # px
 FINE = 2  # trails are drawn this many times as large
-ROBOTS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")  # the player's, where there are several
+ROBOTS = (
+    "#C85400",
+    "#0072B2",
+    "#A8447F",
+    "#00825F",
+    "#7A6200",
+    "#4F5BB8",
+)  # the player's, where there are several
 
 Floats = npt.NDArray[np.float64]
 
 
-def draw_gif(world: World, drives: Sequence[Drive], *, title: str = "", pixels: int = DEFAULT_SIDE) -> bytes:
+def draw_gif(
+    world: World, drives: Sequence[Drive], *, title: str = "", pixels: int = DEFAULT_SIDE
+) -> bytes:
     """Robots driving in a world, as the bytes of an animated GIF that begins again at its end.
 
     Args:
@@ -88,30 +98,45 @@ def draw_gif(world: World, drives: Sequence[Drive], *, title: str = "", pixels: 
 
 
 def _times(drives: Sequence[Drive]) -> list[float]:
-    """When the frames are, s: evenly over the longest run, then slower once round a loop that would pass in a blink."""
+    """When the frames are, s.
+
+    Evenly over the longest run, then slower once round a loop that would pass in a blink.
+    """
     longest = max(drives, key=lambda drive: drive.end)
-    end, entry = longest.end, longest.trail.loop_from
+    end = longest.end
+    entry = longest.trail.loop_from
     count = max(2, min(MOST_FRAMES, max(len(drive.headings) for drive in drives)))
     period = 0.0 if entry is None else end - float(longest.times[entry])
     if not 0.0 < period < BLINK * end:
         return [float(time) for time in np.linspace(0.0, end, count)]
     way = np.linspace(0.0, end, max(2, 2 * count // 3))
-    return [float(time) for time in (*way, *np.linspace(end, end + period, max(2, count // 3 + 1))[1:])]
+    return [
+        float(time) for time in (*way, *np.linspace(end, end + period, max(2, count // 3 + 1))[1:])
+    ]
 
 
 class _Stage:
     """What is drawn at one time after the other."""
 
     def __init__(self, world: World, frame: Frame, drives: Sequence[Drive], title: str) -> None:
-        self.world, self.frame, self.drives, self.title = world, frame, drives, title
+        self.world = world
+        self.frame = frame
+        self.drives = drives
+        self.title = title
         self.line = 19.0 * frame.unit
         height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
         self.size = frame.picture_width, height
         self.cells = world.cells_after(0)
         self.changes = 0  # that are in the cells
         self.ground: Image.Image | None = None
-        self.trails = [trail for k, drive in enumerate(drives) for trail in _trails(drive, frame, self._colour(k))]
-        self.masks = [Image.new("L", (FINE * self.size[0], FINE * self.size[1]), 0) for _ in self.trails]
+        self.trails = [
+            trail
+            for k, drive in enumerate(drives)
+            for trail in _trails(drive, frame, self._colour(k))
+        ]
+        self.masks = [
+            Image.new("L", (FINE * self.size[0], FINE * self.size[1]), 0) for _ in self.trails
+        ]
 
     def _colour(self, robot: int) -> str:
         return ROBOTS[robot % len(ROBOTS)] if len(self.drives) > 1 else LOOP
@@ -122,14 +147,29 @@ class _Stage:
         for trail, mask in zip(self.trails, self.masks, strict=True):
             trail.drawn_until(time, mask)
             picture.paste(rgb(trail.colour), None, mask.reduce(FINE))
-        pierced = [cell for drive in self.drives for cell in drive.trail.pierced if cell.time <= time + 1e-9]
+        pierced = [
+            cell
+            for drive in self.drives
+            for cell in drive.trail.pierced
+            if cell.time <= time + 1e-9
+        ]
         if pierced:
             picture = draw_parts(
-                pierced_parts(pierced, self.cells.shape, self.frame), self.frame, self.size, onto=picture
+                pierced_parts(pierced, self.cells.shape, self.frame),
+                self.frame,
+                self.size,
+                onto=picture,
             )
-        parts = [part for k, drive in enumerate(self.drives) for part in self._robot(drive, time, self._colour(k))]
+        parts = [
+            part
+            for k, drive in enumerate(self.drives)
+            for part in self._robot(drive, time, self._colour(k))
+        ]
         return draw_parts(
-            [*parts, *breach_crosses(pierced, self.frame), *self._words(time)], self.frame, self.size, onto=picture
+            [*parts, *breach_crosses(pierced, self.frame), *self._words(time)],
+            self.frame,
+            self.size,
+            onto=picture,
         )
 
     def _ground_at(self, time: float) -> Image.Image:
@@ -137,7 +177,8 @@ class _Stage:
         if self.ground is None or until > self.changes:
             self.cells = self.world.cells_after(until)
             self.changes = until
-            solid, burning = self.cells == CellState.SOLID, self.cells == CellState.BURNING
+            solid = self.cells == CellState.SOLID
+            burning = self.cells == CellState.BURNING
             parts = moment_parts(self.world, self.frame, solid, burning, self.size[1])
             self.ground = draw_parts(parts, self.frame, self.size)
         return self.ground
@@ -147,16 +188,25 @@ class _Stage:
         left, top = self.frame.to_pixels(x, y)
         unit = self.frame.unit
         radius = max(self.world.robot_radius * self.frame.scale, 3.5 * unit)
-        nose = np.array(((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading))))
+        nose = np.array(
+            ((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading)))
+        )
         return [
-            Circle(left, top, radius, Paint(fill=mix(FLOOR, colour, 0.35))),
-            Circle(left, top, radius, Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit)),
-            Path(nose, Paint(stroke=INK, width=2.0 * unit)),
+            DrawnCircle(left, top, radius, Paint(fill=mix(FLOOR, colour, 0.35))),
+            DrawnCircle(
+                left,
+                top,
+                radius,
+                Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit),
+            ),
+            DrawnLine(nose, Paint(stroke=INK, width=2.0 * unit)),
         ]
 
     def _words(self, time: float) -> list[Primitive]:
-        left, top = float(self.frame.margin), self.frame.bottom + self.frame.top + 0.75 * self.line
-        size, words = 14.0 * self.frame.unit, f"{time:.2f} s"
+        left = float(self.frame.margin)
+        top = self.frame.bottom + self.frame.top + 0.75 * self.line
+        size = 14.0 * self.frame.unit
+        words = f"{time:.2f} s"
         parts: list[Primitive] = []
         if self.title:
             room = self.size[0] - 2.0 * left
@@ -180,7 +230,9 @@ class _GrowingTrail:
         fine = np.rint(points * FINE)
         moved = np.ones(len(fine), np.bool_)
         moved[1:] = (fine[1:] != fine[:-1]).any(axis=1)
-        self.points, self.times, self.colour = fine[moved], times[moved], colour
+        self.points = fine[moved]
+        self.times = times[moved]
+        self.colour = colour
         self.width = max(1, round(width * FINE))
         self.done = 0
 
@@ -200,7 +252,9 @@ class _GrowingTrail:
 
 def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
     """The way there, and the cycle, each in its own colour."""
-    points, unit, entry = frame.points(drive.trail.points), frame.unit, drive.trail.loop_from
+    points = frame.points(drive.trail.points)
+    unit = frame.unit
+    entry = drive.trail.loop_from
     if entry is None:
         yield _GrowingTrail(points, drive.times, colour, 2.2 * unit)
         return
@@ -220,12 +274,36 @@ def _fitted(text: str, room: float, size: float) -> str:
 
 
 def _palette() -> Image.Image:
-    """All colours of all frames: each meaning's own, and its edges against floor, wall and paper."""
+    """All colours of all frames.
+
+    Each meaning's own, and its edges against floor, wall and paper.
+    """
     pierced = (PIERCED, PIERCED_GROUND)
-    solid = (PAPER, FLOOR, WALL, INK, LOOP, APPROACH, START, TARGET, FIRE, GREY, TUNNEL, *ROBOTS, *pierced)
+    solid = (
+        PAPER,
+        FLOOR,
+        WALL,
+        INK,
+        LOOP,
+        APPROACH,
+        START,
+        TARGET,
+        FIRE,
+        GREY,
+        TUNNEL,
+        *ROBOTS,
+        *pierced,
+    )
     shares = (0.2, 0.35, 0.5, 0.65, 0.82)
-    edges = [mix(ground, colour, share) for ground in (FLOOR, WALL) for colour in solid for share in shares]
-    colours = list(dict.fromkeys((*solid, *(mix(PAPER, INK, share) for share in shares), *edges)))[:256]
+    edges = [
+        mix(ground, colour, share)
+        for ground in (FLOOR, WALL)
+        for colour in solid
+        for share in shares
+    ]
+    colours = list(dict.fromkeys((*solid, *(mix(PAPER, INK, share) for share in shares), *edges)))[
+        :256
+    ]
     palette = Image.new("P", (1, 1))
     palette.putpalette([value for colour in colours for value in rgb(colour)])
     return palette

@@ -26,13 +26,15 @@ from worldgen.render.palette import (
     WALL,
     mix,
 )
-from worldgen.render.primitives import Circle, Paint, Path, Primitive, Text
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive, Text
 from worldgen.render.trail_parts import arrow_head, cross, stays_put
 from worldgen.world import Cut, Witness, World
 
 __all__ = ["caption", "facts", "printable", "text_width"]
 
-TITLE_SIZE, TEXT_SIZE = 16.0, 12.5  # units
+# units
+TITLE_SIZE = 16.0
+TEXT_SIZE = 12.5
 LEADING = 1.5  # line distance over type size
 MOST_LINES = 3
 ICON = 26.0  # units, width of a key's sample
@@ -44,24 +46,36 @@ Sample = Callable[[float, float, float], list[Primitive]]
 
 def facts(world: World) -> str:
     """The scale, where the world came from, and what failed in it, in one line."""
-    width, height = world.width * world.cell_size, world.height * world.cell_size
-    parts = [f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius {world.robot_radius:.6g} m"]
+    width = world.width * world.cell_size
+    height = world.height * world.cell_size
+    parts = [
+        f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius "
+        f"{world.robot_radius:.6g} m"
+    ]
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
     if world.failure is not None:
-        parts.append(f"{world.failure.controller} under {world.failure.motion}: {world.failure.outcome}")
+        parts.append(
+            f"{world.failure.controller} under {world.failure.motion}: {world.failure.outcome}"
+        )
     return printable("; ".join(parts))
 
 
 def printable(text: str) -> str:
-    """The text with everything that no file format can hold, and every line end, as a blank or ``?``."""
+    """The text with everything that no file format can hold, and every line end.
+
+    As a blank or ``?``.
+    """
     return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
 
 
 def text_width(text: str, size: float) -> float:
     """About the width of a line in a common sans-serif face, the same for every backend."""
-    narrow, wide = "iljtfrI.,:;'|!()[] ", "mwMW@%"
-    ems = sum(0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.58 for c in text)
+    narrow = "iljtfrI.,:;'|!()[] "
+    wide = "mwMW@%"
+    ems = sum(
+        0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.58 for c in text
+    )
     return ems * size
 
 
@@ -82,7 +96,9 @@ def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
 def _cut_off(line: str, width: float, size: float) -> str:
     if text_width(line, size) <= width:
         return line
-    line = line[: int(width / (0.25 * size))]  # no letter is narrower: bounds the work on a long line
+    line = line[
+        : int(width / (0.25 * size))
+    ]  # no letter is narrower: bounds the work on a long line
     while line and text_width(line + "...", size) > width:
         line = line[:-1]
     return line + "..."
@@ -91,7 +107,8 @@ def _cut_off(line: str, width: float, size: float) -> str:
 def caption(content: Content) -> tuple[list[Primitive], int]:
     """The strip's primitives, and the height of the whole picture in px."""
     frame = content.frame
-    unit, left = frame.unit, float(frame.margin)
+    unit = frame.unit
+    left = float(frame.margin)
     room = frame.picture_width - 2.0 * left
     y = frame.bottom + frame.band + 8.0 * unit
     parts: list[Primitive] = []
@@ -109,13 +126,16 @@ def caption(content: Content) -> tuple[list[Primitive], int]:
 def _place(
     keys: list[tuple[str, Sample]], left: float, room: float, y: float, unit: float
 ) -> tuple[list[Primitive], float]:
-    size, row = TEXT_SIZE * unit, 1.75 * TEXT_SIZE * unit
+    size = TEXT_SIZE * unit
+    row = 1.75 * TEXT_SIZE * unit
     parts: list[Primitive] = []
-    x, y = left, y + row
+    x = left
+    y = y + row
     for words, sample in keys:
         width = (ICON + 6.0) * unit + text_width(words, size)
         if x > left and x + width > left + room:
-            x, y = left, y + row
+            x = left
+            y = y + row
         parts += sample(x, y - 0.5 * row, unit)
         parts.append(Text(x + (ICON + 6.0) * unit, y - 0.5 * row + 0.35 * size, size, words, INK))
         x += width + GAP * unit
@@ -123,7 +143,9 @@ def _place(
 
 
 def _keys(content: Content) -> list[tuple[str, Sample]]:
-    world, trail, changes = content.world, content.trail, content.changes
+    world = content.world
+    trail = content.trail
+    changes = content.changes
     keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
     if content.signal:
         keys.append(("signal, halves per ring", _signal_sample))
@@ -163,12 +185,20 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
     return keys
 
 
-def _line(colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: bool = False) -> Sample:
+def _line(
+    colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: bool = False
+) -> Sample:
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
         ends = np.array(((x, y), (x + ICON * unit, y)))
-        paint = Paint(stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash))
-        head = [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)] if arrow else []
-        return [Path(ends, paint), *head]
+        paint = Paint(
+            stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash)
+        )
+        head = (
+            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)]
+            if arrow
+            else []
+        )
+        return [DrawnLine(ends, paint), *head]
 
     return sample
 
@@ -182,29 +212,32 @@ def _swatch(colour: str) -> Sample:
 
 def _dot(colour: str, radius: float) -> Sample:
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
-        return [Circle(x + 0.5 * ICON * unit, y, radius * unit, Paint(fill=colour))]
+        return [DrawnCircle(x + 0.5 * ICON * unit, y, radius * unit, Paint(fill=colour))]
 
     return sample
 
 
-def _square(x: float, y: float, unit: float, paint: Paint) -> Path:
+def _square(x: float, y: float, unit: float, paint: Paint) -> DrawnLine:
     corners = np.array(((4.0, -6.0), (22.0, -6.0), (22.0, 6.0), (4.0, 6.0))) * unit
-    return Path(np.array((x, y)) + corners, paint, closed=True)
+    return DrawnLine(np.array((x, y)) + corners, paint, closed=True)
 
 
 def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
     dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
     inner = np.array(((7.0, -3.0), (19.0, -3.0), (19.0, 3.0), (7.0, 3.0))) * unit
-    return [_square(x, y, unit, Paint(fill=WALL)), Path(np.array((x, y)) + inner, dotted, closed=True)]
+    return [
+        _square(x, y, unit, Paint(fill=WALL)),
+        DrawnLine(np.array((x, y)) + inner, dotted, closed=True),
+    ]
 
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
     tick = np.array(((x + 3.0 * unit, y), (x + 7.0 * unit, y)))
     return [
-        Circle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
-        Circle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
-        Path(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)),
+        DrawnCircle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
+        DrawnCircle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
+        DrawnLine(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)),
     ]
 
 
@@ -213,9 +246,9 @@ def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
     paint = Paint(stroke=TARGET, width=2.0 * unit)
     arms = np.array(((-8.0, 0.0), (8.0, 0.0))) * unit
     return [
-        Circle(x, y, 5.0 * unit, paint),
-        Path(np.array((x, y)) + arms, paint),
-        Path(np.array((x, y)) + arms[:, ::-1], paint),
+        DrawnCircle(x, y, 5.0 * unit, paint),
+        DrawnLine(np.array((x, y)) + arms, paint),
+        DrawnLine(np.array((x, y)) + arms[:, ::-1], paint),
     ]
 
 
@@ -225,17 +258,21 @@ def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
     parts: list[Primitive] = []
     for index in range(steps):
         tint = mix(FULL_TINT, FLOOR, index / (steps - 1))
-        corners = np.array(((0.0, -6.0 * unit), (step, -6.0 * unit), (step, 6.0 * unit), (0.0, 6.0 * unit)))
-        parts.append(Path(np.array((x + index * step, y)) + corners, Paint(fill=tint), closed=True))
+        corners = np.array(
+            ((0.0, -6.0 * unit), (step, -6.0 * unit), (step, 6.0 * unit), (0.0, 6.0 * unit))
+        )
+        parts.append(
+            DrawnLine(np.array((x + index * step, y)) + corners, Paint(fill=tint), closed=True)
+        )
     return parts
 
 
 def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
     return [
-        Circle(x, y, 6.0 * unit, Paint(fill=LOOP, opacity=0.3)),
-        Circle(x, y, 6.0 * unit, Paint(stroke=LOOP, width=2.0 * unit)),
-        Circle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+        DrawnCircle(x, y, 6.0 * unit, Paint(fill=LOOP, opacity=0.3)),
+        DrawnCircle(x, y, 6.0 * unit, Paint(stroke=LOOP, width=2.0 * unit)),
+        DrawnCircle(x, y, 2.2 * unit, Paint(fill=LOOP)),
     ]
 
 
@@ -244,13 +281,15 @@ def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
     stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (5.0, 10.0, 15.0)]
     return [
         _square(x, y, unit, Paint(fill=PIERCED_GROUND)),
-        *(Path(np.array((x, y)) + line * unit, stripe) for line in stripes),
+        *(DrawnLine(np.array((x, y)) + line * unit, stripe) for line in stripes),
         _square(x, y, unit, Paint(stroke=PIERCED, width=2.0 * unit)),
     ]
 
 
 def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:
-    return [Circle(x + 0.5 * ICON * unit, y, 6.0 * unit, Paint(stroke=TUNNEL, width=3.0 * unit))]
+    return [
+        DrawnCircle(x + 0.5 * ICON * unit, y, 6.0 * unit, Paint(stroke=TUNNEL, width=3.0 * unit))
+    ]
 
 
 def _tunnel_sample(x: float, y: float, unit: float) -> list[Primitive]:

@@ -32,7 +32,10 @@ def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArra
 
 
 def _means(values: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.float64]:
-    """(rows, pixels) float64: each row's mean over equal stretches, which may cut through its values."""
+    """(rows, pixels) float64.
+
+    Each row's mean over equal stretches, which may cut through its values.
+    """
     rows, cells = values.shape
     sums = np.zeros((rows, cells + 1))
     np.cumsum(values, axis=1, out=sums[:, 1:])

@@ -14,8 +14,12 @@ from worldgen.world import World
 __all__ = ["DEFAULT_PIXELS", "MAX_PIXELS", "MIN_PIXELS", "Frame"]
 
 DEFAULT_PIXELS = 900
-MIN_PIXELS, MAX_PIXELS = 100, 8000  # below, nothing can be read; above, a picture takes gigabytes
-CRISP_CELL = 8  # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges
+# below, nothing can be read; above, a picture takes gigabytes
+MIN_PIXELS = 100
+MAX_PIXELS = 8000
+CRISP_CELL = (
+    8  # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges
+)
 BAND = 7.0  # units; the wall around the map: outside the grid everything is solid
 MARGIN = 12.0  # units; white paper around the band
 NARROWEST = 380.0  # units; a picture is at least this wide, for the caption's sake
@@ -65,7 +69,8 @@ class Frame:
         if cell >= CRISP_CELL:
             cell = float(math.floor(cell))
         unit = min(max(pixels / DEFAULT_PIXELS, 0.75), 6.0)
-        width, height = max(1, round(world.width * cell)), max(1, round(world.height * cell))
+        width = max(1, round(world.width * cell))
+        height = max(1, round(world.height * cell))
         edge = round((BAND + MARGIN) * unit)
         picture_width = max(width + 2 * edge, round(NARROWEST * unit))
         left = (picture_width - width) // 2
@@ -99,7 +104,9 @@ class Frame:
         return _placed(cells, self.left, self.bottom, self.cell)
 
 
-def _placed(points: npt.ArrayLike, left: float, bottom: float, scale: float) -> npt.NDArray[np.float64]:
+def _placed(
+    points: npt.ArrayLike, left: float, bottom: float, scale: float
+) -> npt.NDArray[np.float64]:
     moved = np.array(points, np.float64)
     moved *= (scale, -scale)
     moved += (left, bottom)

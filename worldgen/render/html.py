@@ -9,7 +9,7 @@ from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.overlay import Trail
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
-from worldgen.support.plain_text import value_in_words
+from worldgen.support.plain_text import describe_value
 from worldgen.world import Witness, World
 
 __all__ = ["draw_html"]
@@ -62,7 +62,8 @@ def draw_html(
     )
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{name}</title>\n'
+        f'<meta name="viewport" content="width=device-width, '
+        f'initial-scale=1">\n<title>{name}</title>\n'
         f"<style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n"
         f"<figure>\n{svg_element(scene, standalone=False)}</figure>\n"
         f"<table>\n{rows}\n</table>\n</body>\n</html>\n"
@@ -70,7 +71,8 @@ def draw_html(
 
 
 def _known(world: World) -> list[tuple[str, str]]:
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     rows = [
         ("world", facts(world)),
         ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
@@ -82,22 +84,32 @@ def _known(world: World) -> list[tuple[str, str]]:
         rows.append(("changes", f"{len(world.timeline)} until {world.timeline.last_time:.6g} s"))
     proof = world.certificate
     if isinstance(proof, Witness):
-        rows.append(("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through"))
+        rows.append(
+            ("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through")
+        )
     elif proof is not None:
-        rows.append(("proof", f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m"))
+        rows.append(
+            (
+                "proof",
+                f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m",
+            )
+        )
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))
-        rows += [(f"{made.family}: {key}", value_in_words(value)) for key, value in made.params.items()]
+        rows += [
+            (f"{made.family}: {key}", describe_value(value)) for key, value in made.params.items()
+        ]
     failure = world.failure
     if failure is not None:
         rows.append(
             (
                 "failure",
-                f"{failure.controller} under {failure.motion}, seed {failure.seed}: {failure.outcome}",
+                f"{failure.controller} under {failure.motion}, seed {failure.seed}: "
+                f"{failure.outcome}",
             )
         )
         rows.append(("trace digest", failure.trace_digest))
         for words in (failure.evidence, failure.parameters, failure.details):
-            rows += [(key, value_in_words(value)) for key, value in words.items()]
+            rows += [(key, describe_value(value)) for key, value in words.items()]
     return rows

@@ -21,9 +21,10 @@ def corner_count(mask: npt.NDArray[np.bool_]) -> int:
 def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
     """Closed lines that, filled by the even-odd rule, cover exactly the cells that are set.
 
-    A corner is a grid point with an odd number of set cells around it. Along each row of grid points the
-    first corner is joined to the second, the third to the fourth and so on; the same along each column.
-    Lines may cross where two cells touch diagonally, which the even-odd rule takes well.
+    A corner is a grid point with an odd number of set cells around it. Along each row of grid
+    points the first corner is joined to the second, the third to the fourth and so on; the same
+    along each column. Lines may cross where two cells touch diagonally, which the even-odd rule
+    takes well.
 
     Args:
         mask: (height, width) bool.
@@ -33,7 +34,9 @@ def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
     """
     y, x = np.nonzero(_parity(mask))
     by_column = np.lexsort((y, x))
-    partner = np.empty(len(x), np.int64)  # the other end of the vertical edge; rows pair 0-1, 2-3, ...
+    partner = np.empty(
+        len(x), np.int64
+    )  # the other end of the vertical edge; rows pair 0-1, 2-3, ...
     partner[by_column] = by_column[np.arange(len(x)) ^ 1]
     vertical = partner.tolist()
     seen = bytearray(len(x))
@@ -41,7 +44,8 @@ def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
     for first in range(len(x)):
         if seen[first]:
             continue
-        order, at = [], first
+        order = []
+        at = first
         while not seen[at]:
             other = at ^ 1
             seen[at] = seen[other] = 1

@@ -12,20 +12,20 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Drive", "Mark", "MarkKind", "Pierced", "Trail"]
+__all__ = ["Drive", "EventMark", "MarkKind", "Trail", "WallPenetration"]
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class EventMark:
     """Something that happened at a place.
 
     Args:
         x: m.
         y: m.
-        kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre went through one), ``overlap``
-            (its disc cut one) or ``end`` (here the run stopped).
+        kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre went through one),
+            ``overlap`` (its disc cut one) or ``end`` (here the run stopped).
 
     Raises:
         InvalidParameter: If the place is not finite or the kind is none of these.
@@ -45,12 +45,15 @@ class Mark:
             )
         if not (math.isfinite(self.x) and math.isfinite(self.y)):
             raise InvalidParameter(
-                "not-finite", "mark at ({x}, {y}) m: both must be finite numbers", x=self.x, y=self.y
+                "not-finite",
+                "mark at ({x}, {y}) m: both must be finite numbers",
+                x=self.x,
+                y=self.y,
             )
 
 
 @dataclass(frozen=True, slots=True)
-class Pierced:
+class WallPenetration:
     """A wall cell that the robot went into.
 
     Args:
@@ -73,20 +76,21 @@ class Trail:
     Args:
         x: (n,) float64, m, at least one point; straight lines between the points.
         y: (n,) float64, m.
-        loop_from: Index of the point where the endless cycle begins; what comes after it is one or more
-            rounds of the cycle. ``None`` if the run has none.
+        loop_from: Index of the point where the endless cycle begins; what comes after it is one or
+            more rounds of the cycle. ``None`` if the run has none.
         marks: What happened on the way.
         pierced: Walls that the robot went into.
 
     Raises:
-        InvalidParameter: If the arrays do not fit, are empty or not finite, or the index is none of theirs.
+        InvalidParameter: If the arrays do not fit, are empty or not finite, or the index is none of
+            theirs.
     """
 
     x: npt.NDArray[np.float64]
     y: npt.NDArray[np.float64]
     loop_from: int | None = None
-    marks: Sequence[Mark] = field(default_factory=tuple)
-    pierced: Sequence[Pierced] = ()
+    marks: Sequence[EventMark] = field(default_factory=tuple)
+    pierced: Sequence[WallPenetration] = ()
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):
@@ -125,11 +129,15 @@ class Trail:
     @property
     def loop(self) -> npt.NDArray[np.float64]:
         """(k, 2) float64, m: the cycle; no points if there is none."""
-        return self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
+        return (
+            self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
+        )
 
     def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
         """(k, 2) float64, m: where marks of one kind lie."""
-        return np.array([(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64).reshape(-1, 2)
+        return np.array(
+            [(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64
+        ).reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +178,10 @@ class Drive:
         return float(self.times[-1])
 
     def moment(self, time: float) -> float:
-        """The recorded time that stands for a later one, s: a loop goes round for ever, another robot stays."""
+        """The recorded time that stands for a later one, s.
+
+        A loop goes round for ever, another robot stays.
+        """
         if time <= self.end or self.trail.loop_from is None:
             return min(time, self.end)
         entry = float(self.times[self.trail.loop_from])
@@ -178,6 +189,8 @@ class Drive:
 
     def pose(self, time: float) -> tuple[float, float, float]:
         """Place, m, and heading, rad, at a time that is recorded."""
-        x, y = (float(np.interp(time, self.times, values)) for values in (self.trail.x, self.trail.y))
+        x, y = (
+            float(np.interp(time, self.times, values)) for values in (self.trail.x, self.trail.y)
+        )
         step = min(int(time / self.time_step + 1e-6), len(self.headings) - 1)
         return x, y, float(self.headings[step])

@@ -1,6 +1,7 @@
 """Colours of the pictures: one hue per meaning.
 
-Source: Masataka Okabe, Kei Ito, "Color Universal Design: How to make figures and presentations that are
+Source: Masataka Okabe, Kei Ito, "Color Universal Design: How to make figures and presentations that
+    are
 friendly to colorblind people", 2008. Neutrals are greys, so no meaning hangs on red against green.
 """
 

@@ -1,4 +1,7 @@
-"""A scene as PNG. Shapes are drawn large as masks, shrunk, and laid on: smooth edges, true colours."""
+"""A scene as PNG. Shapes are drawn large as masks, shrunk, and laid on.
+
+Smooth edges, true colours.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,15 @@ from worldgen.render.frame import DEFAULT_PIXELS, Frame
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import rgb
 from worldgen.render.polyline import dashes
-from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive, Text
+from worldgen.render.primitives import (
+    DrawnCells,
+    DrawnCircle,
+    DrawnLine,
+    Glow,
+    Paint,
+    Primitive,
+    Text,
+)
 from worldgen.render.scene import compose
 from worldgen.world import World
 
@@ -55,7 +66,11 @@ def draw_png(
 
 
 def draw_parts(
-    parts: Iterable[Primitive], frame: Frame, size: tuple[int, int], *, onto: Image.Image | None = None
+    parts: Iterable[Primitive],
+    frame: Frame,
+    size: tuple[int, int],
+    *,
+    onto: Image.Image | None = None,
 ) -> Image.Image:
     """The picture of primitives, the lowest first.
 
@@ -85,13 +100,13 @@ class _Canvas:
         self.image = Image.new("RGB", size, "#FFFFFF")
         self.times = FINE if max(size) <= LARGE else COARSE
 
-    def draw(self, part: Circle | Path | Cells | Glow | Text) -> None:
+    def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> None:
         """Lays one primitive on the picture."""
-        if isinstance(part, Circle):
+        if isinstance(part, DrawnCircle):
             self._circle(part)
-        elif isinstance(part, Path):
+        elif isinstance(part, DrawnLine):
             self._path(part)
-        elif isinstance(part, Cells):
+        elif isinstance(part, DrawnCells):
             self._cells(part)
         elif isinstance(part, Glow):
             self._glow(part)
@@ -102,7 +117,9 @@ class _Canvas:
         frame = self.frame
         return frame.left, frame.top, frame.left + frame.width, frame.bottom
 
-    def _box(self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool) -> tuple[int, int, int, int]:
+    def _box(
+        self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool
+    ) -> tuple[int, int, int, int]:
         """The pixels that a shape can touch: left, top, right, bottom."""
         (x0, y0), (x1, y1) = np.asarray(low, np.float64) - grow, np.asarray(high, np.float64) + grow
         left, top, right, bottom = self._map_box() if clipped else (0, 0, *self.image.size)
@@ -111,12 +128,14 @@ class _Canvas:
             int(max(left, min(right, math.ceil(x1)))), int(max(top, min(bottom, math.ceil(y1)))),
         )  # fmt: skip
 
-    def _lay(self, mask: Image.Image, box: tuple[int, int, int, int], colour: str, opacity: float) -> None:
+    def _lay(
+        self, mask: Image.Image, box: tuple[int, int, int, int], colour: str, opacity: float
+    ) -> None:
         if opacity < 1.0:
             mask = mask.point([round(value * opacity) for value in range(256)])
         self.image.paste(rgb(colour), box, mask)
 
-    def _circle(self, part: Circle) -> None:
+    def _circle(self, part: DrawnCircle) -> None:
         paint = part.paint
         outer = part.radius + (0.5 * paint.width if paint.stroke else 0.0)
         centre = np.array((part.x, part.y))
@@ -144,8 +163,9 @@ class _Canvas:
         mask = Image.new("L", ((box[2] - box[0]) * self.times, (box[3] - box[1]) * self.times), 0)
         return mask, ImageDraw.Draw(mask)
 
-    def _path(self, part: Path) -> None:
-        paint, points = part.paint, part.points
+    def _path(self, part: DrawnLine) -> None:
+        paint = part.paint
+        points = part.points
         box = self._box(points.min(axis=0), points.max(axis=0), paint.width + 1.0, clipped=False)
         if box[0] >= box[2] or box[1] >= box[3]:
             return
@@ -160,18 +180,22 @@ class _Canvas:
                 self._stroke(pen, self._fine(piece, box), paint)
             self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
 
-    def _fine(self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]) -> list[tuple[float, float]]:
+    def _fine(
+        self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]
+    ) -> list[tuple[float, float]]:
         fine = (points - np.array(box[:2])) * self.times
         return [(float(x), float(y)) for x, y in fine]
 
-    def _stroke(self, pen: ImageDraw.ImageDraw, points: list[tuple[float, float]], paint: Paint) -> None:
+    def _stroke(
+        self, pen: ImageDraw.ImageDraw, points: list[tuple[float, float]], paint: Paint
+    ) -> None:
         width = max(1, round(paint.width * self.times))
         pen.line(points, fill=255, width=width)
         reach = 0.5 * width
         for x, y in points if width > 2 else ():  # round joins and ends
             pen.ellipse((x - reach, y - reach, x + reach - 1.0, y + reach - 1.0), fill=255)
 
-    def _cells(self, part: Cells) -> None:
+    def _cells(self, part: DrawnCells) -> None:
         frame = self.frame
         values = coverage(part.mask, frame.width, frame.height)
         if part.hatch > 0.0:
@@ -186,19 +210,25 @@ class _Canvas:
         x = np.arange(frame.width, dtype=np.float32) + np.float32(frame.left + 0.5 - part.x)
         y = np.arange(frame.height, dtype=np.float32) + np.float32(frame.top + 0.5 - part.y)
         square = np.maximum(x * x + (y * y)[:, None], part.near**2)
-        share = np.clip(np.log(square / part.near**2) / (2.0 * math.log(part.far / part.near)), 0.0, 1.0)
-        inner, outer = np.array(rgb(part.inner), np.float32), np.array(rgb(part.outer), np.float32)
+        share = np.clip(
+            np.log(square / part.near**2) / (2.0 * math.log(part.far / part.near)), 0.0, 1.0
+        )
+        inner = np.array(rgb(part.inner), np.float32)
+        outer = np.array(rgb(part.outer), np.float32)
         tint = np.rint(inner + share[:, :, None] * (outer - inner)).astype(np.uint8)
         self.image.paste(Image.fromarray(tint), self._map_box())
 
     def _text(self, part: Text) -> None:
         font = ImageFont.load_default(part.size)
-        ImageDraw.Draw(self.image).text((part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls")
+        ImageDraw.Draw(self.image).text(
+            (part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls"
+        )
 
 
 def _fill(pen: ImageDraw.ImageDraw, points: list[tuple[float, float]]) -> None:
     """Fills a polygon; a rectangle up to its edges, for Pillow counts the pixel beyond the right and lower one in."""
-    across, up = sorted({x for x, _ in points}), sorted({y for _, y in points})
+    across = sorted({x for x, _ in points})
+    up = sorted({y for _, y in points})
     if len(points) == 4 and len(across) == len(up) == 2 and len(set(points)) == 4:
         left, right, top, bottom = (round(value) for value in (*across, *up))
         if left < right and top < bottom:

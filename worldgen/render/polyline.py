@@ -20,8 +20,8 @@ def simplified(points: Points, tolerance: float) -> Points:
         points: (n, 2).
         tolerance: In the points' unit.
 
-    Source: David Douglas, Thomas Peucker, "Algorithms for the Reduction of the Number of Points Required
-        to Represent a Digitized Line or its Caricature", 1973; in chunks.
+    Source: David Douglas, Thomas Peucker, "Algorithms for the Reduction of the Number of Points
+        Required to Represent a Digitized Line or its Caricature", 1973; in chunks.
     """
     if len(points) < 3:
         return points
@@ -34,16 +34,21 @@ def simplified(points: Points, tolerance: float) -> Points:
     return points[keep]
 
 
-def _keep_far(points: Points, first: int, last: int, tolerance: float, keep: npt.NDArray[np.bool_]) -> None:
+def _keep_far(
+    points: Points, first: int, last: int, tolerance: float, keep: npt.NDArray[np.bool_]
+) -> None:
     keep[first] = keep[last] = True
     spans = [(first, last)]
     while spans:
         a, b = spans.pop()
         if b - a < 2:
             continue
-        offset, chord = points[a + 1 : b] - points[a], points[b] - points[a]
+        offset = points[a + 1 : b] - points[a]
+        chord = points[b] - points[a]
         square = float(chord @ chord)
-        share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(offset))
+        share = (
+            np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(offset))
+        )
         distance = np.hypot(*(offset - share[:, None] * chord).T)
         worst = int(np.argmax(distance))
         if distance[worst] > tolerance:
@@ -84,7 +89,8 @@ def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[flo
         chords = along(points, spots + reach) - along(points, spots - reach)
         order = np.argsort(-np.round(np.hypot(*chords.T) / reach, 2), kind="stable")
         for spot, (dx, dy) in zip(along(points, spots[order]), chords[order], strict=True):
-            x, y = float(spot[0]), float(spot[1])
+            x = float(spot[0])
+            y = float(spot[1])
             if all(max(abs(x - other[0]), abs(y - other[1])) > 2.5 * reach for other in places):
                 places.append((x, y, float(np.arctan2(dy, dx))))
                 break
@@ -109,12 +115,14 @@ def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
         pattern: Lengths drawn and left out, in turn.
     """
     length = arc_length(points)
-    period, total = sum(pattern), float(length[-1])
+    period = sum(pattern)
+    total = float(length[-1])
     pieces = []
     starts = np.concatenate(([0.0], np.cumsum(pattern)))
     for lap in range(int(total // period) + 1):
         for first in range(0, len(pattern), 2):
-            a, b = lap * period + starts[first], min(total, lap * period + starts[first + 1])
+            a = lap * period + starts[first]
+            b = min(total, lap * period + starts[first + 1])
             if a < b:
                 inner = points[(length > a) & (length < b)]
                 ends = along(points, [a, b])

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Cells", "Circle", "Glow", "Paint", "Path", "Primitive", "Text"]
+__all__ = ["DrawnCells", "DrawnCircle", "DrawnLine", "Glow", "Paint", "Primitive", "Text"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Paint:
 
 
 @dataclass(frozen=True, slots=True)
-class Circle:
+class DrawnCircle:
     """A circle; ``clipped`` leaves out what lies outside the map."""
 
     x: float
@@ -42,7 +42,7 @@ class Circle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class DrawnLine:
     """Straight lines through (n, 2) float64 points, with round joins and ends."""
 
     points: npt.NDArray[np.float64]
@@ -51,8 +51,10 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cells:
-    """Whole cells of the map in one colour, where ``mask`` (height, width) bool is set; row 0 the lowest y.
+class DrawnCells:
+    """Whole cells of the map in one colour, where ``mask`` (height, width) bool is set.
+
+    Row 0 the lowest y.
 
     Args:
         mask: Which cells.
@@ -71,7 +73,8 @@ class Cells:
 class Glow:
     """The map's floor, tinted by the logarithm of the distance from a point.
 
-    The signal falls with the square of the distance, so equal steps of tint are equal ratios of signal.
+    The signal falls with the square of the distance, so equal steps of tint are equal ratios of
+    signal.
 
     Args:
         x: Centre, px.
@@ -101,4 +104,4 @@ class Text:
     fill: str
 
 
-Primitive: TypeAlias = Circle | Path | Cells | Glow | Text
+Primitive: TypeAlias = DrawnCircle | DrawnLine | DrawnCells | Glow | Text

@@ -1,4 +1,7 @@
-"""What is in a picture: a world, a run in it, and the caption, as a list of primitives in pixels."""
+"""What is in a picture.
+
+A world, a run in it, and the caption, as a list of primitives in pixels.
+"""
 
 from __future__ import annotations
 
@@ -13,19 +16,32 @@ from worldgen.render.content import Changes, Content
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import FIRE, FLOOR, FULL_TINT, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
-from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive
+from worldgen.render.palette import (
+    FIRE,
+    FLOOR,
+    FULL_TINT,
+    GREY,
+    PAPER,
+    START,
+    TARGET,
+    TUNNEL,
+    WALL,
+    mix,
+)
+from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Primitive
 from worldgen.render.trail_parts import breach_crosses, pierced_parts, swept_parts, trail_parts
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["Scene", "compose", "map_parts", "moment_parts"]
+__all__ = ["Picture", "compose", "map_parts", "moment_parts"]
 
-HIDDEN, FINDER = 6.0, 11.0  # units; a robot with a smaller radius gets a ring of this one
+# units; a robot with a smaller radius gets a ring of this one
+HIDDEN = 6.0
+FINDER = 11.0
 MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Picture:
     """A picture, ready for any backend; primitives are drawn in order.
 
     Args:
@@ -43,7 +59,9 @@ class Scene:
     primitives: tuple[Primitive, ...]
 
 
-def compose(world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int) -> Scene:
+def compose(
+    world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
+) -> Picture:
     """The whole picture of a world, lowest layer first.
 
     Args:
@@ -61,7 +79,7 @@ def compose(world: World, trail: Trail | None, *, signal: bool, witness: bool, t
     content = Content(world, trail, signal, witness, title, frame, Changes.of(world))
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
-    return Scene(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
+    return Picture(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
 
 
 def map_parts(world: World, frame: Frame) -> list[Primitive]:
@@ -71,7 +89,11 @@ def map_parts(world: World, frame: Frame) -> list[Primitive]:
 
 
 def moment_parts(
-    world: World, frame: Frame, solid: npt.NDArray[np.bool_], burning: npt.NDArray[np.bool_], height: int
+    world: World,
+    frame: Frame,
+    solid: npt.NDArray[np.bool_],
+    burning: npt.NDArray[np.bool_],
+    height: int,
 ) -> list[Primitive]:
     """A world's map at one moment, lowest layer first, with room for words below.
 
@@ -83,34 +105,55 @@ def moment_parts(
         height: Of the picture, px.
     """
     parts: list[Primitive] = [_box(0.0, 0.0, frame.picture_width, height, PAPER), _band(frame)]
-    parts += [Cells(np.ones_like(solid), FLOOR), Cells(solid, WALL), Cells(burning, FIRE)]
-    return [*parts, *_start_disc(world, frame), _start_heading(world, frame), *_target(world, frame)]
+    parts += [
+        DrawnCells(np.ones_like(solid), FLOOR),
+        DrawnCells(solid, WALL),
+        DrawnCells(burning, FIRE),
+    ]
+    return [
+        *parts,
+        *_start_disc(world, frame),
+        _start_heading(world, frame),
+        *_target(world, frame),
+    ]
 
 
 def _map(content: Content) -> list[Primitive]:
-    world, frame = content.world, content.frame
+    world = content.world
+    frame = content.frame
     parts: list[Primitive] = [_band(frame), *_floor(world, frame, signal=content.signal)]
-    parts += [Cells(world.walls, WALL), *_changes(content.changes, frame)]
+    parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
-    trail, radius = content.trail, world.robot_radius
-    # The start's disc lies under the lines, for a cycle often leads through it; its heading lies above.
+    trail = content.trail
+    radius = world.robot_radius
+    # The start's disc lies under the lines, for a cycle often leads through it; its heading lies
+    # above.
     parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
     parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
     if trail:
-        parts += [*pierced_parts(trail.pierced, world.walls.shape, frame), *breach_crosses(trail.pierced, frame)]
+        parts += [
+            *pierced_parts(trail.pierced, world.walls.shape, frame),
+            *breach_crosses(trail.pierced, frame),
+        ]
     return [*parts, *_target(world, frame)]
 
 
-def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Path:
+def _box(left: float, top: float, right: float, bottom: float, fill: str) -> DrawnLine:
     points = np.array(((left, top), (right, top), (right, bottom), (left, bottom)), np.float64)
-    return Path(points, Paint(fill=fill), closed=True)
+    return DrawnLine(points, Paint(fill=fill), closed=True)
 
 
-def _band(frame: Frame) -> Path:
+def _band(frame: Frame) -> DrawnLine:
     """Everything outside the grid is solid, so the map has a wall around it."""
     band = frame.band
-    return _box(frame.left - band, frame.top - band, frame.left + frame.width + band, frame.bottom + band, WALL)
+    return _box(
+        frame.left - band,
+        frame.top - band,
+        frame.left + frame.width + band,
+        frame.bottom + band,
+        WALL,
+    )
 
 
 def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
@@ -118,16 +161,20 @@ def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
         return [_box(frame.left, frame.top, frame.left + frame.width, frame.bottom, FLOOR)]
     target = world.target
     x, y = frame.to_pixels(target.x, target.y)
-    width, height = world.width * world.cell_size, world.height * world.cell_size
-    far = math.hypot(max(target.x, width - target.x), max(target.y, height - target.y)) * frame.scale
+    width = world.width * world.cell_size
+    height = world.height * world.cell_size
+    far = (
+        math.hypot(max(target.x, width - target.x), max(target.y, height - target.y)) * frame.scale
+    )
     near = max(target.radius * frame.scale, 2.0 * frame.unit)
     parts: list[Primitive] = [Glow(x, y, near, max(far, near * 1.01), FULL_TINT, FLOOR)]
-    ring, gap = near, 12.0 * frame.unit
+    ring = near
+    gap = 12.0 * frame.unit
     line = Paint(stroke=TARGET, width=1.0 * frame.unit, opacity=0.22)
     while ring < far:
         ring *= math.sqrt(2.0)  # the signal halves
         if ring * (1.0 - math.sqrt(0.5)) >= gap:
-            parts.append(Circle(x, y, ring, line, clipped=True))
+            parts.append(DrawnCircle(x, y, ring, line, clipped=True))
     return parts
 
 
@@ -137,25 +184,28 @@ def _changes(changes: Changes, frame: Frame) -> list[Primitive]:
     parts: list[Primitive] = []
     for mask, colour in ((changes.closes, GREY), (changes.burns, FIRE)):
         if mask.any():
-            parts.append(Cells(mask, colour, opacity=0.30))
+            parts.append(DrawnCells(mask, colour, opacity=0.30))
             if stripes:
-                parts.append(Cells(mask, colour, opacity=0.85, hatch=stripes))
+                parts.append(DrawnCells(mask, colour, opacity=0.85, hatch=stripes))
     if changes.opens.any() and corner_count(changes.opens) <= MOST_CORNERS:
         dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
         for line in outlines(changes.opens):
-            parts.append(Path(frame.corners(line), dotted, closed=True))
+            parts.append(DrawnLine(frame.corners(line), dotted, closed=True))
     return parts
 
 
 def _certificate(world: World, frame: Frame) -> list[Primitive]:
-    unit, proof = frame.unit, world.certificate
+    unit = frame.unit
+    proof = world.certificate
     if isinstance(proof, Witness) and len(proof.x) > 1:
         points = frame.points(np.column_stack((proof.x, proof.y)))
-        return [Path(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))]
+        return [
+            DrawnLine(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))
+        ]
     if isinstance(proof, Cut) and len(proof.cells):
         points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
-        casing = Path(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
-        return [casing, Path(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
+        casing = DrawnLine(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
+        return [casing, DrawnLine(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
     return []
 
 
@@ -173,12 +223,12 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     x, y = frame.to_pixels(world.target.x, world.target.y)
     radius = max(world.target.radius * frame.scale, 5.0 * unit)
     reach = radius + 6.0 * unit
-    parts: list[Primitive] = [Circle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
+    parts: list[Primitive] = [DrawnCircle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
     for colour, width in ((PAPER, 5.0 * unit), (TARGET, 2.4 * unit)):
-        parts.append(Circle(x, y, radius, Paint(stroke=colour, width=width)))
+        parts.append(DrawnCircle(x, y, radius, Paint(stroke=colour, width=width)))
         for dx, dy in ((reach, 0.0), (0.0, reach)):
             arm = np.array(((x - dx, y - dy), (x + dx, y + dy)))
-            parts.append(Path(arm, Paint(stroke=colour, width=width)))
+            parts.append(DrawnLine(arm, Paint(stroke=colour, width=width)))
     return parts
 
 
@@ -189,13 +239,13 @@ def _start_disc(world: World, frame: Frame) -> list[Primitive]:
     radius = world.robot_radius * frame.scale
     shown = max(radius, 3.0 * unit)
     parts: list[Primitive] = [
-        Circle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
-        Circle(x, y, shown, Paint(fill=mix(PAPER, START, 0.45))),
-        Circle(x, y, shown, Paint(stroke=START, width=2.0 * unit)),
+        DrawnCircle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
+        DrawnCircle(x, y, shown, Paint(fill=mix(PAPER, START, 0.45))),
+        DrawnCircle(x, y, shown, Paint(stroke=START, width=2.0 * unit)),
     ]
     if radius < HIDDEN * unit:
-        parts.append(Circle(x, y, FINDER * unit, Paint(stroke=PAPER, width=4.5 * unit)))
-        parts.append(Circle(x, y, FINDER * unit, Paint(stroke=START, width=2.2 * unit)))
+        parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=PAPER, width=4.5 * unit)))
+        parts.append(DrawnCircle(x, y, FINDER * unit, Paint(stroke=START, width=2.2 * unit)))
     return parts
 
 
@@ -207,4 +257,4 @@ def _start_heading(world: World, frame: Frame) -> Primitive:
         rim = FINDER * frame.unit
     ahead = np.array((math.cos(world.start.heading), -math.sin(world.start.heading)))
     tick = np.array((x, y)) + np.outer((0.45 * rim, rim), ahead)
-    return Path(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit))
+    return DrawnLine(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit))

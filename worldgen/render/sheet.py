@@ -16,7 +16,7 @@ from worldgen.render.overlay import Trail
 from worldgen.render.palette import GREY, INK, PAPER, mix, rgb
 from worldgen.render.png import draw_parts
 from worldgen.render.polyline import simplified
-from worldgen.render.primitives import Circle, Paint, Path, Primitive
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
 from worldgen.render.scene import map_parts
 from worldgen.world import World
 
@@ -49,7 +49,9 @@ class Panel:
     notes: tuple[str, ...] = ()
 
 
-def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0, pixels: int = _PANEL) -> bytes:
+def draw_sheet(
+    panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0, pixels: int = _PANEL
+) -> bytes:
     """The worlds side by side, as the bytes of a PNG file.
 
     Args:
@@ -113,7 +115,9 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
     for k, note in enumerate(panel.notes):
         baseline = _LINE + chart.height + (k + 1) * _LINE - 6
-        pen.text((0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls")
+        pen.text(
+            (0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls"
+        )
     return image
 
 
@@ -128,15 +132,17 @@ def _way(trail: Trail | None, frame: Frame, index: int, count: int) -> list[Prim
     x, y = (float(value) for value in points[-1])
     colour = COLOURS[index]
     return [
-        Path(points, Paint(stroke=PAPER, width=_WIDTH + 1.4, opacity=0.6)),
-        Path(points, Paint(stroke=colour, width=_WIDTH)),
-        Circle(x, y, 4.5, Paint(fill=colour, stroke=PAPER, width=1.2)),
+        DrawnLine(points, Paint(stroke=PAPER, width=_WIDTH + 1.4, opacity=0.6)),
+        DrawnLine(points, Paint(stroke=colour, width=_WIDTH)),
+        DrawnCircle(x, y, 4.5, Paint(fill=colour, stroke=PAPER, width=1.2)),
     ]
 
 
 def _draw_legend(sheet: Image.Image, robots: Sequence[str]) -> None:
-    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(_TYPE)
-    x, y = float(_GAP), _GAP + _LINE / 2
+    pen = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(_TYPE)
+    x = float(_GAP)
+    y = _GAP + _LINE / 2
     for k, name in enumerate(robots):
         pen.line((x, y, x + 26, y), fill=rgb(COLOURS[k]), width=4)
         pen.text((x + 34, y), name, fill=rgb(INK), font=font, anchor="lm")

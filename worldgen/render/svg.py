@@ -17,8 +17,8 @@ from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import mix, rgb
-from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Text
-from worldgen.render.scene import Scene, compose
+from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Glow, Paint, Text
+from worldgen.render.scene import Picture, compose
 from worldgen.world import World
 
 __all__ = ["draw_svg", "svg_element"]
@@ -53,7 +53,7 @@ def draw_svg(
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + svg_element(scene, standalone=True)
 
 
-def svg_element(scene: Scene, *, standalone: bool) -> str:
+def svg_element(scene: Picture, *, standalone: bool) -> str:
     """The ``<svg>`` element; ``standalone`` adds the name space that a file of its own needs."""
     writer = _Writer(scene)
     body = [writer.draw(part) for part in scene.primitives]
@@ -83,25 +83,27 @@ def _look(paint: Paint) -> str:
     if paint.opacity < 1.0:
         parts.append(f'opacity="{_number(paint.opacity)}"')
     if paint.dash:
-        parts.append(f'stroke-linecap="butt" stroke-dasharray="{" ".join(map(_number, paint.dash))}"')
+        parts.append(
+            f'stroke-linecap="butt" stroke-dasharray="{" ".join(map(_number, paint.dash))}"'
+        )
     return " ".join(parts)
 
 
 class _Writer:
     """Turns primitives into elements and collects the definitions that these refer to."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Picture) -> None:
         self.frame = scene.frame
         self.definitions: dict[str, str] = {}
 
-    def draw(self, part: Circle | Path | Cells | Glow | Text) -> str:
+    def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> str:
         """The element of one primitive."""
-        if isinstance(part, Circle):
+        if isinstance(part, DrawnCircle):
             return self._circle(part)
-        if isinstance(part, Path):
+        if isinstance(part, DrawnLine):
             kind = "polygon" if part.closed else "polyline"
             return f'<{kind} points="{_points(part.points)}" {_look(part.paint)}/>'
-        if isinstance(part, Cells):
+        if isinstance(part, DrawnCells):
             return self._cells(part)
         if isinstance(part, Glow):
             return self._glow(part)
@@ -109,7 +111,10 @@ class _Writer:
         return f'<text {place} fill="{part.fill}">{html.escape(part.text)}</text>'
 
     def _define(self, template: str) -> str:
-        """Adds a definition with ``{id}`` in it; equal ids are equal definitions, even across pictures."""
+        """Adds a definition with ``{id}`` in it.
+
+        Equal ids are equal definitions, even across pictures.
+        """
         name = f"wg{zlib.crc32(template.encode()):08x}"
         self.definitions[name] = template.replace("{id}", name)
         return f"url(#{name})"
@@ -118,15 +123,17 @@ class _Writer:
         frame = self.frame
         return f'x="{frame.left}" y="{frame.top}" width="{frame.width}" height="{frame.height}"'
 
-    def _circle(self, part: Circle) -> str:
+    def _circle(self, part: DrawnCircle) -> str:
         clip = ""
         if part.clipped:
             area = self._define(f'<clipPath id="{{id}}"><rect {self._map_rectangle()}/></clipPath>')
             clip = f' clip-path="{area}"'
-        place = f'cx="{_number(part.x)}" cy="{_number(part.y)}" r="{_number(max(0.0, part.radius))}"'
+        place = (
+            f'cx="{_number(part.x)}" cy="{_number(part.y)}" r="{_number(max(0.0, part.radius))}"'
+        )
         return f"<circle {place} {_look(part.paint)}{clip}/>"
 
-    def _cells(self, part: Cells) -> str:
+    def _cells(self, part: DrawnCells) -> str:
         if corner_count(part.mask) > MOST_CORNERS:
             return self._image(part)
         frame = self.frame
@@ -137,19 +144,22 @@ class _Writer:
         if part.hatch > 0.0:
             fill = self._stripes(part, 1.0 / frame.cell)
         opacity = f' opacity="{_number(part.opacity)}"' if part.opacity < 1.0 else ""
-        across, down = frame.width / part.mask.shape[1], frame.height / part.mask.shape[0]
+        across = frame.width / part.mask.shape[1]
+        down = frame.height / part.mask.shape[0]
         place = f"translate({frame.left} {frame.bottom}) scale({across:.8g} {-down:.8g})"
         return f'<path transform="{place}" fill="{fill}" fill-rule="evenodd"{opacity} d="{steps}"/>'
 
-    def _stripes(self, part: Cells, scale: float) -> str:
+    def _stripes(self, part: DrawnCells, scale: float) -> str:
         period = part.hatch * scale
         return self._define(
-            f'<pattern id="{{id}}" width="{period:.5g}" height="{period:.5g}" patternUnits="userSpaceOnUse" '
-            f'patternTransform="rotate(-45)"><rect width="{0.28 * period:.5g}" height="{period:.5g}" '
+            f'<pattern id="{{id}}" width="{period:.5g}" height="{period:.5g}" '
+            f'patternUnits="userSpaceOnUse" '
+            f'patternTransform="rotate(-45)"><rect width="{0.28 * period:.5g}" '
+            f'height="{period:.5g}" '
             f'fill="{part.fill}"/></pattern>'
         )
 
-    def _image(self, part: Cells) -> str:
+    def _image(self, part: DrawnCells) -> str:
         """Too many corners for a path: a grey-scale image serves as the colour's opacity."""
         frame = self.frame
         rows, columns = part.mask.shape
@@ -159,11 +169,18 @@ class _Writer:
         image = Image.fromarray(levels)
         image.putpalette([channel for _ in range(256) for channel in rgb(part.fill)])
         stream = io.BytesIO()
-        image.save(stream, "PNG", optimize=True, bits=4, transparency=bytes(17 * level for level in range(16)))
+        image.save(
+            stream,
+            "PNG",
+            optimize=True,
+            bits=4,
+            transparency=bytes(17 * level for level in range(16)),
+        )
         data = base64.b64encode(stream.getvalue()).decode()
         opacity = f' opacity="{_number(part.opacity)}"' if part.opacity < 1.0 else ""
         return (
-            f'<image {self._map_rectangle()} preserveAspectRatio="none"{opacity} href="data:image/png;base64,{data}"/>'
+            f'<image {self._map_rectangle()} preserveAspectRatio="none"{opacity} '
+            f'href="data:image/png;base64,{data}"/>'
         )
 
     def _glow(self, part: Glow) -> str:
@@ -175,7 +192,8 @@ class _Writer:
             stops.append(f'<stop offset="{radius / part.far:.5g}" stop-color="{tint}"/>')
         place = f'cx="{_number(part.x)}" cy="{_number(part.y)}" r="{_number(part.far)}"'
         fill = self._define(
-            f'<radialGradient id="{{id}}" gradientUnits="userSpaceOnUse" {place}>{"".join(stops)}</radialGradient>'
+            f'<radialGradient id="{{id}}" gradientUnits="userSpaceOnUse" '
+            f"{place}>{''.join(stops)}</radialGradient>"
         )
         return f'<rect {self._map_rectangle()} fill="{fill}"/>'
 

@@ -36,7 +36,8 @@ __all__ = ["draw_terminal", "wants_color"]
 
 MOST_ROWS = 100  # rows of dots or letters; a higher world is scaled down
 SMALL = 60  # dots; in colour, a smaller world is scaled up to about this side
-# The signal's steps where only 256 colours can be shown: those of one hue, and where each step ends.
+# The signal's steps where only 256 colours can be shown: those of one hue, and where each step
+# ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 Dots = npt.NDArray[np.uint8]
@@ -97,9 +98,9 @@ def draw_terminal(
 ) -> str:
     """A world, and a run in it, as lines of text.
 
-    Without colours one character is one cell, as in a ``.grid`` file. With colours a character is two
-    dots, one above the other, and a small world gets several dots a cell. A world too large for the
-    terminal is scaled down; a dot is then several cells, and shows if any of them is solid.
+    Without colours one character is one cell, as in a ``.grid`` file. With colours a character is
+    two dots, one above the other, and a small world gets several dots a cell. A world too large for
+    the terminal is scaled down; a dot is then several cells, and shows if any of them is solid.
 
     Args:
         world: What to draw.
@@ -120,13 +121,20 @@ def draw_terminal(
     else:
         lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
     key = _key(dots, color=color, deep=deep)
-    scale = f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells" if grid.cells > 1 else ""
+    scale = (
+        f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells"
+        if grid.cells > 1
+        else ""
+    )
     return "\n".join([*lines, key, facts(world) + scale, ""])
 
 
 @dataclass(frozen=True, slots=True)
 class _Grid:
-    """The dots of a picture: each has ``cells`` cells a side, or each cell ``dots_per_cell`` dots."""
+    """The dots of a picture.
+
+    Each has ``cells`` cells a side, or each cell ``dots_per_cell`` dots.
+    """
 
     cells: int
     dots_per_cell: int
@@ -144,11 +152,15 @@ class _Grid:
     def shrunk(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
         """(rows, columns) float64: the share of each dot's cells that are set."""
         if self.cells == 1:
-            return mask.repeat(self.dots_per_cell, 0).repeat(self.dots_per_cell, 1).astype(np.float64)
+            return (
+                mask.repeat(self.dots_per_cell, 0).repeat(self.dots_per_cell, 1).astype(np.float64)
+            )
         starts = [np.arange(0, side, self.cells) for side in mask.shape]
         sums = np.add.reduceat(mask, starts[0], axis=0, dtype=np.float64)
         sums = np.add.reduceat(sums, starts[1], axis=1)
-        sizes = [np.diff(np.append(first, side)) for first, side in zip(starts, mask.shape, strict=True)]
+        sizes = [
+            np.diff(np.append(first, side)) for first, side in zip(starts, mask.shape, strict=True)
+        ]
         return np.asarray(sums / np.outer(*sizes), np.float64)
 
     def dots(self, world: World, trail: Trail | None) -> Dots:
@@ -157,7 +169,11 @@ class _Grid:
         dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
         if world.is_dynamic:
             changes = Changes.of(world)
-            for mask, sign in ((changes.closes, CLOSES), (changes.opens, OPENS), (changes.burns, BURNS)):
+            for mask, sign in (
+                (changes.closes, CLOSES),
+                (changes.opens, OPENS),
+                (changes.burns, BURNS),
+            ):
                 dots[self.shrunk(mask) > 0.0] = sign
         if trail is not None:
             self._line(dots, trail.approach, WAY)
@@ -173,7 +189,8 @@ class _Grid:
 
     def _place(self, dots: Dots, x: float, y: float) -> tuple[int, int]:
         rows, columns = dots.shape
-        row, column = math.floor(y / self.dot_size), math.floor(x / self.dot_size)
+        row = math.floor(y / self.dot_size)
+        column = math.floor(x / self.dot_size)
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
 
     def _line(self, dots: Dots, points: npt.NDArray[np.float64], sign: int) -> None:
@@ -196,7 +213,10 @@ class _Grid:
 
 
 def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArray[np.uint8]:
-    """(rows, columns, 3) uint8: the floor tinted by the signal, all else in the colours of its sign."""
+    """(rows, columns, 3) uint8.
+
+    The floor tinted by the signal, all else in the colours of its sign.
+    """
     rows, columns = dots.shape
     table = np.array([rgb(SIGNS[sign].colour) for sign in range(len(SIGNS))], np.uint8)
     colours = table[dots]
@@ -230,7 +250,10 @@ def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
         for pair in zip(upper, lower, strict=True):
             if pair != last:
                 over, under = pair
-                words.append(_ansi(over, 38, deep=deep) + (_ansi(under, 48, deep=deep) if under else "\x1b[49m"))
+                words.append(
+                    _ansi(over, 38, deep=deep)
+                    + (_ansi(under, 48, deep=deep) if under else "\x1b[49m")
+                )
                 last = pair
             words.append("\u2580")
         lines.append("".join(words) + "\x1b[0m")
@@ -251,7 +274,9 @@ def _xterm(colour: list[int]) -> int:
     """The nearest of xterm's 240 fixed colours."""
     steps = [min(range(6), key=lambda k, c=channel: abs(LEVELS[k] - c)) for channel in colour]  # type: ignore[misc]
     grey = min(max(round((sum(colour) / 3 - 8) / 10), 0), 23)
-    off_cube = sum((LEVELS[step] - channel) ** 2 for step, channel in zip(steps, colour, strict=True))
+    off_cube = sum(
+        (LEVELS[step] - channel) ** 2 for step, channel in zip(steps, colour, strict=True)
+    )
     off_grey = sum((8 + 10 * grey - channel) ** 2 for channel in colour)
     return 232 + grey if off_grey < off_cube else 16 + 36 * steps[0] + 6 * steps[1] + steps[2]
 
@@ -261,6 +286,10 @@ def _key(dots: Dots, *, color: bool, deep: bool) -> str:
     for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
         if (dots == sign).any():
             shown = SIGNS[sign]
-            swatch = f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m" if color else shown.letter
+            swatch = (
+                f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m"
+                if color
+                else shown.letter
+            )
             words.append(f"{swatch} {shown.word}")
     return "  ".join(words)

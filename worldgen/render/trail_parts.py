@@ -1,4 +1,7 @@
-"""What a run looks like on the map: the way there, the endless cycle, the robot's size, what it hit."""
+"""What a run looks like on the map.
+
+The way there, the endless cycle, the robot's size, what it hit.
+"""
 
 from __future__ import annotations
 
@@ -9,22 +12,46 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.render.frame import Frame
-from worldgen.render.overlay import Pierced, Trail
-from worldgen.render.palette import APPROACH, FLOOR, INK, LOOP, LOOP_HEAD, PAPER, PIERCED, SWEPT, TUNNEL
+from worldgen.render.overlay import Trail, WallPenetration
+from worldgen.render.palette import (
+    APPROACH,
+    FLOOR,
+    INK,
+    LOOP,
+    LOOP_HEAD,
+    PAPER,
+    PIERCED,
+    SWEPT,
+    TUNNEL,
+)
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
-from worldgen.render.primitives import Cells, Circle, Paint, Path, Primitive
+from worldgen.render.primitives import DrawnCells, DrawnCircle, DrawnLine, Paint, Primitive
 
-__all__ = ["arrow_head", "breach_crosses", "cross", "pierced_parts", "stays_put", "swept_parts", "trail_parts"]
+__all__ = [
+    "arrow_head",
+    "breach_crosses",
+    "cross",
+    "pierced_parts",
+    "stays_put",
+    "swept_parts",
+    "trail_parts",
+]
 
 Points = npt.NDArray[np.float64]
-THIN = (0.15, 0.5, 1.5)  # px; how far a drawn trail may be from the true one: the first that is short enough
+THIN = (
+    0.15,
+    0.5,
+    1.5,
+)  # px; how far a drawn trail may be from the true one: the first that is short enough
 MOST_POINTS = 20_000  # of a drawn trail; more make an SVG of megabytes
 MOST_FOOTPRINTS = 6
 MOST_DOTS = 400  # more bumps than this hide the map; those that would overlap are one anyway
 
 
 def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
-    """The floor that the robot's disc covers in its cycle: shows which gaps it does not fit through.
+    """The floor that the robot's disc covers in its cycle.
+
+    Shows which gaps it does not fit through.
 
     Args:
         trail: The run.
@@ -34,7 +61,9 @@ def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     if trail.loop_from is None or stays_put(trail, frame, robot_radius):
         return []
     width = 2.0 * robot_radius * frame.scale
-    return [Path(_thinned(frame.points(trail.loop)), Paint(stroke=SWEPT, width=width, opacity=0.6))]
+    return [
+        DrawnLine(_thinned(frame.points(trail.loop)), Paint(stroke=SWEPT, width=width, opacity=0.6))
+    ]
 
 
 def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
@@ -45,7 +74,8 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
         frame: Where the map lies.
         robot_radius: m.
     """
-    radius, unit = robot_radius * frame.scale, frame.unit
+    radius = robot_radius * frame.scale
+    unit = frame.unit
     approach = _thinned(frame.points(trail.approach))
     parts: list[Primitive] = []
     if trail.loop_from is None:
@@ -54,7 +84,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
             parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
     else:
         if len(approach) > 1:
-            parts.append(Path(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
+            parts.append(DrawnLine(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
         loop = _thinned(frame.points(trail.loop))
         still = stays_put(trail, frame, robot_radius)
         parts += _spot(loop[0], radius, unit) if still else _cycle(loop, radius, unit)
@@ -72,22 +102,25 @@ def _thinned(points: Points) -> Points:
 def _way(points: Points, width: float, unit: float) -> list[Primitive]:
     if len(points) < 2:
         return []
-    casing = Path(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
-    line = Path(points, Paint(stroke=LOOP, width=width))
+    casing = DrawnLine(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
+    line = DrawnLine(points, Paint(stroke=LOOP, width=width))
     size = 2.2 * width + 4.0 * unit
     total = float(arc_length(points)[-1])
     if total < 3.0 * size:
         return [casing, line]
     spacing = max(90.0 * unit, total / 14.0)
-    heads = [arrow_head(x, y, angle, size, LOOP_HEAD) for x, y, angle in arrow_places(points, spacing, size)]
+    heads = [
+        arrow_head(x, y, angle, size, LOOP_HEAD)
+        for x, y, angle in arrow_places(points, spacing, size)
+    ]
     return [casing, line, *heads]
 
 
 def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
     parts: list[Primitive] = []
     for x, y in _footprint_places(loop, radius):
-        parts.append(Circle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
-        parts.append(Circle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6)))
+        parts.append(DrawnCircle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
+        parts.append(DrawnCircle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6)))
     return parts + _way(loop, 3.2 * unit, unit)
 
 
@@ -101,13 +134,14 @@ def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
 
 def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
     """A cycle that stays on its spot: the robot's disc, strong. No arrow: it may turn or push."""
-    x, y = float(centre[0]), float(centre[1])
+    x = float(centre[0])
+    y = float(centre[1])
     shown = max(radius, 7.0 * unit)
     return [
-        Circle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
-        Circle(x, y, shown, Paint(stroke=PAPER, width=5.6 * unit, opacity=0.7)),
-        Circle(x, y, shown, Paint(stroke=LOOP, width=3.6 * unit)),
-        Circle(x, y, 3.0 * unit, Paint(fill=LOOP)),
+        DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
+        DrawnCircle(x, y, shown, Paint(stroke=PAPER, width=5.6 * unit, opacity=0.7)),
+        DrawnCircle(x, y, shown, Paint(stroke=LOOP, width=3.6 * unit)),
+        DrawnCircle(x, y, 3.0 * unit, Paint(fill=LOOP)),
     ]
 
 
@@ -127,38 +161,49 @@ def _footprint_places(loop: Points, radius: float) -> Points:
 
 
 def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
-    x, y = float(centre[0]), float(centre[1])
+    x = float(centre[0])
+    y = float(centre[1])
     shown = max(radius, 4.0 * unit)
     return [
-        Circle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
-        Circle(x, y, shown, Paint(stroke=LOOP, width=2.0 * unit)),
-        Circle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+        DrawnCircle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
+        DrawnCircle(x, y, shown, Paint(stroke=LOOP, width=2.0 * unit)),
+        DrawnCircle(x, y, 2.2 * unit, Paint(fill=LOOP)),
     ]
 
 
-def pierced_parts(cells: Sequence[Pierced], shape: tuple[int, int], frame: Frame) -> list[Primitive]:
-    """Walls that were gone into: red stripes on a light ground, and a frame, so that colour is not all.
+def pierced_parts(
+    cells: Sequence[WallPenetration], shape: tuple[int, int], frame: Frame
+) -> list[Primitive]:
+    """Walls that were gone into.
+
+    Red stripes on a light ground, and a frame, so that colour is not all.
 
     Args:
         cells: Which.
         shape: Of the grid, rows and columns.
         frame: Where the map lies.
     """
-    mask, unit = np.zeros(shape, np.bool_), frame.unit
+    mask = np.zeros(shape, np.bool_)
+    unit = frame.unit
     inside = [cell for cell in cells if 0 <= cell.iy < shape[0] and 0 <= cell.ix < shape[1]]
     mask[[cell.iy for cell in inside], [cell.ix for cell in inside]] = True
     parts: list[Primitive] = []
     if inside:
-        parts += [Cells(mask, FLOOR, opacity=0.6), Cells(mask, PIERCED, opacity=0.25)]  # PIERCED_GROUND on a wall
-        parts.append(Cells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
+        parts += [
+            DrawnCells(mask, FLOOR, opacity=0.6),
+            DrawnCells(mask, PIERCED, opacity=0.25),
+        ]  # PIERCED_GROUND on a wall
+        parts.append(DrawnCells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
     for cell in cells:
         square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))
         width = (2.0 if cell.place is None else 3.0) * unit
-        parts.append(Path(frame.corners(square), Paint(stroke=PIERCED, width=width), closed=True))
+        parts.append(
+            DrawnLine(frame.corners(square), Paint(stroke=PIERCED, width=width), closed=True)
+        )
     return parts
 
 
-def breach_crosses(cells: Sequence[Pierced], frame: Frame) -> list[Primitive]:
+def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primitive]:
     """A red cross wherever the robot broke into a wall that the verdict names; above all else."""
     parts: list[Primitive] = []
     unit = frame.unit
@@ -176,12 +221,16 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     for place in trail.places("end"):
         parts += _footprint(frame.points(place[None])[0], radius, unit)
     for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
-        parts.append(Circle(x, y, 3.4 * unit, Paint(fill=PAPER)))
-        parts.append(Circle(x, y, 2.4 * unit, Paint(fill=INK)))
+        parts.append(DrawnCircle(x, y, 3.4 * unit, Paint(fill=PAPER)))
+        parts.append(DrawnCircle(x, y, 2.4 * unit, Paint(fill=INK)))
     for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
         reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
-        parts.append(Circle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
-        parts.append(Circle(x, y, reach, Paint(stroke=PIERCED if trail.pierced else TUNNEL, width=2.6 * unit)))
+        parts.append(DrawnCircle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
+        parts.append(
+            DrawnCircle(
+                x, y, reach, Paint(stroke=PIERCED if trail.pierced else TUNNEL, width=2.6 * unit)
+            )
+        )
     tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
     for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
         parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
@@ -201,11 +250,11 @@ def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[P
     """An x-shaped mark."""
     paint = Paint(stroke=colour, width=width)
     arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
-    return [Path(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
+    return [DrawnLine(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
 
 
-def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> Path:
+def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> DrawnLine:
     """A barbed head, its middle on the point, pointing along ``angle`` (rad, pixels' axes)."""
     shape = size * np.array(((0.6, 0.0), (-0.5, 0.45), (-0.25, 0.0), (-0.5, -0.45)))
     turn = np.array(((math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))))
-    return Path(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)
+    return DrawnLine(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)

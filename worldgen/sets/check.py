@@ -12,13 +12,13 @@ from worldgen.errors import FormatError
 from worldgen.files.archives import is_archive, members
 from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_manifest
 
-__all__ = ["Difference", "check_set", "manifest_of"]
+__all__ = ["SetDifference", "check_set", "manifest_of"]
 
 _MOST = 512 << 20  # bytes of a file: a .grid file has no more
 
 
 @dataclass(frozen=True)
-class Difference:
+class SetDifference:
     """One way in which a set is not what its manifest says.
 
     Args:
@@ -54,11 +54,15 @@ def manifest_of(path: Path) -> Manifest:
                     most=_MOST,
                     source=f"{path}/{MANIFEST}",
                 )
-            return parse_manifest(io.BytesIO(data), f"{path}/{MANIFEST}")  # line by line: most may be a bomb
-    raise FormatError("no-manifest", "holds no {manifest}; it is no set", manifest=MANIFEST, source=str(path))
+            return parse_manifest(
+                io.BytesIO(data), f"{path}/{MANIFEST}"
+            )  # line by line: most may be a bomb
+    raise FormatError(
+        "no-manifest", "holds no {manifest}; it is no set", manifest=MANIFEST, source=str(path)
+    )
 
 
-def check_set(place: Path, manifest: Manifest) -> list[Difference]:
+def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
     """Every way in which a set differs from a manifest, in the manifest's order, then what is extra.
 
     Args:
@@ -70,18 +74,22 @@ def check_set(place: Path, manifest: Manifest) -> list[Difference]:
     """
     found: dict[str, str] = {}
     extra = []
-    for name, sha256 in _archived(place) if is_archive(place) and place.is_file() else _in_folder(place):
-        if found.setdefault(name, sha256) != sha256:  # twice in an archive: whoever reads it takes the first
+    for name, sha256 in (
+        _archived(place) if is_archive(place) and place.is_file() else _in_folder(place)
+    ):
+        if (
+            found.setdefault(name, sha256) != sha256
+        ):  # twice in an archive: whoever reads it takes the first
             extra.append(name)
     differences = []
     for entry in manifest.entries:
         came = found.pop(entry.file, None)
         if came != entry.sha256:
-            differences.append(Difference("missing" if came is None else "changed", entry.file))
+            differences.append(SetDifference("missing" if came is None else "changed", entry.file))
     found.pop(MANIFEST, None)
-    differences += [Difference("extra", name) for name in sorted([*found, *extra])]
+    differences += [SetDifference("extra", name) for name in sorted([*found, *extra])]
     if not manifest.finished:
-        differences.append(Difference("unfinished", MANIFEST))
+        differences.append(SetDifference("unfinished", MANIFEST))
     return differences
 
 
@@ -94,7 +102,10 @@ def _in_folder(folder: Path) -> Iterator[tuple[str, str]]:
                     yield name.as_posix(), hashlib.file_digest(stream, "sha256").hexdigest()
             except OSError as error:
                 raise FormatError(
-                    "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=str(path)
+                    "unreadable",
+                    "cannot be read: {reason}",
+                    reason=error.strerror or str(error),
+                    source=str(path),
                 ) from error
 
 

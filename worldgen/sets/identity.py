@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, RECIPE
 from worldgen.sets.making import Job
-from worldgen.sets.manifest import Entry
+from worldgen.sets.manifest import ManifestEntry
 
 __all__ = ["entry_jobs"]
 
 
-def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[Job]:
+def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -> list[Job]:
     """What is to be made for these lines.
 
     Args:
@@ -20,7 +20,8 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
         families: Where families are that are not registered, as ``./file.py:name``.
 
     Raises:
-        InvalidParameter: If a family is unknown or of another version than the manifest's, or a parameter is none.
+        InvalidParameter: If a family is unknown or of another version than the manifest's, or a
+            parameter is none.
     """
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
@@ -35,7 +36,7 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
     return jobs
 
 
-def _place(entry: Entry, place: str) -> str:
+def _place(entry: ManifestEntry, place: str) -> str:
     if place.startswith(RECIPE):  # its text is among the parameters
         return place
     if place == entry.family and place not in FAMILIES.names():
@@ -51,7 +52,8 @@ def _place(entry: Entry, place: str) -> str:
     if found.version != entry.version:
         raise InvalidParameter(
             "other-version",
-            "the set is of {family} version {version}, and this is version {found}, which makes other worlds",
+            "the set is of {family} version {version}, and this is version {found}, which makes "
+            "other worlds",
             "install the worldgen that the manifest names",
             family=entry.family,
             version=entry.version,

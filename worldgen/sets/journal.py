@@ -33,7 +33,8 @@ class Journal:
             force: Whether it may be something else, that is to be replaced.
 
         Returns:
-            The manifest; ``None`` if there is none, or not even a whole first line, or by ``force`` something else.
+            The manifest; ``None`` if there is none, or not even a whole first line, or by ``force``
+            something else.
 
         Raises:
             FormatError: If it is no manifest.
@@ -57,7 +58,8 @@ class Journal:
         """Begins anew with this line.
 
         Raises:
-            OutputError: If it cannot be written, or another process has begun, or even ended, since ``read``.
+            OutputError: If it cannot be written, or another process has begun, or even ended, since
+                ``read``.
         """
         if self._file is None:  # there was none to read
             self._open(os.O_RDWR | os.O_CREAT)
@@ -127,7 +129,9 @@ class Journal:
 
     def _opened(self) -> int:
         if self._file is None:
-            raise OutputError("not-open", "{path} is not open", "start the set first", path=self.path)
+            raise OutputError(
+                "not-open", "{path} is not open", "start the set first", path=self.path
+            )
         return self._file
 
     @contextlib.contextmanager
@@ -136,7 +140,10 @@ class Journal:
             yield
         except OSError as error:
             raise OutputError(
-                "unwritable", "{path}: cannot be written: {reason}", path=self.path, reason=error.strerror or str(error)
+                "unwritable",
+                "{path}: cannot be written: {reason}",
+                path=self.path,
+                reason=error.strerror or str(error),
             ) from error
 
 

@@ -9,11 +9,11 @@ from pathlib import Path
 from worldgen.errors import OutputError, WorldgenError
 from worldgen.sets.identity import entry_jobs
 from worldgen.sets.making import Made, make_all
-from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest, read_manifest
+from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
-from worldgen.sets.stores import PART, FolderStore, Store, store_for
+from worldgen.sets.stores import PART, SetFolder, Store, store_for
 from worldgen.sets.stratified import StratifiedPlan
-from worldgen.sets.wanted import WishedPlan
+from worldgen.sets.wanted import WantedPlan
 
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
@@ -57,7 +57,7 @@ class _Work:
     refuse: Callable[[Manifest], None]
 
 
-def begun_set(out: Path) -> Header | None:
+def begun_set(out: Path) -> ManifestHeader | None:
     """What an unfinished set in this place is to be; ``None`` if there is none that can be read."""
     folder = out if out.is_dir() else out.with_name(out.name + PART)
     try:
@@ -68,7 +68,7 @@ def begun_set(out: Path) -> Header | None:
 
 
 def make_set(
-    plan: SetPlan | WishedPlan | StratifiedPlan,
+    plan: SetPlan | WantedPlan | StratifiedPlan,
     out: Path,
     *,
     workers: int = 1,
@@ -92,14 +92,18 @@ def make_set(
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
         digests = (made.digest, made.sha256, len(made.data), made.metrics, made.stratum)
-        entry = Entry(plan.file(k), header.family, header.version, made.seed, made.params, *digests)
+        entry = ManifestEntry(
+            plan.file(k), header.family, header.version, made.seed, made.params, *digests
+        )
         return entry.file, entry.line(header)
 
     def refuse(old: Manifest) -> None:
         if old.first != header.line():
             raise _other(old, header, out)
 
-    work = _Work(header.line(), header.count, lambda first: plan.made(first, workers), named, refuse)
+    work = _Work(
+        header.line(), header.count, lambda first: plan.made(first, workers), named, refuse
+    )
     return _fill(work, out, force, progress)
 
 
@@ -137,7 +141,9 @@ def regenerate_set(
         if old.first != manifest.first or old.lines != manifest.lines[: len(old.lines)]:
             raise _other(old, manifest.header, out)
 
-    work = _Work(manifest.first, len(jobs), lambda first: make_all(jobs[first:], workers), named, refuse)
+    work = _Work(
+        manifest.first, len(jobs), lambda first: make_all(jobs[first:], workers), named, refuse
+    )
     return _fill(work, out, force, progress)
 
 
@@ -165,7 +171,7 @@ def restore_set(
         InvalidParameter: If a family is unknown, or of another version.
         OutputError: If a file has other content, or cannot be written.
     """
-    store = FolderStore(folder)
+    store = SetFolder(folder)
     wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
     done = len(manifest.entries) - len(wanted)
     for entry, made in zip(wanted, make_all(entry_jobs(wanted, families), workers), strict=True):
@@ -185,7 +191,7 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
         if old is not None and not force:
             work.refuse(old)
             resumed = store.resume(old)
-            if len(old.entries) == work.count == resumed and isinstance(store, FolderStore):
+            if len(old.entries) == work.count == resumed and isinstance(store, SetFolder):
                 raise OutputError(
                     "set-finished",
                     "{out} holds this set already, finished",
@@ -193,7 +199,9 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
                     at_terminal=True,
                     out=out,
                 )
-        _write_all(work, store, resumed, old, started=old is not None and not force, progress=progress)
+        _write_all(
+            work, store, resumed, old, started=old is not None and not force, progress=progress
+        )
         store.finish()
         return SetDone(work.count, resumed)
     finally:
@@ -221,13 +229,16 @@ def _write_all(
         tell(done)
 
 
-def _check_same(entry: Entry, made: Made, header: Header) -> None:
+def _check_same(entry: ManifestEntry, made: Made, header: ManifestHeader) -> None:
     if made.sha256 == entry.sha256:
         return
-    what = "is another world" if made.digest != entry.digest else "is the same world in another file"
+    what = (
+        "is another world" if made.digest != entry.digest else "is the same world in another file"
+    )
     raise SetDiffers(
         "world-differs",
-        "{file} comes out otherwise: {family} with seed {seed} {what} here than in the manifest, which worldgen "
+        "{file} comes out otherwise: {family} with seed {seed} {what} here than in the manifest, "
+        "which worldgen "
         "{worldgen} wrote",
         "install that version",
         file=entry.file,
@@ -238,7 +249,7 @@ def _check_same(entry: Entry, made: Made, header: Header) -> None:
     )
 
 
-def _other(old: Manifest, wanted: Header, out: Path) -> OutputError:
+def _other(old: Manifest, wanted: ManifestHeader, out: Path) -> OutputError:
     held = old.header
     return OutputError(
         "other-set",

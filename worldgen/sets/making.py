@@ -1,4 +1,7 @@
-"""Worlds of given identities, made in this process or in several; the same bytes in the same order either way."""
+"""Worlds of given identities, made in this process or in several.
+
+The same bytes in the same order either way.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,8 @@ class Made:
         digest: The world's id.
         sha256: Of the bytes.
         metrics: What was measured of it.
-        stratum: Lower and upper end of the stratum of difficulty that it was found for, if there are strata.
+        stratum: Lower and upper end of the stratum of difficulty that it was found for, if there
+            are strata.
     """
 
     seed: int
@@ -69,7 +73,9 @@ class Made:
         """The file of a world whose provenance is to name these parameters and metrics."""
         made = cast("Provenance", world.provenance)  # generate() gives no world without one
         data = dumps(replace(world, provenance=replace(made, params=params, metrics=metrics)))
-        return cls(made.seed, params, data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics)
+        return cls(
+            made.seed, params, data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics
+        )
 
 
 _Done = tuple[list[Made], WorldgenError | None]
@@ -83,7 +89,8 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
         workers: Processes; 1 works in this one.
 
     Raises:
-        WorldgenError: As making one of them does, after all before it were given; or if a process dies.
+        WorldgenError: As making one of them does, after all before it were given; or if a process
+            dies.
     """
     if workers == 1:
         yield from map(_make, jobs)
@@ -106,7 +113,9 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
         pool.shutdown()
 
 
-def _with_pool(pool: WorkerPool, jobs: Iterator[Job], workers: int, listen: Callable[[], None]) -> Iterator[Made]:
+def _with_pool(
+    pool: WorkerPool, jobs: Iterator[Job], workers: int, listen: Callable[[], None]
+) -> Iterator[Made]:
     waiting: deque[Future[_Done]] = deque()
     while True:
         while len(waiting) < workers * _WAITING and (piece := _next_piece(jobs)):
@@ -152,4 +161,6 @@ def _make_piece(jobs: list[Job]) -> _Done:
 
 def _make(job: Job) -> Made:
     world = generate(job.family, job.seed, **job.params)
-    return Made.of(world, job.params, measure(world).as_dict() if job.metrics is None else job.metrics)
+    return Made.of(
+        world, job.params, measure(world).as_dict() if job.metrics is None else job.metrics
+    )

@@ -13,7 +13,15 @@ from typing import Any
 from worldgen.errors import FormatError, Message
 from worldgen.world import Value
 
-__all__ = ["FORMAT", "MANIFEST", "Entry", "Header", "Manifest", "parse_manifest", "read_manifest"]
+__all__ = [
+    "FORMAT",
+    "MANIFEST",
+    "Manifest",
+    "ManifestEntry",
+    "ManifestHeader",
+    "parse_manifest",
+    "read_manifest",
+]
 
 FORMAT = "worldgen-set 1"
 MANIFEST = "manifest.jsonl"
@@ -24,7 +32,7 @@ _HEX = re.compile(r"[0-9a-f]{64}\Z")
 
 
 @dataclass(frozen=True)
-class Header:
+class ManifestHeader:
     """The first line: what was asked for.
 
     Args:
@@ -36,7 +44,8 @@ class Header:
         metrics: Whether each is measured.
         worldgen: Version of worldgen that made the set.
         wish: What the worlds were searched for by; empty where their seeds rise from the first's.
-        strata: Ends of the strata of difficulty over which the worlds are spread, rising; empty where they are not.
+        strata: Ends of the strata of difficulty over which the worlds are spread, rising; empty
+            where they are not.
     """
 
     family: str
@@ -51,15 +60,25 @@ class Header:
 
     def line(self) -> bytes:
         """The line, with its end."""
-        head = {"format": FORMAT, "worldgen": self.worldgen, "family": self.family, "version": self.version}
-        asked = {"seed": self.seed, "count": self.count, "params": _sorted(self.params), "metrics": self.metrics}
+        head = {
+            "format": FORMAT,
+            "worldgen": self.worldgen,
+            "family": self.family,
+            "version": self.version,
+        }
+        asked = {
+            "seed": self.seed,
+            "count": self.count,
+            "params": _sorted(self.params),
+            "metrics": self.metrics,
+        }
         searched = {"wish": self.wish} if self.wish else {}
         strata = {"strata": list(self.strata)} if self.strata else {}
         return _line({**head, **asked, **searched, **strata})
 
 
 @dataclass(frozen=True)
-class Entry:
+class ManifestEntry:
     """A world's line.
 
     Args:
@@ -94,8 +113,11 @@ class Entry:
             "metrics": _sorted(self.metrics), **({"stratum": list(self.stratum)} if self.stratum else {}),
         }  # fmt: skip
 
-    def line(self, header: Header) -> bytes:
-        """The line, with its end; of the parameters only those that differ from the first line's."""
+    def line(self, header: ManifestHeader) -> bytes:
+        """The line, with its end.
+
+        Of the parameters only those that differ from the first line's.
+        """
         own = _differing(self.params, header) if self.family == header.family else self.params
         return _line({**self.as_dict(), "params": _sorted(own)})
 
@@ -111,9 +133,9 @@ class Manifest:
         lines: The worlds' lines as they stand, in the same order.
     """
 
-    header: Header
+    header: ManifestHeader
     first: bytes
-    entries: list[Entry]
+    entries: list[ManifestEntry]
     lines: list[bytes]
 
     @property
@@ -135,14 +157,23 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     reader = _whole_lines(lines, source)
     first = next(reader, None)
     if first is None:
-        raise FormatError("empty", "is empty; a manifest begins with a line about the set", source=source)
+        raise FormatError(
+            "empty", "is empty; a manifest begins with a line about the set", source=source
+        )
     header = _Fields(_object(first, 1, source), 1, source).header()
-    entries, kept, files = [], [], set()
+    entries = []
+    kept = []
+    files = set()
     for number, line in enumerate(reader, 2):
         entry = _Fields(_object(line, number, source), number, source).entry(header)
         if entry.file in files:
             raise FormatError(
-                "twice", "{file} is there twice", "a file has one line", file=entry.file, line=number, source=source
+                "twice",
+                "{file} is there twice",
+                "a file has one line",
+                file=entry.file,
+                line=number,
+                source=source,
             )
         files.add(entry.file)
         entries.append(entry)
@@ -169,10 +200,15 @@ def read_manifest(path: Path) -> Manifest:
         with path.open("rb") as stream:
             return parse_manifest(iter(lambda: stream.readline(_LONGEST + 1), b""), str(path))
     except FileNotFoundError as error:
-        raise FormatError("no-such-file", "there is no such file", "check the name", source=str(path)) from error
+        raise FormatError(
+            "no-such-file", "there is no such file", "check the name", source=str(path)
+        ) from error
     except OSError as error:
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=str(path)
+            "unreadable",
+            "cannot be read: {reason}",
+            reason=error.strerror or str(error),
+            source=str(path),
         ) from error
 
 
@@ -197,10 +233,20 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
         raise FormatError(
-            "not-json", "no line of JSON: {reason}", "give a manifest", reason=reason, line=number, source=source
+            "not-json",
+            "no line of JSON: {reason}",
+            "give a manifest",
+            reason=reason,
+            line=number,
+            source=source,
         ) from error
     if not isinstance(found, dict):
-        raise FormatError("not-json", "no object of JSON; each line of a manifest is one", line=number, source=source)
+        raise FormatError(
+            "not-json",
+            "no object of JSON; each line of a manifest is one",
+            line=number,
+            source=source,
+        )
     return found
 
 
@@ -212,34 +258,55 @@ class _Fields:
     number: int
     source: str
 
-    def header(self) -> Header:
+    def header(self) -> ManifestHeader:
         """The set."""
         if self.found.get("format") != FORMAT:
-            raise self._wrong("format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?')
+            raise self._wrong(
+                "format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?'
+            )
         metrics = self.found.get("metrics")
         if not isinstance(metrics, bool):
             raise self._wrong("metrics", "must be true or false")
-        family, version, params = self._text("family"), self._whole("version", 0, 2**63), self._table("params")
-        seed, count = self._whole("seed", 0, 2**64 - 1), self._whole("count", 1, 2**63)
+        family = self._text("family")
+        version = self._whole("version", 0, 2**63)
+        params = self._table("params")
+        seed = self._whole("seed", 0, 2**64 - 1)
+        count = self._whole("count", 1, 2**63)
         wish = self._text("wish") if "wish" in self.found else ""
-        return Header(
-            family, version, params, seed, count, metrics, self._text("worldgen"), wish, self._numbers("strata")
+        return ManifestHeader(
+            family,
+            version,
+            params,
+            seed,
+            count,
+            metrics,
+            self._text("worldgen"),
+            wish,
+            self._numbers("strata"),
         )
 
-    def entry(self, header: Header) -> Entry:
-        """A world; its parameters that differ from the set's stand in its line, or all, as older sets have them."""
+    def entry(self, header: ManifestHeader) -> ManifestEntry:
+        """A world; its parameters that differ from the set's stand in its line, or all.
+
+        As older sets have them.
+        """
         file = self._text("file")
         if not _SAFE.match(file):
-            raise self._wrong("file", "is no name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid")
+            raise self._wrong(
+                "file",
+                "is no name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid",
+            )
         for key in ("digest", "sha256"):
             if not _HEX.match(self._text(key)):
                 raise self._wrong(key, "must be 64 hex digits")
         found = self.found
-        version, seed = self._whole("version", 0, 2**63), self._whole("seed", 0, 2**64 - 1)
-        size, metrics = self._whole("bytes", 0, 2**63), self._table("metrics")
+        version = self._whole("version", 0, 2**63)
+        seed = self._whole("seed", 0, 2**64 - 1)
+        size = self._whole("bytes", 0, 2**63)
+        metrics = self._table("metrics")
         family = self._text("family")
         params = self._params(header) if family == header.family else self._table("params")
-        return Entry(
+        return ManifestEntry(
             file,
             family,
             version,
@@ -252,7 +319,7 @@ class _Fields:
             self._numbers("stratum"),
         )
 
-    def _params(self, header: Header) -> Mapping[str, Value]:
+    def _params(self, header: ManifestHeader) -> Mapping[str, Value]:
         """The set's, which a hundred thousand worlds share, or a world's own over them."""
         own = _differing(self._table("params"), header)
         return {**header.params, **own} if own else header.params
@@ -301,10 +368,14 @@ def _line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value, ensure_ascii=False, allow_nan=False).encode() + b"\n"
 
 
-def _differing(params: Mapping[str, Value], header: Header) -> dict[str, Value]:
+def _differing(params: Mapping[str, Value], header: ManifestHeader) -> dict[str, Value]:
     """Parameters that are not the first line's; 1 is not 1.0, nor is 0.0 -0.0."""
     rest = header.params
-    return {name: value for name, value in params.items() if name not in rest or repr(rest[name]) != repr(value)}
+    return {
+        name: value
+        for name, value in params.items()
+        if name not in rest or repr(rest[name]) != repr(value)
+    }
 
 
 def _sorted(values: Mapping[str, Any]) -> dict[str, Any]:

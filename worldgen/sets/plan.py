@@ -11,7 +11,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
 from worldgen.random_streams import MASK64
 from worldgen.sets.making import Job, Made, make_all
-from worldgen.sets.manifest import Header
+from worldgen.sets.manifest import ManifestHeader
 from worldgen.world import Value
 
 __all__ = ["SetPlan", "file_name", "plan_set"]
@@ -31,12 +31,14 @@ class SetPlan:
     """
 
     family: str
-    header: Header
+    header: ManifestHeader
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
         """The worlds from this one on, counted from 0."""
         for k in range(first, self.header.count):
-            yield Job(self.family, self.seed(k), self.header.params, None if self.header.metrics else {})
+            yield Job(
+                self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
+            )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
         """Makes the worlds from this one on, in so many processes."""
@@ -55,13 +57,15 @@ class SetPlan:
         return file_name(self.header, k, str(self.seed(k)))
 
 
-def file_name(header: Header, k: int, called: str) -> str:
+def file_name(header: ManifestHeader, k: int, called: str) -> str:
     """Name of the file of the world counted ``k`` from 0, in a subfolder where there are many."""
     name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{called}.grid"
     return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
 
 
-def plan_set(family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True) -> SetPlan:
+def plan_set(
+    family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True
+) -> SetPlan:
     """The plan of ``count`` worlds with seeds from ``seed`` on.
 
     Args:
@@ -72,11 +76,16 @@ def plan_set(family: str, seed: int, count: int, params: Mapping[str, Value], *,
         metrics: Whether each world is measured.
 
     Raises:
-        InvalidParameter: If the family or a parameter is unknown, or there is to be no world at all.
+        InvalidParameter: If the family or a parameter is unknown, or there is to be no world at
+            all.
     """
     if count < 1:
-        raise InvalidParameter("below-minimum", "count={count} is below 1; a set has at least one world", count=count)
+        raise InvalidParameter(
+            "below-minimum", "count={count} is below 1; a set has at least one world", count=count
+        )
     found: Family = FAMILIES.get(family)
     complete = found.complete(params)
-    header = Header(found.name, found.version, complete, seed & MASK64, count, metrics, version("worldgen"))
+    header = ManifestHeader(
+        found.name, found.version, complete, seed & MASK64, count, metrics, version("worldgen")
+    )
     return SetPlan(family, header)

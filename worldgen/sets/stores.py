@@ -13,16 +13,19 @@ from typing import IO, Protocol
 from worldgen.errors import OutputError
 from worldgen.files.archives import is_archive, writer_for
 from worldgen.sets.journal import Journal, append_at
-from worldgen.sets.manifest import MANIFEST, Entry, Manifest, read_manifest
+from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manifest
 
-__all__ = ["PART", "ArchiveStore", "FolderStore", "Store", "store_for"]
+__all__ = ["PART", "ArchiveStore", "SetFolder", "Store", "store_for"]
 
 PART = ".part"  # behind an archive's name: the folder in which it grows
 _WORLDS = "worlds"  # in that: the files' bytes, one after another
 
 
 class Store(Protocol):
-    """A place for the files of a set, one after another; whatever ends the process, what was written counts."""
+    """A place for the files of a set, one after another.
+
+    Whatever ends the process, what was written counts.
+    """
 
     def find(self, *, force: bool) -> Manifest | None:
         """What an earlier run left there.
@@ -64,7 +67,10 @@ def store_for(out: Path) -> Store:
     if is_archive(out):
         if out.is_dir():
             raise OutputError(
-                "is-a-folder", "{out} is a folder with the name of an archive", "give another name", out=out
+                "is-a-folder",
+                "{out} is a folder with the name of an archive",
+                "give another name",
+                out=out,
             )
         return ArchiveStore(out)
     if out.exists() and not out.is_dir():
@@ -74,10 +80,10 @@ def store_for(out: Path) -> Store:
             "name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
             out=out,
         )
-    return FolderStore(out)
+    return SetFolder(out)
 
 
-class FolderStore:
+class SetFolder:
     """A folder with a file for each world.
 
     Args:
@@ -95,13 +101,17 @@ class FolderStore:
         self._over_others = force
         found = self._journal.read(force=force)
         if found is None and not force and self._folder.is_dir():
-            others = sorted(path.name for path in self._folder.iterdir() if not path.name.startswith("."))
+            others = sorted(
+                path.name for path in self._folder.iterdir() if not path.name.startswith(".")
+            )
             others = [name for name in others if name != MANIFEST]
             if others:
                 raise OutputError(
                     "folder-not-empty",
-                    "{folder} holds other files: {file}" + (" and {more} more" if len(others) > 1 else ""),
-                    "a set has a folder to itself: name another, or give --force to overwrite files of the same names",
+                    "{folder} holds other files: {file}"
+                    + (" and {more} more" if len(others) > 1 else ""),
+                    "a set has a folder to itself: name another, or give --force to overwrite "
+                    "files of the same names",
                     at_terminal=True,
                     folder=self._folder,
                     file=others[0],
@@ -121,17 +131,24 @@ class FolderStore:
         self._journal.start(header)
 
     def resume(self, old: Manifest) -> int:
-        """Counts the files that are there as said; behind one that is gone or empty all are made again."""
-        end, done = len(old.first), 0
+        """Counts the files that are there as said.
+
+        Behind one that is gone or empty all are made again.
+        """
+        end = len(old.first)
+        done = 0
         for entry, line in zip(old.entries, old.lines, strict=True):
             if not self.holds(entry, force=False):
                 break
-            end, done = end + len(line), done + 1
+            end = end + len(line)
+            done = done + 1
         self._journal.cut(end)
         return done
 
-    def holds(self, entry: Entry, *, force: bool) -> bool:
-        """Whether a world's file is there as said; one that is gone or empty, as after a power cut, is not.
+    def holds(self, entry: ManifestEntry, *, force: bool) -> bool:
+        """Whether a world's file is there as said.
+
+        One that is gone or empty, as after a power cut, is not.
 
         Raises:
             OutputError: If it has other content, and ``force`` does not allow to write over that.
@@ -241,8 +258,12 @@ class ArchiveStore:
         self._open_worlds(0)
 
     def resume(self, old: Manifest) -> int:
-        """Counts the worlds whose bytes are there as said; behind one that is not all are made again."""
-        end, done = len(old.first), 0
+        """Counts the worlds whose bytes are there as said.
+
+        Behind one that is not all are made again.
+        """
+        end = len(old.first)
+        done = 0
         size = 0
         worlds = self._part / _WORLDS
         if worlds.is_file():
@@ -251,7 +272,9 @@ class ArchiveStore:
                     data = _exactly(stream, entry.size)
                     if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
                         break
-                    end, done, size = end + len(line), done + 1, size + entry.size
+                    end = end + len(line)
+                    done = done + 1
+                    size = size + entry.size
         self._journal.cut(end)
         self._open_worlds(size)
         return done
@@ -259,7 +282,9 @@ class ArchiveStore:
     def write(self, name: str, data: bytes, line: bytes) -> None:
         """Appends the bytes and then the line."""
         if self._worlds is None:
-            raise OutputError("not-open", "{archive} is not open", "start the set first", archive=self._archive)
+            raise OutputError(
+                "not-open", "{archive} is not open", "start the set first", archive=self._archive
+            )
         with _told(self._archive):
             append_at(self._worlds, self._end, data)
         self._journal.append(line)
@@ -290,7 +315,9 @@ class ArchiveStore:
 
     def _open_worlds(self, size: int) -> None:
         with _told(self._archive):
-            self._worlds = os.open(self._part / _WORLDS, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            self._worlds = os.open(
+                self._part / _WORLDS, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
+            )
             os.ftruncate(self._worlds, size)
         self._end = size
 
@@ -302,7 +329,10 @@ class ArchiveStore:
 
 
 def place_file(file: Path, data: bytes) -> None:
-    """Puts a file where it belongs in one step; without waiting for the disk, whose faults ``resume`` finds."""
+    """Puts a file where it belongs in one step.
+
+    Without waiting for the disk, whose faults ``resume`` finds.
+    """
     part = file.with_name(f".{file.name}{PART}")
     try:
         part.write_bytes(data)
@@ -318,11 +348,14 @@ def _exactly(stream: IO[bytes], size: int) -> bytes | None:
     return stream.read(size) if size <= left else None
 
 
-def _bytes_of(entry: Entry, worlds: IO[bytes]) -> bytes:
+def _bytes_of(entry: ManifestEntry, worlds: IO[bytes]) -> bytes:
     data = _exactly(worlds, entry.size)
     if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
         raise OutputError(
-            "file-changed", "{file} was changed on the disk meanwhile", "give the same command again", file=entry.file
+            "file-changed",
+            "{file} was changed on the disk meanwhile",
+            "give the same command again",
+            file=entry.file,
         )
     return data
 

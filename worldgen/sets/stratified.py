@@ -15,7 +15,7 @@ from worldgen.difficulty.strata import StrataSearch, edges_of
 from worldgen.family import FAMILIES, Family
 from worldgen.random_streams import MASK64
 from worldgen.sets.making import Made
-from worldgen.sets.manifest import Header, Manifest
+from worldgen.sets.manifest import Manifest, ManifestHeader
 from worldgen.sets.plan import file_name
 from worldgen.world import Provenance, Value
 
@@ -34,7 +34,7 @@ class StratifiedPlan:
     """
 
     family: Family
-    header: Header
+    header: ManifestHeader
     where: str | None
     tries: int
 
@@ -43,20 +43,42 @@ class StratifiedPlan:
         return replace(self, header=replace(self.header, seed=seed))
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """The worlds from this one on; what the search found before it is found again, for the next depend on it."""
+        """The worlds from this one on.
+
+        What the search found before it is found again, for the next depend on it.
+        """
         header = self.header
-        given = {name: value for name, value in header.params.items() if name not in self.family.constants}
+        given = {
+            name: value
+            for name, value in header.params.items()
+            if name not in self.family.constants
+        }
         search = StrataSearch(
-            self.family, header.strata, header.count, header.seed, given, where=self.where, tries=self.tries
+            self.family,
+            header.strata,
+            header.count,
+            header.seed,
+            given,
+            where=self.where,
+            tries=self.tries,
         )
         for k, one in enumerate(search.found()):
             if k >= first:
-                params = cast("Provenance", one.world.provenance).params  # generate() gives no world without one
-                metrics = measure(one.world).as_dict() if header.metrics else {"difficulty": one.difficulty}
+                params = cast(
+                    "Provenance", one.world.provenance
+                ).params  # generate() gives no world without one
+                metrics = (
+                    measure(one.world).as_dict()
+                    if header.metrics
+                    else {"difficulty": one.difficulty}
+                )
                 yield replace(Made.of(one.world, params, metrics), stratum=one.stratum)
 
     def file(self, k: int) -> str:
-        """Name of the file of the world counted ``k`` from 0: its number, for two may have one seed."""
+        """Name of the file of the world counted ``k`` from 0.
+
+        Its number, for two may have one seed.
+        """
         return file_name(self.header, k, f"{k + 1:0{len(str(self.header.count))}d}")
 
 
@@ -80,7 +102,8 @@ def plan_stratified_set(
         given: Parameters that keep their values; the others vary.
         difficulty: Lower and upper end of the range, inside 0 to 1.
         where: What else is wished of each world, like ``"detour > 3"``.
-        tries: Worlds made for a stratum in vain before it is given up, and its worlds left to its neighbours.
+        tries: Worlds made for a stratum in vain before it is given up, and its worlds left to its
+            neighbours.
         metrics: Whether every metric of each world is measured; its difficulty is in any case.
 
     Raises:
@@ -92,8 +115,16 @@ def plan_stratified_set(
     low, high = difficulty
     edges = edges_of(low, high, count)
     wish = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
-    header = Header(
-        made_by.name, made_by.version, fixed, seed & MASK64, count, metrics, version("worldgen"), wish, edges
+    header = ManifestHeader(
+        made_by.name,
+        made_by.version,
+        fixed,
+        seed & MASK64,
+        count,
+        metrics,
+        version("worldgen"),
+        wish,
+        edges,
     )
     return StratifiedPlan(made_by, header, where, tries)
 
@@ -110,7 +141,8 @@ class StratumCount:
 
 def strata_of(manifest: Manifest) -> list[StratumCount]:
     """Return how the worlds of a set are spread over its strata; nothing if it has none."""
-    edges, count = manifest.header.strata, manifest.header.count
+    edges = manifest.header.strata
+    count = manifest.header.count
     strata = len(edges) - 1
     found = Counter(entry.stratum for entry in manifest.entries)
     return [

@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 
 from worldgen.difficulty import measure
-from worldgen.difficulty.search import TRIES, Search, found, wish_for
+from worldgen.difficulty.search import TRIES, Search, constraint_for, found
 from worldgen.family import FAMILIES, Family
 from worldgen.random_streams import MASK64
 from worldgen.sets.making import Made
-from worldgen.sets.manifest import Header
+from worldgen.sets.manifest import ManifestHeader
 from worldgen.sets.plan import file_name
 from worldgen.world import Provenance, Value
 
-__all__ = ["WishedPlan", "plan_wished_set"]
+__all__ = ["WantedPlan", "plan_wanted_set"]
 
 
 @dataclass(frozen=True)
-class WishedPlan:
+class WantedPlan:
     """A set whose worlds are searched for, one after another, by one search.
 
     Args:
@@ -30,30 +30,40 @@ class WishedPlan:
     """
 
     family: Family
-    header: Header
+    header: ManifestHeader
     tries: int
     tell: Callable[[Search], None] | None = None
 
-    def with_seed(self, seed: int) -> WishedPlan:
+    def with_seed(self, seed: int) -> WantedPlan:
         """The same by a search with another seed."""
         return replace(self, header=replace(self.header, seed=seed))
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """The worlds from this one on; what the search found before it is found again, for the next depend on it."""
+        """The worlds from this one on.
+
+        What the search found before it is found again, for the next depend on it.
+        """
         header = self.header
-        given = {name: value for name, value in header.params.items() if name not in self.family.constants}
-        search = Search(self.family, wish_for(header.wish), header.seed, given)
+        given = {
+            name: value
+            for name, value in header.params.items()
+            if name not in self.family.constants
+        }
+        search = Search(self.family, constraint_for(header.wish), header.seed, given)
         for k, one in enumerate(found(search, header.count, self.tries, self.tell)):
             if k >= first and isinstance(provenance := one.world.provenance, Provenance):
                 metrics = measure(one.world).as_dict() if header.metrics else {}
                 yield Made.of(one.world, provenance.params, metrics)
 
     def file(self, k: int) -> str:
-        """Name of the file of the world counted ``k`` from 0: its number, for two may have one seed."""
+        """Name of the file of the world counted ``k`` from 0.
+
+        Its number, for two may have one seed.
+        """
         return file_name(self.header, k, f"{k + 1:0{len(str(self.header.count))}d}")
 
 
-def plan_wished_set(
+def plan_wanted_set(
     family: Family | str,
     seed: int,
     count: int,
@@ -64,7 +74,7 @@ def plan_wished_set(
     tries: int = TRIES,
     metrics: bool = True,
     tell: Callable[[Search], None] | None = None,
-) -> WishedPlan:
+) -> WantedPlan:
     """The plan of ``count`` different worlds whose metrics are as wished.
 
     Args:
@@ -84,6 +94,15 @@ def plan_wished_set(
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
     fixed = {**given, **made_by.constants}
-    wish = wish_for(where, difficulty).text
-    header = Header(made_by.name, made_by.version, fixed, seed & MASK64, count, metrics, version("worldgen"), wish)
-    return WishedPlan(made_by, header, tries, tell)
+    wish = constraint_for(where, difficulty).text
+    header = ManifestHeader(
+        made_by.name,
+        made_by.version,
+        fixed,
+        seed & MASK64,
+        count,
+        metrics,
+        version("worldgen"),
+        wish,
+    )
+    return WantedPlan(made_by, header, tries, tell)

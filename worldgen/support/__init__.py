@@ -1,1 +1,4 @@
-"""Small helpers that know nothing of worlds: text for terminals, progress, arrays, worker processes."""
+"""Small helpers that know nothing of worlds.
+
+Text for terminals, progress, arrays, worker processes.
+"""

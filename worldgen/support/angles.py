@@ -15,7 +15,9 @@ _DIGITS = 10**30
 def _sine(degrees: int) -> int:
     """The sine of 0 to 90 degrees, times ``SCALE``, rounded; by its series in whole numbers."""
     x = _PI * degrees // 180
-    term, total, order = x, 0, 1
+    term = x
+    total = 0
+    order = 1
     while term:
         total += term
         term = -term * x // _DIGITS * x // _DIGITS // ((order + 1) * (order + 2))
@@ -26,9 +28,13 @@ def _sine(degrees: int) -> int:
 
 @functools.cache
 def direction(degrees: int) -> tuple[int, int]:
-    """Cosine and sine of any whole angle, times ``SCALE``; exactly symmetric under quarter turns."""
+    """Cosine and sine of any whole angle, times ``SCALE``.
+
+    Exactly symmetric under quarter turns.
+    """
     quarters, rest = divmod(degrees % (4 * _QUARTER), _QUARTER)
-    cos, sin = _sine(_QUARTER - rest), _sine(rest)
+    cos = _sine(_QUARTER - rest)
+    sin = _sine(rest)
     for _ in range(quarters):
         cos, sin = -sin, cos
     return cos, sin

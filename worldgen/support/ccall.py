@@ -1,7 +1,7 @@
 """Pass numpy arrays to the C cores: addresses, checked for type and order.
 
-Every core is a module that cffi makes (``build_tools/cores.py``). Its functions take plain pointers, so an array of
-the wrong type would be read as garbage; here it is refused.
+Every core is a module that cffi makes (``build_tools/cores.py``). Its functions take plain
+pointers, so an array of the wrong type would be read as garbage; here it is refused.
 """
 
 from __future__ import annotations

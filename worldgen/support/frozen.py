@@ -1,4 +1,7 @@
-"""Arrays that nobody changes: what is immutable holds its own copy, made once and shared from then on."""
+"""Arrays that nobody changes.
+
+What is immutable holds its own copy, made once and shared from then on.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,12 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["HoldsFrozen", "frozen", "hand_over"]
+__all__ = ["HoldsFrozen", "freeze", "frozen"]
 
 T = TypeVar("T", bound=np.generic)
 
-# Arrays that were made or handed over here, by identity: of these there is no writable view elsewhere.
+# Arrays that were made or handed over here, by identity: of these there is no writable view
+# elsewhere.
 _ours: weakref.WeakValueDictionary[int, npt.NDArray[np.generic]] = weakref.WeakValueDictionary()
 
 
@@ -26,22 +30,31 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
         return values
     array = np.array(values, dtype=dtype)
-    if array.dtype == np.bool_:  # an image's 255 seen as a bool is true, and no index of two letters
+    if (
+        array.dtype == np.bool_
+    ):  # an image's 255 seen as a bool is true, and no index of two letters
         array = array.view(np.uint8) != 0
     return _keep(array)
 
 
 class HoldsFrozen:
-    """A base of immutable classes with arrays: in a copy and in what was pickled they are frozen, too."""
+    """A base of immutable classes with arrays.
+
+    In a copy and in what was pickled they are frozen, too.
+    """
 
     def __setstate__(self, state: dict[str, object]) -> None:
         """Takes over what ``pickle`` or ``copy`` brings."""
         for name, value in state.items():
-            object.__setattr__(self, name, frozen(value, value.dtype) if isinstance(value, np.ndarray) else value)
+            object.__setattr__(
+                self, name, frozen(value, value.dtype) if isinstance(value, np.ndarray) else value
+            )
 
 
-def hand_over(array: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Freezes an array in place and says that it need not be copied: the caller keeps no writable view of it.
+def freeze(array: npt.NDArray[T]) -> npt.NDArray[T]:
+    """Freezes an array in place and says that it need not be copied.
+
+    The caller keeps no writable view of it.
 
     Args:
         array: A fresh one. A view of another array is left as it is, and copied later.

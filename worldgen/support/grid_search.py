@@ -1,7 +1,7 @@
 """Searches over grids, in compiled code: floods, shortest paths, distances.
 
-A grid is a raster of bool and a place in it a flat index, row by row. What searches for a disc among walls of exact
-places is in `worldgen.reach`.
+A grid is a raster of bool and a place in it a flat index, row by row. What searches for a disc
+among walls of exact places is in `worldgen.reach`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = [
     "by_distance",
     "components",
     "free_windows",
-    "shortest_way",
+    "shortest_path",
     "squared_distances",
     "steps_from",
     "window_at",
@@ -30,13 +30,16 @@ Ints = npt.NDArray[np.int64]
 
 
 class Floods:
-    """Floods over the free places of one grid, in steps to the four neighbours; they share their memory.
+    """Floods over the free places of one grid, in steps to the four neighbours.
+
+    They share their memory.
 
     Args:
         free: (rows, columns) bool, nothing free on the rim.
 
     Attributes:
-        queue: (places,) int32; its beginning has the last region that was flooded, in order of steps.
+        queue: (places,) int32; its beginning has the last region that was flooded, in order of
+            steps.
     """
 
     def __init__(self, free: Bools) -> None:
@@ -49,9 +52,11 @@ class Floods:
         """Flood every region that has a place in ``first`` .. ``last - 1``.
 
         Returns:
-            Their number, ``regions``, and that of their ``places``; a place, ``root``, of the ``largest`` and its size.
+            Their number, ``regions``, and that of their ``places``; a place, ``root``, of the
+            ``largest`` and its size.
         """
-        ffi, lib = _core.ffi, _core.lib
+        ffi = _core.ffi
+        lib = _core.lib
         self._count += 1
         found = ffi.new("WgRegions *")
         work = (writable(ffi, self._seen, np.uint8), writable(ffi, self.queue, np.int32))
@@ -60,12 +65,18 @@ class Floods:
 
 
 def free_windows(walls: Bools, width: int, height: int) -> Bools:
-    """Return where a box of ``width`` x ``height`` cells is free, at its first cell: bool, shaped like ``walls``."""
-    ffi, lib = _core.ffi, _core.lib
+    """Return where a box of ``width`` x ``height`` cells is free, at its first cell.
+
+    Bool, shaped like ``walls``.
+    """
+    ffi = _core.ffi
+    lib = _core.lib
     rows, columns = walls.shape
     windows = np.empty(walls.shape, dtype=np.bool_)
     solid = pointer(ffi, np.ascontiguousarray(walls), np.bool_)
-    check(lib.wg_free_windows(solid, rows, columns, width, height, writable(ffi, windows, np.bool_)))
+    check(
+        lib.wg_free_windows(solid, rows, columns, width, height, writable(ffi, windows, np.bool_))
+    )
     return windows
 
 
@@ -75,8 +86,12 @@ def window_at(halves: int, side: int) -> int:
 
 
 def steps_from(windows: Bools, start: int) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    """Return the steps from a place to every other, -1 if no path leads there; and those reached, the nearest first."""
-    ffi, lib = _core.ffi, _core.lib
+    """Return the steps from a place to every other, -1 if no path leads there.
+
+    And those reached, the nearest first.
+    """
+    ffi = _core.ffi
+    lib = _core.lib
     steps = np.empty(windows.size, dtype=np.int32)
     order = np.empty(windows.size, dtype=np.int32)
     reached = ffi.new("int64_t *")
@@ -86,23 +101,39 @@ def steps_from(windows: Bools, start: int) -> tuple[npt.NDArray[np.int32], npt.N
 
 
 def components(windows: Bools) -> tuple[npt.NDArray[np.int32], int]:
-    """Return the number of each place's component, -1 where there is none, flat; and how many there are."""
-    ffi, lib = _core.ffi, _core.lib
+    """Return the number of each place's component, -1 where there is none, flat.
+
+    And how many there are.
+    """
+    ffi = _core.ffi
+    lib = _core.lib
     owner = np.empty(windows.size, dtype=np.int32)
     queue = np.empty(windows.size, dtype=np.int32)
     count = ffi.new("int64_t *")
-    check(lib.wg_components(*_grid(windows), writable(ffi, owner, np.int32), writable(ffi, queue, np.int32), count))
+    check(
+        lib.wg_components(
+            *_grid(windows), writable(ffi, owner, np.int32), writable(ffi, queue, np.int32), count
+        )
+    )
     return owner, int(count[0])
 
 
 def _grid(windows: Bools) -> tuple[Any, int, int]:
     """Return a grid as the core takes it: its places, how many, and how many in a row."""
-    return pointer(_core.ffi, np.ascontiguousarray(windows), np.bool_), windows.size, windows.shape[1]
+    return (
+        pointer(_core.ffi, np.ascontiguousarray(windows), np.bool_),
+        windows.size,
+        windows.shape[1],
+    )
 
 
-def shortest_way(windows: Bools, start: int, goal: int) -> list[int]:
-    """Return the flat cells of a shortest path over free windows, both ends included; empty if there is none."""
-    ffi, lib = _core.ffi, _core.lib
+def shortest_path(windows: Bools, start: int, goal: int) -> list[int]:
+    """Return the flat cells of a shortest path over free windows, both ends included.
+
+    Empty if there is none.
+    """
+    ffi = _core.ffi
+    lib = _core.lib
     came = np.empty(windows.size, np.int32)
     path = np.empty(windows.size, np.int32)
     length = ffi.new("int64_t *")
@@ -121,7 +152,8 @@ def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
         x: Of the point.
         y: Of the point.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     count = int(np.count_nonzero(clear))
     places = np.empty(count, np.int64)
     squared = np.empty(count, np.int64)
@@ -134,16 +166,19 @@ def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
 def squared_distances(marked: Bools, most: int = 2**62) -> Ints:
     """Return the squared distance from each node to the nearest marked one; exact.
 
-    The nearest point of a cell to a node is a node, so marking the nodes in cells gives distances to cells.
+    The nearest point of a cell to a node is a node, so marking the nodes in cells gives distances
+    to cells.
 
     Args:
         marked: (rows, columns) bool.
         most: Instead of a square above this, any number above it is given; that takes less time.
 
-    Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time",
+    Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in
+        Linear Time",
     2000.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     found: Ints = np.empty(marked.shape, np.int32)
     marks = pointer(ffi, np.ascontiguousarray(marked), np.bool_)
     check(lib.wg_squared_distances(marks, *marked.shape, most, writable(ffi, found, np.int32)))

@@ -8,7 +8,8 @@ __all__ = ["interval_95"]
 def interval_95(count: int, total: int) -> tuple[float, float]:
     """Two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
 
-    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
+    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated
+        in the
     case of the binomial", Biometrika 1934.
     """
     from scipy.special import betaincinv  # noqa: PLC0415 - it takes longer to load than most commands to run

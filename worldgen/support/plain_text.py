@@ -1,4 +1,7 @@
-"""Plain text for terminals: aligned columns, counted nouns, and nothing that a terminal would obey."""
+"""Plain text for terminals.
+
+Aligned columns, counted nouns, and nothing that a terminal would obey.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import reprlib
 from collections.abc import Collection, Sequence
 from numbers import Number
 
-__all__ = ["GAP", "aligned", "counted", "quote", "shown", "shown_lines", "value_in_words"]
+__all__ = ["GAP", "aligned", "counted", "describe_value", "quote", "shown", "shown_lines"]
 
 GAP = "  "  # between two columns
 
@@ -16,7 +19,9 @@ _BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
-    """Rows as lines, each column as wide as its widest cell; cells that a row lacks at its end are empty.
+    """Rows as lines, each column as wide as its widest cell.
+
+    Cells that a row lacks at its end are empty.
 
     Args:
         rows: At least one.
@@ -44,8 +49,8 @@ def quote(text: object, limit: int = 40) -> str:
     """Return text from outside in quotes, short enough for a message, with nothing that a terminal would obey.
 
     Args:
-        text: Bytes that are not UTF-8 are shown as escapes, numbers (NumPy's too) as they print, and anything else by
-            its ``repr``.
+        text: Bytes that are not UTF-8 are shown as escapes, numbers (NumPy's too) as they print,
+            and anything else by its ``repr``.
         limit: The longest result, in characters.
     """
     if isinstance(text, bytes | bytearray):
@@ -64,7 +69,10 @@ def _shown_value(value: object) -> str:
 
 
 def shown(text: object) -> str:
-    """A text with what a terminal would obey, as in the names of strangers' files, written as escapes."""
+    """A text with what a terminal would obey.
+
+    As in the names of strangers' files, written as escapes.
+    """
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
 
 
@@ -73,10 +81,13 @@ def shown_lines(text: str) -> str:
     return "\n".join(map(shown, text.split("\n")))
 
 
-def value_in_words(value: object) -> str:
-    """A value of a file's header, lists and tables in it included, on one line; numbers with six digits."""
+def describe_value(value: object) -> str:
+    """A value of a file's header, lists and tables in it included, on one line.
+
+    Numbers with six digits.
+    """
     if isinstance(value, list):
-        return ", ".join(map(value_in_words, value))
+        return ", ".join(map(describe_value, value))
     if isinstance(value, dict):
-        return "; ".join(f"{name} {value_in_words(item)}" for name, item in value.items())
+        return "; ".join(f"{name} {describe_value(item)}" for name, item in value.items())
     return f"{value:.6g}" if isinstance(value, float) else str(value)

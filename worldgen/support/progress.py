@@ -1,10 +1,11 @@
 """Say what takes long: nothing for two seconds, then a line every few seconds, or one live line on a terminal.
 
-Code anywhere wraps slow work in :func:`working`. Only the command line installs a :class:`Display`; in library use
-the same messages go to the logger ``worldgen`` at level INFO, so nothing is printed unless logging asks for it.
+Code anywhere wraps slow work in :func:`working`. Only the command line installs a :class:`Display`;
+in library use the same messages go to the logger ``worldgen`` at level INFO, so nothing is printed
+unless logging asks for it.
 
-Do not use another live display (a ``rich`` progress bar or status) inside :func:`working`: the two would overwrite
-each other. :meth:`Work.count` shows numbers, rate and time left.
+Do not use another live display (a ``rich`` progress bar or status) inside :func:`working`: the two
+would overwrite each other. :meth:`Work.count` shows numbers, rate and time left.
 """
 
 from __future__ import annotations
@@ -21,7 +22,16 @@ from multiprocessing import parent_process
 
 from worldgen.support.plain_text import shown
 
-__all__ = ["Display", "Work", "display_on_stderr", "is_quiet", "say_once", "set_verbosity", "spoke", "working"]
+__all__ = [
+    "Display",
+    "Work",
+    "display_on_stderr",
+    "is_quiet",
+    "say_once",
+    "set_verbosity",
+    "spoke",
+    "working",
+]
 
 _clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
@@ -46,7 +56,9 @@ class Work:
         often: See :func:`working`.
     """
 
-    def __init__(self, message: str, clock: Callable[[], float] = time.monotonic, *, often: bool = False) -> None:
+    def __init__(
+        self, message: str, clock: Callable[[], float] = time.monotonic, *, often: bool = False
+    ) -> None:
         self.message = message
         self.often = often
         self.begun = clock()
@@ -55,11 +67,17 @@ class Work:
         self._first: tuple[float, int] | None = None
 
     def say(self, detail: str | Callable[[], str]) -> None:
-        """Set what follows the message; a function is called only when a line is printed, in another thread."""
+        """Set what follows the message.
+
+        A function is called only when a line is printed, in another thread.
+        """
         self._detail = detail
 
     def count(self, done: int, total: int | None = None, noun: str = "") -> None:
-        """Set the detail to ``120 of 10,000 worlds (40/s, 4 min left)``; cheap enough for every item."""
+        """Set the detail to ``120 of 10,000 worlds (40/s, 4 min left)``.
+
+        Cheap enough for every item.
+        """
         if self._first is None:
             self._first = (self._clock(), done)
         self._detail = lambda: self._counted(done, total, noun)
@@ -101,7 +119,8 @@ class Display:
     The thread never holds a lock, so that Ctrl-C in the main thread can fall anywhere.
 
     Args:
-        terminal: Whether a line can be drawn again in place; if omitted, whether standard error is a terminal.
+        terminal: Whether a line can be drawn again in place; if omitted, whether standard error is
+            a terminal.
         verbosity: -1 prints nothing; 1 also prints when each piece of work begins and ends.
         silent: Whether to print no progress, whatever the verbosity.
         clock: Gives seconds.
@@ -150,7 +169,8 @@ class Display:
 
     def close(self) -> None:
         """Stop the thread and take the live line away."""
-        over, thread = self._over, self._thread
+        over = self._over
+        thread = self._thread
         self._over = self._thread = None
         if over is not None and thread is not None:
             over.set()
@@ -169,7 +189,10 @@ class Display:
             self._put(_CLEAR)
 
     def spoke(self) -> None:
-        """Take the live line away and count the silence from now on: somebody is printing a message."""
+        """Take the live line away and count the silence from now on.
+
+        Somebody is printing a message.
+        """
         self._spoken = self._clock()
         self.clear()
 
@@ -189,9 +212,13 @@ class Display:
         if not due and not (terminal and self._drawn):
             return
         # Details of the innermost only: on one line there is no room for more.
-        parts = list(dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()]))
+        parts = list(
+            dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
+        )
         spent = now - works[0].begun
-        took = f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""  # short work after other short work
+        took = (
+            f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""
+        )  # short work after other short work
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _fitted(parts, took, _columns() - 1))
@@ -235,7 +262,8 @@ def working(message: str, *, often: bool = False) -> Iterator[Work]:
 
     Args:
         message: What is being done, such as ``"loading the simulator"``.
-        often: Whether this is done thousands of times, so that ``--verbose`` and the log leave it out.
+        often: Whether this is done thousands of times, so that ``--verbose`` and the log leave it
+            out.
     """
     display = _display
     if display is None:
@@ -251,10 +279,15 @@ def working(message: str, *, often: bool = False) -> Iterator[Work]:
 
 @contextmanager
 def display_on_stderr() -> Iterator[Display]:
-    """Show, inside, what :func:`working` says on standard error; ``WORLDGEN_PROGRESS=off`` shows none of it."""
+    """Show, inside, what :func:`working` says on standard error.
+
+    ``WORLDGEN_PROGRESS=off`` shows none of it.
+    """
     global _display  # noqa: PLW0603 - one process has one standard error
     before = _display
-    display = _display = Display(silent=os.environ.get("WORLDGEN_PROGRESS", "").lower() in ("off", "0", "no"))
+    display = _display = Display(
+        silent=os.environ.get("WORLDGEN_PROGRESS", "").lower() in ("off", "0", "no")
+    )
     try:
         yield display
     finally:
@@ -263,7 +296,10 @@ def display_on_stderr() -> Iterator[Display]:
 
 
 def set_verbosity(verbosity: int) -> None:
-    """Make the command line quiet (-1), usual (0) or verbose (1); without a command line this does nothing."""
+    """Make the command line quiet (-1), usual (0) or verbose (1).
+
+    Without a command line this does nothing.
+    """
     if _display is not None:
         _display.verbosity = verbosity
 
@@ -283,7 +319,10 @@ _said: set[str] = set()
 
 
 def say_once(message: str) -> None:
-    """Print a warning on the command line's standard error, or log it in library use; worker processes stay silent."""
+    """Print a warning on the command line's standard error, or log it in library use.
+
+    Worker processes stay silent.
+    """
     if message in _said or parent_process() is not None:
         return
     _said.add(message)
@@ -317,7 +356,10 @@ def _columns() -> int:
 
 
 def _fitted(parts: list[str], end: str, columns: int) -> str:
-    """One line for a terminal: without the outer parts if it would be too long, then cut before its end."""
+    """One line for a terminal.
+
+    Without the outer parts if it would be too long, then cut before its end.
+    """
     from rich.cells import cell_len, set_cell_size  # noqa: PLC0415 - only when a live line is drawn
 
     for first in range(len(parts)):
@@ -325,4 +367,8 @@ def _fitted(parts: list[str], end: str, columns: int) -> str:
         if cell_len(line) <= columns:
             return line
     room = columns - cell_len(f"...{end}")
-    return set_cell_size(parts[-1], room) + f"...{end}" if room > 0 else set_cell_size(parts[-1], max(columns, 0))
+    return (
+        set_cell_size(parts[-1], room) + f"...{end}"
+        if room > 0
+        else set_cell_size(parts[-1], max(columns, 0))
+    )

@@ -13,7 +13,14 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["LISTEN", "WorkerPool", "become_worker", "ctrl_c_held_back", "ctrl_c_kept", "sigint_blocked"]
+__all__ = [
+    "LISTEN",
+    "WorkerPool",
+    "become_worker",
+    "ctrl_c_held_back",
+    "ctrl_c_kept",
+    "sigint_blocked",
+]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -26,9 +33,9 @@ _TO_TERMINATE = 1.0  # s that all processes have together
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
     """Holds Ctrl-C back until what this yields is called, which then raises ``KeyboardInterrupt``.
 
-    Locks of queues and futures may stay locked for ever if an exception comes between any two instructions.
-    A second Ctrl-C is not held back: the way out if something hangs. Outside the main thread, which alone
-    hears Ctrl-C, this does nothing.
+    Locks of queues and futures may stay locked for ever if an exception comes between any two
+    instructions. A second Ctrl-C is not held back: the way out if something hangs. Outside the main
+    thread, which alone hears Ctrl-C, this does nothing.
 
     Args:
         at_once: Called when Ctrl-C comes.
@@ -101,9 +108,14 @@ class WorkerPool(ProcessPoolExecutor):
         *args: Its arguments; objects of ``get_context("spawn")`` among them are shared.
     """
 
-    def __init__(self, workers: int, initializer: Callable[..., None] | None = None, *args: Any) -> None:
+    def __init__(
+        self, workers: int, initializer: Callable[..., None] | None = None, *args: Any
+    ) -> None:
         super().__init__(
-            workers, mp_context=get_context("spawn"), initializer=_start_worker, initargs=(initializer, args)
+            workers,
+            mp_context=get_context("spawn"),
+            initializer=_start_worker,
+            initargs=(initializer, args),
         )
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -112,7 +124,10 @@ class WorkerPool(ProcessPoolExecutor):
             return super().submit(work, *args, **kwargs)
 
     def end(self) -> None:
-        """End the processes now, even one that is stuck in a controller; work that is not done is lost."""
+        """End the processes now, even one that is stuck in a controller.
+
+        Work that is not done is lost.
+        """
         # shutdown() forgets its processes, so they are copied first.
         processes = list((self._processes or {}).values())
         self.shutdown(wait=False, cancel_futures=True)
@@ -128,9 +143,10 @@ class WorkerPool(ProcessPoolExecutor):
 
 @contextlib.contextmanager
 def sigint_blocked() -> Iterator[None]:
-    """Start processes inside with SIGINT blocked, which they inherit: they ignore Ctrl-C from their first moment.
+    """Start processes inside with SIGINT blocked, which they inherit.
 
-    This process gets a Ctrl-C that arrives meanwhile afterwards.
+    They ignore Ctrl-C from their first moment. This process gets a Ctrl-C that arrives meanwhile
+    afterwards.
     """
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows, where a process group is told
         yield

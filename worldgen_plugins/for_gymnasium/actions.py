@@ -14,10 +14,13 @@ __all__ = ["checked_actions"]
 
 
 def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArray[Any]:
-    """(n,) int64 or (n, 2) float32, in C order; numbers beyond the bounds are as good as the bounds.
+    """(n,) int64 or (n, 2) float32, in C order.
+
+    Numbers beyond the bounds are as good as the bounds.
 
     Raises:
-        InvalidParameter: If they are of another shape or type, nan, or no number of a discrete action.
+        InvalidParameter: If they are of another shape or type, nan, or no number of a discrete
+            action.
     """
     given = np.asarray(actions)
     if interface.actions == "discrete":
@@ -41,11 +44,14 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     if given.shape != (count, 2) or given.dtype.kind not in "fiu":
         raise InvalidParameter(
             "wrong-shape",
-            "actions of shape {shape}, {dtype}: give the shares of turn rate and top speed for {count}",
+            "actions of shape {shape}, {dtype}: give the shares of turn rate and top speed for "
+            "{count}",
             shape=given.shape,
             dtype=str(given.dtype),
             count=count,
         )
     if np.isnan(given.sum()) and np.isnan(given).any():
-        raise InvalidParameter("not-finite", "an action is nan", "give shares of turn rate and top speed, -1 to 1")
+        raise InvalidParameter(
+            "not-finite", "an action is nan", "give shares of turn rate and top speed, -1 to 1"
+        )
     return np.ascontiguousarray(given, np.float32)

@@ -14,13 +14,17 @@ from worldgen.lattice import radius_in_cells
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.world import World
 
-__all__ = ["ways_to_target"]
+__all__ = ["distances_to_target"]
 
-_NEAR = 1.5  # half cells: from the target's centre to nodes that it is joined to, if its radius is less
+_NEAR = (
+    1.5  # half cells: from the target's centre to nodes that it is joined to, if its radius is less
+)
 
 
-def ways_to_target(world: World) -> npt.NDArray[np.float32]:
-    """Length of the disc's shortest way over points at multiples of half a cell, m; inf where there is none.
+def distances_to_target(world: World) -> npt.NDArray[np.float32]:
+    """Length of the disc's shortest way over points at multiples of half a cell, m.
+
+    Inf where there is none.
 
     Args:
         world: One that does not change.
@@ -35,10 +39,13 @@ def ways_to_target(world: World) -> npt.NDArray[np.float32]:
     """
     if world.is_dynamic:
         raise InvalidParameter(
-            "world-changes", "distance='way' needs worlds that do not change", "take distance='straight' for this one"
+            "world-changes",
+            "distance='way' needs worlds that do not change",
+            "take distance='straight' for this one",
         )
     graph = build_graph(world.walls, radius_in_cells(world), 2)
-    clear, middle = graph.clear, graph.middle[:-1, :-1]
+    clear = graph.clear
+    middle = graph.middle[:-1, :-1]
     numbers = np.arange(clear.size).reshape(clear.shape)
     slanted = math.sqrt(2.0)
     steps = [
@@ -53,8 +60,13 @@ def ways_to_target(world: World) -> npt.NDArray[np.float32]:
     home = np.flatnonzero(clear & (away <= max(world.target.radius / side, _NEAR)))
     begins = [*(one[there] for one, _, there, _ in steps), np.full(len(home), clear.size)]
     ends = [*(other[there] for _, other, there, _ in steps), home]
-    costs = [*(np.full(np.count_nonzero(there), cost) for *_, there, cost in steps), np.maximum(away.flat[home], 1e-9)]
+    costs = [
+        *(np.full(np.count_nonzero(there), cost) for *_, there, cost in steps),
+        np.maximum(away.flat[home], 1e-9),
+    ]
     places = (np.concatenate(begins), np.concatenate(ends))
-    matrix = coo_array((np.concatenate(costs), places), shape=(clear.size + 1, clear.size + 1)).tocsr()
+    matrix = coo_array(
+        (np.concatenate(costs), places), shape=(clear.size + 1, clear.size + 1)
+    ).tocsr()
     lengths = dijkstra(matrix, directed=False, indices=[clear.size])[0][:-1]
     return np.asarray(lengths * side, np.float32)

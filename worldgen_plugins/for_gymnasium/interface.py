@@ -54,7 +54,12 @@ SENSORS: Mapping[str, Sensor] = {
     "target_distance": Sensor(lib.WG_SHOW_TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
     "heading": _direction(lib.WG_SHOW_HEADING),
     "position": Sensor(lib.WG_SHOW_POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
-    "odometry": Sensor(lib.WG_SHOW_ODOMETRY, (-1.0,) * 4, (1.0,) * 4, ("odometry_x", "odometry_y", "odometry_heading")),
+    "odometry": Sensor(
+        lib.WG_SHOW_ODOMETRY,
+        (-1.0,) * 4,
+        (1.0,) * 4,
+        ("odometry_x", "odometry_y", "odometry_heading"),
+    ),
     "beams": Sensor(lib.WG_SHOW_BEAMS, (0.0,), (1.0,), ("beams",)),
 }
 """Every sensor; of ``beams`` there are as many as the robot has."""
@@ -68,15 +73,19 @@ Ahead; ahead to the left; ahead to the right; left on the spot; right on the spo
 
 @dataclass(frozen=True)
 class Interface:
-    """Sensors and actions of an environment; a controller that has the same sees what was seen in training.
+    """Sensors and actions of an environment.
+
+    A controller that has the same sees what was seen in training.
 
     Args:
         sensors: Names in :data:`SENSORS`, in the order in which they stand in an observation.
         actions: ``continuous``, or ``discrete`` for the five of :data:`CHOICES`.
         turn_rate: rad/s, what an action turns at most.
         reverse: Whether continuous actions may drive backwards.
-        extent: m, which distances and positions are given as shares of; what is farther is as far as that.
-        robot: The robot's dynamics and sensors; with ``beams`` among the sensors it has 16 unless this says otherwise.
+        extent: m, which distances and positions are given as shares of; what is farther is as far
+            as that.
+        robot: The robot's dynamics and sensors; with ``beams`` among the sensors it has 16 unless
+            this says otherwise.
 
     Raises:
         InvalidParameter: If a name is unknown or a value is out of range.
@@ -100,11 +109,16 @@ class Interface:
             )
         if not isinstance(self.reverse, bool):
             raise InvalidParameter(
-                "wrong-type", "reverse={reverse!r} is neither True nor False", "give one of them", reverse=self.reverse
+                "wrong-type",
+                "reverse={reverse!r} is neither True nor False",
+                "give one of them",
+                reverse=self.reverse,
             )
         if self.reverse and self.actions == "discrete":
             raise InvalidParameter(
-                "conflict", "reverse=True goes with continuous actions", "leave it out, or actions='discrete'"
+                "conflict",
+                "reverse=True goes with continuous actions",
+                "leave it out, or actions='discrete'",
             )
         for name, most, unit in (("turn_rate", MOST_TURN_RATE, "rad/s"), ("extent", 1e6, "m")):
             object.__setattr__(self, name, positive(name, getattr(self, name), most, unit))
@@ -161,7 +175,8 @@ class Interface:
         for name in self.sensors:
             low, high = (np.array(numbers, np.float32) for numbers in SENSORS[name][1:3])
             if name == "beams":
-                low, high = low.repeat(self.needs.beams), high.repeat(self.needs.beams)
+                low = low.repeat(self.needs.beams)
+                high = high.repeat(self.needs.beams)
             elif name == "signal":
                 high += np.float32(self.needs.sensor_noise)
             found[name] = (low, high)
@@ -183,8 +198,13 @@ class Interface:
 
     def command(self, action: Any, observation: Observation) -> Command:
         """The command that an action is, for a robot whose top speed is the observation's."""
-        turn, speed = CHOICES[int(action)] if self.actions == "discrete" else (float(action[0]), float(action[1]))
-        turn, speed = min(max(turn, -1.0), 1.0), min(max(speed, -1.0 if self.reverse else 0.0), 1.0)
+        turn, speed = (
+            CHOICES[int(action)]
+            if self.actions == "discrete"
+            else (float(action[0]), float(action[1]))
+        )
+        turn = min(max(turn, -1.0), 1.0)
+        speed = min(max(speed, -1.0 if self.reverse else 0.0), 1.0)
         return Command(speed * observation.top_speed, turn * self.turn_rate)
 
 
@@ -194,7 +214,11 @@ def positive(name: str, value: object, most: float, unit: str) -> float:
     Raises:
         InvalidParameter: If it is none, or above ``most``.
     """
-    if not isinstance(value, int | float | np.number) or isinstance(value, bool) or not 0.0 < value <= most:
+    if (
+        not isinstance(value, int | float | np.number)
+        or isinstance(value, bool)
+        or not 0.0 < value <= most
+    ):
         raise InvalidParameter(
             "out-of-range",
             "{name}={value!r} is no number of {unit} above 0 and at most {most:g}",
@@ -219,8 +243,14 @@ def _names(sensors: object) -> tuple[str, ...]:
     unknown = [name for name in names if name not in SENSORS]
     if unknown:
         raise InvalidParameter(
-            "unknown-name", "no sensor is called {name!r}", "there are {known!l}", name=unknown[0], known=list(SENSORS)
+            "unknown-name",
+            "no sensor is called {name!r}",
+            "there are {known!l}",
+            name=unknown[0],
+            known=list(SENSORS),
         )
     if not names or len(set(names)) != len(names):
-        raise InvalidParameter("twice", "sensors={sensors!r}: give at least one, and none twice", sensors=sensors)
+        raise InvalidParameter(
+            "twice", "sensors={sensors!r}: give at least one, and none twice", sensors=sensors
+        )
     return names

@@ -15,10 +15,10 @@ from sim.runners.lattice import LatticeRun
 from worldgen.lattice import lattice_to_metres
 from worldgen.support.ccall import check, pointer, writable
 from worldgen.world import World
-from worldgen_plugins.for_gymnasium.distances import ways_to_target
+from worldgen_plugins.for_gymnasium.distances import distances_to_target
 from worldgen_plugins.for_gymnasium.options import Rules
 
-__all__ = ["Lockstep", "Told"]
+__all__ = ["Lockstep", "StepResult"]
 
 Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
@@ -29,7 +29,7 @@ def _nobody(observation: npt.NDArray[np.float64], memory: object, command: objec
     """Never called: an environment's actions are its commands."""
 
 
-class Told(NamedTuple):
+class StepResult(NamedTuple):
     """What a call says of each robot; made anew for each.
 
     Args:
@@ -39,8 +39,8 @@ class Told(NamedTuple):
         truncated: (n,) whether its time is over.
         reached: (n,) whether it arrived.
         began: (n,) whether the observation is the first of an episode.
-        last: (n, size) float32, the last observation of an episode after which the next began in the same step; of
-            no rows where that does not happen.
+        last: (n, size) float32, the last observation of an episode after which the next began in
+            the same step; of no rows where that does not happen.
     """
 
     observation: Singles
@@ -62,7 +62,7 @@ class Told(NamedTuple):
 _OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance", "over")
 
 
-class Crew:
+class RobotArrays:
     """What the core knows of n robots, as arrays over its memory.
 
     Args:
@@ -89,8 +89,11 @@ class Crew:
 
         # What all share.
         interface = rules.interface
-        codes, choices, beams = interface.codes, interface.choices, np.full(interface.needs.beams, np.nan)
-        self.c.count, self.c.size = count, size
+        codes = interface.codes
+        choices = interface.choices
+        beams = np.full(interface.needs.beams, np.nan)
+        self.c.count = count
+        self.c.size = size
         self.c.rules = numbers
         self.c.sensors = pointer(ffi, codes, np.int64)
         self.c.sensor_count = len(codes)
@@ -109,11 +112,17 @@ class Crew:
     def load(self, places: Any, runs: Sequence[LatticeRun], held: tuple[Any, ...]) -> None:
         """Put the robots into other worlds, of which ``held`` is the memory."""
         changing = [run.events for run in runs if len(run.events)]
-        most = max((int(np.unique(rows[:, 0], return_counts=True)[1].max()) for rows in changing), default=0)
+        most = max(
+            (int(np.unique(rows[:, 0], return_counts=True)[1].max()) for rows in changing),
+            default=0,
+        )
         self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + 1))
         self._tie_robots()
-        self.c.places, self.c.place_count = places, len(runs)
-        self.c.cells, self.c.near, self.c.page = ffi.NULL, ffi.NULL, 0
+        self.c.places = places
+        self.c.place_count = len(runs)
+        self.c.cells = ffi.NULL
+        self.c.near = ffi.NULL
+        self.c.page = 0
         self._own = ()
         if changing:
             self.c.page = max(run.world.walls.size for run in runs)
@@ -127,12 +136,16 @@ class Crew:
 
     def _tie_robots(self) -> None:
         """Give the robots their states and their chain."""
-        lib.wg_crew_robots(self.c, ffi.cast("WgState *", writable(ffi, self.state, np.int64)), self._chain)
+        lib.wg_crew_robots(
+            self.c, ffi.cast("WgState *", writable(ffi, self.state, np.int64)), self._chain
+        )
 
     def snapshot(self) -> tuple[list[npt.NDArray[Any]], bytes]:
         """Return all that changes as robots go."""
         arrays = [getattr(self, name) for name in _OF_ROBOTS]
-        return [array.copy() for array in (*arrays, self.state, *self._own)], bytes(ffi.buffer(self._robots))
+        return [array.copy() for array in (*arrays, self.state, *self._own)], bytes(
+            ffi.buffer(self._robots)
+        )
 
     def restore(self, snapshot: tuple[list[npt.NDArray[Any]], bytes]) -> None:
         """Put everything back as it was; the same worlds must be loaded."""
@@ -154,17 +167,29 @@ class Lockstep:
         autoreset: WG_NEXT_STEP, WG_SAME_STEP or WG_NO_AUTORESET.
     """
 
-    def __init__(self, rules: Rules, count: int, limit: int = 0, autoreset: int = lib.WG_NO_AUTORESET) -> None:
-        self._rules, self.count, self._limit, self._autoreset = rules, count, limit, autoreset
+    def __init__(
+        self, rules: Rules, count: int, limit: int = 0, autoreset: int = lib.WG_NO_AUTORESET
+    ) -> None:
+        self._rules = rules
+        self.count = count
+        self._limit = limit
+        self._autoreset = autoreset
         interface = rules.interface
         self.size = sum(len(low) for low, _ in interface.bounds().values())
         self._driver = CompiledController("gymnasium", _nobody, senses=interface.senses)
         self.worlds: Sequence[World] = ()
-        self.crew = Crew(rules, rules.numbers(limit, autoreset), count, self.size)
+        self.crew = RobotArrays(rules, rules.numbers(limit, autoreset), count, self.size)
 
     def __getstate__(self) -> tuple[Any, ...]:
         """Return what a copy is made of, which memory of the core cannot be."""
-        return self._rules, self.count, self._limit, self._autoreset, self.worlds, self.crew.snapshot()
+        return (
+            self._rules,
+            self.count,
+            self._limit,
+            self._autoreset,
+            self.worlds,
+            self.crew.snapshot(),
+        )
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         """Make the copy."""
@@ -184,7 +209,7 @@ class Lockstep:
         options = self._rules.run_options()
         runs = [LatticeRun(world, self._driver, options) for world in worlds]
         arenas = [run.arena() for run in runs]
-        ways = [ways_to_target(world) for world in worlds] if self._rules.by_way else []
+        ways = [distances_to_target(world) for world in worlds] if self._rules.by_way else []
         places = ffi.new("WgPlace[]", len(runs))
         for k, (run, arena) in enumerate(zip(runs, arenas, strict=True)):
             places[k].arena = arena.c[0]
@@ -200,20 +225,25 @@ class Lockstep:
         lib.wg_crew_begin(self._crew(), robot, world, writable(ffi, out, np.float32))
         return out
 
-    def begin_many(self, which: Bools) -> Told:
+    def begin_many(self, which: Bools) -> StepResult:
         """Puts robots at the starts of episodes in the worlds that their seeds choose."""
         told = self._told()
-        lib.wg_crew_begin_many(self._crew(), pointer(ffi, which, np.bool_), writable(ffi, told.observation, np.float32))
+        lib.wg_crew_begin_many(
+            self._crew(), pointer(ffi, which, np.bool_), writable(ffi, told.observation, np.float32)
+        )
         return told
 
-    def step(self, actions: npt.NDArray[Any]) -> Told:
-        """One action of each robot: (n,) int64 discrete, or (n, 2) float32 continuous ones, in C order.
+    def step(self, actions: npt.NDArray[Any]) -> StepResult:
+        """One action of each robot.
+
+        (n,) int64 discrete, or (n, 2) float32 continuous ones, in C order.
 
         Raises:
             ValueError: If there is no such discrete action.
         """
         told = self._told()
-        chosen, moves = ffi.NULL, ffi.NULL
+        chosen = ffi.NULL
+        moves = ffi.NULL
         if actions.ndim == 1:
             chosen = pointer(ffi, actions, np.int64)
         else:
@@ -232,8 +262,16 @@ class Lockstep:
             raise RuntimeError("no worlds are loaded")
         return self.crew.c
 
-    def _told(self) -> Told:
+    def _told(self) -> StepResult:
         n = self.count
         flags = [np.empty(n, np.bool_) for _ in range(4)]
         last = np.empty((n if self._autoreset == lib.WG_SAME_STEP else 0, self.size), np.float32)
-        return Told(np.empty((n, self.size), np.float32), np.empty(n), flags[0], flags[1], flags[2], flags[3], last)
+        return StepResult(
+            np.empty((n, self.size), np.float32),
+            np.empty(n),
+            flags[0],
+            flags[1],
+            flags[2],
+            flags[3],
+            last,
+        )

@@ -18,7 +18,13 @@ from worldgen_plugins.for_gymnasium.supply import SOURCES, Supply
 
 __all__ = ["REWARD", "Options", "Rules", "resolve", "sources_in"]
 
-REWARD: Mapping[str, float] = {"progress": 1.0, "time": -0.1, "contact": -0.01, "reached": 1.0, "burned": -1.0}
+REWARD: Mapping[str, float] = {
+    "progress": 1.0,
+    "time": -0.1,
+    "contact": -0.01,
+    "reached": 1.0,
+    "burned": -1.0,
+}
 """What is rewarded: a metre nearer to the target, a second, a step that a wall stopped or bent, and the two ends."""
 
 _INTERFACE = ("sensors", "actions", "turn_rate", "reverse", "extent", "robot")
@@ -35,7 +41,8 @@ class Options(TypedDict, total=False):
         difficulty: Least and greatest difficulty of the family's worlds, 0 to 1.
         pool: How many worlds of the family there are; each episode is in one of them.
         pool_seed: Seed of the first.
-        sensors: As of :class:`worldgen_plugins.for_gymnasium.Interface`, and likewise down to ``robot``.
+        sensors: As of :class:`worldgen_plugins.for_gymnasium.Interface`, and likewise down to
+            ``robot``.
         actions: ``continuous`` or ``discrete``.
         turn_rate: rad/s.
         reverse: Whether actions may drive backwards.
@@ -94,7 +101,8 @@ class Rules:
         rules = self.interface.rules()
         for name in REWARD:
             setattr(rules, name, self.reward[name])
-        rules.limit, rules.autoreset = limit, autoreset
+        rules.limit = limit
+        rules.autoreset = autoreset
         return rules
 
     def run_options(self) -> RunOptions:
@@ -168,7 +176,10 @@ def _check_names(given: Mapping[str, Any], known: Sequence[str], what: str) -> N
 def _reward(given: object) -> dict[str, float]:
     if not isinstance(given, Mapping):
         raise InvalidParameter(
-            "wrong-type", "reward={given} is no dict", "write one such as {{'time': -0.2}}", given=repr(given)
+            "wrong-type",
+            "reward={given} is no dict",
+            "write one such as {{'time': -0.2}}",
+            given=repr(given),
         )
     _check_names(given, tuple(REWARD), "part of the reward")
     for name, value in given.items():

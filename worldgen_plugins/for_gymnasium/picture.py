@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.render import Mark, Trail, draw_terminal
+from worldgen.render import EventMark, Trail, draw_terminal
 from worldgen.world import World
 
 __all__ = ["RENDER_MODES", "check_render_mode", "frame_of"]
@@ -44,7 +44,7 @@ def frame_of(world: World, places: Sequence[tuple[float, float]], mode: str) -> 
         mode: Of :data:`RENDER_MODES`.
     """
     x, y = np.array(places, np.float64).T
-    trail = Trail(x, y, None, [Mark(float(x[-1]), float(y[-1]), "end")])
+    trail = Trail(x, y, None, [EventMark(float(x[-1]), float(y[-1]), "end")])
     if mode == "ansi":
         return draw_terminal(world, trail=trail, width=_COLUMNS, color=False)
     from worldgen.render.png import draw_parts

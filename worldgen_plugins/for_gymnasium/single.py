@@ -23,8 +23,8 @@ __all__ = ["NavigateEnv"]
 class NavigateEnv(gymnasium.Env[Any, Any]):
     """A disc robot that is to reach the target, in worlds in which it can.
 
-    An episode ends when the robot arrives or burns; to cut it off, ``gymnasium.make`` puts a time limit around it.
-    ``docs/gymnasium.md`` says what is observed and rewarded.
+    An episode ends when the robot arrives or burns; to cut it off, ``gymnasium.make`` puts a time
+    limit around it. ``docs/gymnasium.md`` says what is observed and rewarded.
 
     Args:
         render_mode: ``rgb_array``, ``ansi`` or ``None``.
@@ -61,22 +61,26 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() first")
         return self._lockstep.worlds[0]
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
         """Begins an episode; with a seed the first of a series that the seed decides, without one the next of it.
 
         Args:
             seed: Of the worlds' choice and the simulator's noise.
-            options: Where worlds come from, from now on: ``{"world": w}``, ``{"difficulty": (0.4, 0.6)}``, ...
+            options: Where worlds come from, from now on: ``{"world": w}``,
+                ``{"difficulty": (0.4, 0.6)}``, ...
 
         Returns:
-            The observation; and ``world``, the world's number among those there are, and ``run_seed``, with which
-            ``sim.simulate`` runs it likewise.
+            The observation; and ``world``, the world's number among those there are, and
+            ``run_seed``, with which ``sim.simulate`` runs it likewise.
         """
         super().reset(seed=seed)
         self._supply = self._supply.changed(sources_in(options))
         crew = self._lockstep.crew
         if seed is not None or not self._is_seeded:
-            crew.seed[0], crew.episode[0] = seed_of(self.np_random), 0
+            crew.seed[0] = seed_of(self.np_random)
+            crew.episode[0] = 0
             self._is_seeded = True
         else:
             crew.episode[0] += 1
@@ -85,10 +89,15 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
         out = self._lockstep.begin(0, 0)
         self._places = []
         self._note_place()
-        return shown(self._rules, out), {"world": index, "run_seed": int(self._lockstep.crew.run[0])}
+        return shown(self._rules, out), {
+            "world": index,
+            "run_seed": int(self._lockstep.crew.run[0]),
+        }
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One step of the simulator; the information ``is_success`` says whether the robot has arrived.
+        """One step of the simulator.
+
+        The information ``is_success`` says whether the robot has arrived.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the first reset.
@@ -96,16 +105,23 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
         """
         if not self._places:
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before step()")
-        told = self._lockstep.step(checked_actions(self.interface, np.asarray(action)[np.newaxis], 1))
+        told = self._lockstep.step(
+            checked_actions(self.interface, np.asarray(action)[np.newaxis], 1)
+        )
         self._note_place()
         information = {"is_success": bool(told.reached[0])}
         seen = shown(self._rules, told.observation[0])
         return seen, float(told.reward[0]), bool(told.terminated[0]), False, information
 
     def render(self) -> npt.NDArray[np.uint8] | str | None:
-        """The world and the way so far: a picture, (height, width, 3) uint8, or text; ``None`` without a mode."""
+        """The world and the way so far: a picture, (height, width, 3) uint8, or text.
+
+        ``None`` without a mode.
+        """
         if self.render_mode is None:
-            gymnasium.logger.warn('render() without a render mode shows nothing; make(..., render_mode="rgb_array")')
+            gymnasium.logger.warn(
+                'render() without a render mode shows nothing; make(..., render_mode="rgb_array")'
+            )
             return None
         frame: npt.NDArray[np.uint8] | str = frame_of(self.world, self._places, self.render_mode)
         return frame
@@ -116,7 +132,10 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
 
 
 def seed_of(generator: np.random.Generator) -> int:
-    """Return a seed of 64 bits from a generator: of its raw stream, which NumPy promises to keep."""
+    """Return a seed of 64 bits from a generator.
+
+    Of its raw stream, which NumPy promises to keep.
+    """
     return int(generator.bit_generator.random_raw())
 
 

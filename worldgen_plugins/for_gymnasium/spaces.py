@@ -15,7 +15,10 @@ __all__ = ["action_space", "observation_space", "shown"]
 
 
 def action_space(interface: Interface) -> gymnasium.Space[Any]:
-    """Shares of the turn rate, counter-clockwise, and of the top speed; or numbers of the discrete actions."""
+    """Shares of the turn rate, counter-clockwise, and of the top speed.
+
+    Or numbers of the discrete actions.
+    """
     if interface.actions == "discrete":
         return gymnasium.spaces.Discrete(len(CHOICES))
     low = np.array([-1.0, -1.0 if interface.reverse else 0.0], np.float32)
@@ -23,11 +26,15 @@ def action_space(interface: Interface) -> gymnasium.Space[Any]:
 
 
 def observation_space(rules: Rules) -> gymnasium.Space[Any]:
-    """The space of one robot's observations: a flat box, or one box for each sensor, always of float32."""
+    """The space of one robot's observations.
+
+    A flat box, or one box for each sensor, always of float32.
+    """
     bounds = rules.interface.bounds()
     if rules.observation == "dict":
         boxes: dict[str, gymnasium.Space[Any]] = {
-            name: gymnasium.spaces.Box(low, high, dtype=np.float32) for name, (low, high) in bounds.items()
+            name: gymnasium.spaces.Box(low, high, dtype=np.float32)
+            for name, (low, high) in bounds.items()
         }
         return gymnasium.spaces.Dict(boxes)
     low, high = (np.concatenate(parts) for parts in zip(*bounds.values(), strict=True))
@@ -38,7 +45,8 @@ def shown(rules: Rules, observation: npt.NDArray[np.float32]) -> Any:
     """Observations (..., size) as the space has them."""
     if rules.observation == "box":
         return observation
-    found, first = {}, 0
+    found = {}
+    first = 0
     for name, (low, _) in rules.interface.bounds().items():
         found[name] = observation[..., first : first + len(low)].copy()
         first += len(low)

@@ -32,7 +32,8 @@ class Supply:
     """A fixed number of worlds, each made or read when it is first asked for.
 
     Args:
-        options: What is given of :data:`SOURCES`; see :class:`worldgen_plugins.for_gymnasium.options.Options`.
+        options: What is given of :data:`SOURCES`; see
+            :class:`worldgen_plugins.for_gymnasium.options.Options`.
 
     Raises:
         InvalidParameter: If what is given does not go together, or is out of range.
@@ -43,9 +44,15 @@ class Supply:
         given = {name: value for name, value in options.items() if value is not None}
         named = [name for name in ("world", "worlds", "family") if name in given]
         if len(named) > 1:
-            raise InvalidParameter("conflict", "{named} are given", "give one of them", named=" and ".join(named))
+            raise InvalidParameter(
+                "conflict", "{named} are given", "give one of them", named=" and ".join(named)
+            )
         fixed = named and named[0] != "family"
-        stray = [name for name in ("params", "difficulty", "pool", "pool_seed") if fixed and name in given]
+        stray = [
+            name
+            for name in ("params", "difficulty", "pool", "pool_seed")
+            if fixed and name in given
+        ]
         if stray:
             raise InvalidParameter(
                 "conflict",
@@ -58,7 +65,9 @@ class Supply:
         self._made: list[World] = []
         self._more: Iterator[World] = iter(())
         if fixed:
-            self._made = _read_one(given["world"]) if named == ["world"] else _read_all(given["worlds"])
+            self._made = (
+                _read_one(given["world"]) if named == ["world"] else _read_all(given["worlds"])
+            )
             self._count = len(self._made)
         else:
             self._count = whole("pool", given.get("pool", DEFAULT_POOL), 1, MOST_POOL)
@@ -71,22 +80,31 @@ class Supply:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         done = len(self._made)
-        self._more = islice(_of_family(self.options, self._count), done, None) if done < self._count else iter(())
+        self._more = (
+            islice(_of_family(self.options, self._count), done, None)
+            if done < self._count
+            else iter(())
+        )
 
     def changed(self, options: Mapping[str, Any]) -> Supply:
-        """The supply with other options; those of a family stay what they are unless they are named.
+        """The supply with other options.
 
-        A world, or worlds, take the place of a family, and a family theirs. ``None`` says nothing, but of a difficulty
-        or parameters that there are none from now on.
+        Those of a family stay what they are unless they are named. A world, or worlds, take the
+        place of a family, and a family theirs. ``None`` says nothing, but of a difficulty or
+        parameters that there are none from now on.
         """
         options = {
-            name: value for name, value in options.items() if value is not None or name in ("difficulty", "params")
+            name: value
+            for name, value in options.items()
+            if value is not None or name in ("difficulty", "params")
         }
         if not any(name in self.options or value is not None for name, value in options.items()):
             return self
         if "world" in options or "worlds" in options:
             return Supply(options)
-        kept = {name: value for name, value in self.options.items() if name not in ("world", "worlds")}
+        kept = {
+            name: value for name, value in self.options.items() if name not in ("world", "worlds")
+        }
         if "family" in options:
             kept = {name: value for name, value in kept.items() if name != "params"}
         return Supply({**kept, **options})
@@ -118,7 +136,10 @@ def _read_one(given: object) -> list[World]:
     if isinstance(given, str | Path):
         return [read_world(Path(given))]
     raise InvalidParameter(
-        "wrong-type", "world={given} is neither a World nor a path", "give one of them", given=repr(given)
+        "wrong-type",
+        "world={given} is neither a World nor a path",
+        "give one of them",
+        given=repr(given),
     )
 
 
@@ -127,21 +148,35 @@ def _read_all(given: object) -> list[World]:
         return [world for _, world in read_worlds([Path(given)])]
     if not isinstance(given, Sequence) or not given:
         raise InvalidParameter(
-            "wrong-type", "worlds={given} is no folder, archive or list of worlds", "give one", given=repr(given)
+            "wrong-type",
+            "worlds={given} is no folder, archive or list of worlds",
+            "give one",
+            given=repr(given),
         )
-    return [world for one in given for world in ([one] if isinstance(one, World) else _read_all(str(one)))]
+    return [
+        world
+        for one in given
+        for world in ([one] if isinstance(one, World) else _read_all(str(one)))
+    ]
 
 
 def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
     """Worlds of rising seeds; with a difficulty, different ones that a search finds."""
-    name, params = given.get("family", DEFAULT_FAMILY), given.get("params", {})
+    name = given.get("family", DEFAULT_FAMILY)
+    params = given.get("params", {})
     if not isinstance(params, Mapping):
         raise InvalidParameter(
-            "wrong-type", "params={given} is no dict", "write one such as {{'size': 30}}", given=repr(params)
+            "wrong-type",
+            "params={given} is no dict",
+            "write one such as {{'size': 30}}",
+            given=repr(params),
         )
     if not isinstance(name, str | Family):
         raise InvalidParameter(
-            "wrong-type", "family={given} is no family's name", "give one such as 'maze'", given=repr(name)
+            "wrong-type",
+            "family={given} is no family's name",
+            "give one such as 'maze'",
+            given=repr(name),
         )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
     seed = whole("pool_seed", given.get("pool_seed", 0), 0, MAX_SEED)
@@ -154,7 +189,9 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
 
 def _range(given: object) -> tuple[float, float]:
     pair = tuple(given) if isinstance(given, tuple | list) else ()
-    numbers = [float(one) for one in pair if isinstance(one, int | float) and not isinstance(one, bool)]
+    numbers = [
+        float(one) for one in pair if isinstance(one, int | float) and not isinstance(one, bool)
+    ]
     if len(pair) != 2 or len(numbers) != 2 or not 0.0 <= numbers[0] < numbers[1] <= 1.0:
         raise InvalidParameter(
             "out-of-range",

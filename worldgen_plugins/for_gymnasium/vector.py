@@ -17,7 +17,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.support.progress import working
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
-from worldgen_plugins.for_gymnasium.lockstep import Lockstep, Told
+from worldgen_plugins.for_gymnasium.lockstep import Lockstep, StepResult
 from worldgen_plugins.for_gymnasium.options import Options, resolve, sources_in
 from worldgen_plugins.for_gymnasium.picture import RENDER_MODES, check_render_mode, frame_of
 from worldgen_plugins.for_gymnasium.single import seed_of
@@ -44,7 +44,8 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Args:
         num_envs: Robots.
-        max_episode_steps: Steps until an episode is cut off; ``None``, 0, or -1 as in ``gymnasium.make``, for never.
+        max_episode_steps: Steps until an episode is cut off; ``None``, 0, or -1 as in
+            ``gymnasium.make``, for never.
         autoreset_mode: When the next episode begins: ``NextStep``, ``SameStep`` or ``Disabled``.
         render_mode: ``rgb_array``, ``ansi`` or ``None``.
         **options: As of the single environment.
@@ -63,10 +64,19 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     ) -> None:
         self._rules, self._supply = resolve(options)
         self.num_envs = whole("num_envs", num_envs, 1, MAX_ENVS)
-        limit = whole("max_episode_steps", 0 if max_episode_steps in (None, -1) else max_episode_steps, 0, MAX_STEPS)
+        limit = whole(
+            "max_episode_steps",
+            0 if max_episode_steps in (None, -1) else max_episode_steps,
+            0,
+            MAX_STEPS,
+        )
         self._mode = _mode_of(autoreset_mode)
         self.render_mode = check_render_mode(render_mode)
-        self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30, "autoreset_mode": self._mode}
+        self.metadata = {
+            "render_modes": list(RENDER_MODES),
+            "render_fps": 30,
+            "autoreset_mode": self._mode,
+        }
         self.single_observation_space = observation_space(self._rules)
         self.single_action_space = action_space(self._rules.interface)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -81,26 +91,38 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._rules.interface
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode of each robot; see :meth:`worldgen_plugins.for_gymnasium.single.NavigateEnv.reset`.
+        """Begins an episode of each robot.
+
+        See :meth:`worldgen_plugins.for_gymnasium.single.NavigateEnv.reset`.
 
         Args:
             seed: Of the first robot; the others have the next ones. Or one for each.
-            options: Where worlds come from, from now on. ``reset_mask``, (n,) bool, says whose episodes begin.
+            options: Where worlds come from, from now on. ``reset_mask``, (n,) bool, says whose
+                episodes begin.
         """
         super().reset(seed=seed if isinstance(seed, int) else None)
         which = _mask_of(options, self.num_envs)
         if self._seen is None and not which.all():
-            raise InvalidParameter("conflict", "the first reset is of all robots", "leave reset_mask out")
+            raise InvalidParameter(
+                "conflict", "the first reset is of all robots", "leave reset_mask out"
+            )
         supply = self._supply.changed(sources_in(options, _MASK))
         if supply is not self._supply or not self._lockstep.worlds:
             if not which.all():
                 raise InvalidParameter(
-                    "conflict", "a reset of some robots cannot change the worlds of all", "leave reset_mask out"
+                    "conflict",
+                    "a reset of some robots cannot change the worlds of all",
+                    "leave reset_mask out",
                 )
             with working(f"preparing {len(supply):,} worlds for {self.num_envs:,} robots") as work:
-                self._lockstep.load(supply.all(lambda done: work.count(done, len(supply), "worlds")))
+                self._lockstep.load(
+                    supply.all(lambda done: work.count(done, len(supply), "worlds"))
+                )
             self._supply = supply
         self._number_episodes(_seeds_of(seed, self.num_envs), which)
         told = self._lockstep.begin_many(which)
@@ -117,18 +139,23 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             seed = seeds[robot]
             if seed is not None or self._seen is None:
                 generator, _ = gymnasium.utils.seeding.np_random(seed)
-                crew.seed[robot], crew.episode[robot] = seed_of(generator), 0
+                crew.seed[robot] = seed_of(generator)
+                crew.episode[robot] = 0
             else:
                 crew.episode[robot] += 1
 
-    def step(self, actions: Any) -> tuple[Any, npt.NDArray[np.float64], Bools, Bools, dict[str, Any]]:
+    def step(
+        self, actions: Any
+    ) -> tuple[Any, npt.NDArray[np.float64], Bools, Bools, dict[str, Any]]:
         """One step of each robot.
 
-        The information ``is_success`` says who has arrived. Where an episode begins, ``world`` and ``run_seed`` are
-        there too, and with ``SameStep`` ``final_obs`` and ``final_info`` of the episode before.
+        The information ``is_success`` says who has arrived. Where an episode begins, ``world`` and
+        ``run_seed`` are there too, and with ``SameStep`` ``final_obs`` and ``final_info`` of the
+        episode before.
 
         Raises:
-            gymnasium.error.ResetNeeded: Before the first reset; with ``Disabled``, if an episode is over.
+            gymnasium.error.ResetNeeded: Before the first reset; with ``Disabled``, if an episode is
+                over.
             InvalidParameter: If the actions are none.
         """
         crew = self._lockstep.crew
@@ -136,7 +163,9 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before step()")
         if self._mode is AutoresetMode.DISABLED and crew.over.any():
             over = int(np.flatnonzero(crew.over)[0])
-            raise gymnasium.error.ResetNeeded(f"the episode of robot {over} is over; reset it, with reset_mask")
+            raise gymnasium.error.ResetNeeded(
+                f"the episode of robot {over} is over; reset it, with reset_mask"
+            )
         told = self._lockstep.step(checked_actions(self.interface, actions, self.num_envs))
         self._seen = told.observation
         if self.render_mode is not None:
@@ -152,17 +181,20 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             gymnasium.error.ResetNeeded: Before the first reset.
         """
         if self.render_mode is None:
-            gymnasium.logger.warn('render() without a render mode shows nothing; make_vec(..., render_mode="ansi")')
+            gymnasium.logger.warn(
+                'render() without a render mode shows nothing; make_vec(..., render_mode="ansi")'
+            )
             return None
         if self._seen is None:
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before render()")
-        worlds, crew = self._lockstep.worlds, self._lockstep.crew
+        worlds = self._lockstep.worlds
+        crew = self._lockstep.crew
         return tuple(
             frame_of(worlds[world], places, self.render_mode)
             for world, places in zip(crew.world.tolist(), self._places, strict=True)
         )
 
-    def _information(self, told: Told) -> dict[str, Any]:
+    def _information(self, told: StepResult) -> dict[str, Any]:
         """What Gymnasium's own vector environments would make of the single ones' information."""
         if self._mode is AutoresetMode.SAME_STEP:
             information: dict[str, Any] = {}
@@ -173,17 +205,24 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 information |= {"is_success": told.reached & running, "_is_success": running}
         else:
             running = ~told.began
-            information = {"is_success": told.reached, "_is_success": running} if running.any() else {}
+            information = (
+                {"is_success": told.reached, "_is_success": running} if running.any() else {}
+            )
         return information | self._of_worlds(told.began) if told.began.any() else information
 
-    def _finals(self, told: Told) -> dict[str, Any]:
+    def _finals(self, told: StepResult) -> dict[str, Any]:
         """Last observation and information of the episodes that were followed by the next in the same step."""
         last = np.full(self.num_envs, None, dtype=object)
         for robot in np.flatnonzero(told.began).tolist():
             last[robot] = shown(self._rules, told.last[robot].copy())
         ended = told.began
         final = {"is_success": told.reached & ended, "_is_success": ended.copy()}
-        return {"final_obs": last, "_final_obs": ended.copy(), "final_info": final, "_final_info": ended.copy()}
+        return {
+            "final_obs": last,
+            "_final_obs": ended.copy(),
+            "final_info": final,
+            "_final_info": ended.copy(),
+        }
 
     def _of_worlds(self, which: Bools) -> dict[str, Any]:
         """In which worlds episodes begin, and with which seeds of their runs."""
@@ -236,8 +275,16 @@ def _mask_of(options: dict[str, Any] | None, count: int) -> Bools:
     mask = None if options is None else options.get(_MASK)
     if mask is None:
         return np.ones(count, np.bool_)
-    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (count,) or not mask.any():
+    if (
+        not isinstance(mask, np.ndarray)
+        or mask.dtype != np.bool_
+        or mask.shape != (count,)
+        or not mask.any()
+    ):
         raise InvalidParameter(
-            "wrong-shape", "reset_mask is no array of {count} booleans of which one is true", "give one", count=count
+            "wrong-shape",
+            "reset_mask is no array of {count} booleans of which one is true",
+            "give one",
+            count=count,
         )
     return mask

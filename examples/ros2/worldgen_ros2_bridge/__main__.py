@@ -1,4 +1,7 @@
-"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts; see README.md."""
+"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts.
+
+See README.md.
+"""
 
 from __future__ import annotations
 
@@ -16,16 +19,32 @@ def _arguments() -> argparse.Namespace:
         prog="python -m worldgen_ros2_bridge", description="Drive worldgen's robot over ROS 2."
     )
     parser.add_argument(
-        "--map", type=Path, help=".grid file to publish as /map, with the origin of the map it came from"
+        "--map",
+        type=Path,
+        help=".grid file to publish as /map, with the origin of the map it came from",
     )
-    parser.add_argument("--beam-range", type=float, default=Settings.beam_range, help="the run's +beam_range, m")
-    parser.add_argument("--beam-field", type=float, default=Settings.beam_field, help="the run's +beam_field, rad")
-    parser.add_argument("--timeout", type=float, default=Settings.timeout, help="s of real time to wait for a command")
     parser.add_argument(
-        "--keep", type=float, default=Settings.keep, help="s of simulated time for which a command holds"
+        "--beam-range", type=float, default=Settings.beam_range, help="the run's +beam_range, m"
+    )
+    parser.add_argument(
+        "--beam-field", type=float, default=Settings.beam_field, help="the run's +beam_field, rad"
+    )
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=Settings.timeout,
+        help="s of real time to wait for a command",
+    )
+    parser.add_argument(
+        "--keep",
+        type=float,
+        default=Settings.keep,
+        help="s of simulated time for which a command holds",
     )
     parser.add_argument("--stamped", action="store_true", help="/cmd_vel is a TwistStamped")
-    parser.add_argument("--reset", action="append", default=[], metavar="SERVICE", help="std_srvs/Trigger to call")
+    parser.add_argument(
+        "--reset", action="append", default=[], metavar="SERVICE", help="std_srvs/Trigger to call"
+    )
     return parser.parse_args()
 
 
@@ -43,7 +62,10 @@ def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
     try:
         import rclpy  # noqa: PLC0415 - slow, and --help needs none
     except ModuleNotFoundError:
-        sys.exit("rclpy is not there; source ROS 2's setup.bash, and run this with the python3 that ROS uses")
+        sys.exit(
+            "rclpy is not there; source ROS 2's setup.bash, and run this with the python3 that ROS "
+            "uses"
+        )
 
     from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - likewise
 

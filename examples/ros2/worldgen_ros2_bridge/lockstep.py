@@ -1,7 +1,7 @@
-"""The process protocol, and one exchange with the robot's driver a step. Knows neither rclpy nor worldgen.
+"""The process protocol, and one exchange with the robot's driver a step.
 
-``docs/controllers.md`` is the protocol's normative text. A step is: say what the robot senses, wait for a command,
-answer.
+Knows neither rclpy nor worldgen. ``docs/controllers.md`` is the protocol's normative text. A step
+is: say what the robot senses, wait for a command, answer.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ __all__ = ["Bridge", "Ports", "Settings", "Situation", "serve"]
 
 VERSION = 1
 STILL = Twist()
-_PAUSE = 1.0  # s of simulated time between two episodes; time never goes back, for tf2 would forget all it knows
+# S of simulated time between two episodes; time never goes back, for tf2 would forget all it knows.
+_PAUSE = 1.0
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ class Settings:
         beam_range: The run's ``+beam_range``, m.
         beam_field: The run's ``+beam_field``, rad.
         timeout: s of real time to wait for a command in each step.
-        keep: s of simulated time for which a command holds if no other comes, then the robot stops, as drivers do.
+        keep: s of simulated time for which a command holds if no other comes, then the robot stops,
+            as drivers do.
     """
 
     beam_range: float = 5.0
@@ -89,7 +91,10 @@ class Ports(Protocol):
         ...
 
     def wait(self, seconds: float) -> Twist | None:
-        """The newest command since the last :meth:`publish`, waiting so long for one; None if none comes."""
+        """The newest command since the last :meth:`publish`, waiting so long for one.
+
+        None if none comes.
+        """
         ...
 
 
@@ -112,8 +117,12 @@ class Bridge:
         settings: See there.
     """
 
-    def __init__(self, ports: Ports, grid: Grid | None = None, settings: Settings = Settings()) -> None:
-        self._ports, self._grid, self._settings = ports, grid, settings
+    def __init__(
+        self, ports: Ports, grid: Grid | None = None, settings: Settings = Settings()
+    ) -> None:
+        self._ports = ports
+        self._grid = grid
+        self._settings = settings
         self._time = 0.0
         self._episode = _Episode(0.0)
 
@@ -126,7 +135,10 @@ class Bridge:
         message: dict[str, Any] = json.loads(line)
         if "reset" in message:
             if message.get("worldgen") != VERSION:
-                raise ValueError(f"this bridge speaks version {VERSION} of the protocol, not {message.get('worldgen')}")
+                raise ValueError(
+                    f"this bridge speaks version {VERSION} of the protocol, not "
+                    f"{message.get('worldgen')}"
+                )
             self._episode = _Episode(self._time + _PAUSE)
             self._ports.begin(self._grid)
             return None
@@ -134,13 +146,15 @@ class Bridge:
         return json.dumps({"speed": command.speed, "turn_rate": command.turn_rate})
 
     def _step(self, seen: dict[str, Any]) -> Twist:
-        episode, settings = self._episode, self._settings
+        episode = self._episode
+        settings = self._settings
         situation = _situation(seen, episode, self._grid, settings)
         self._time = situation.time
         self._ports.publish(situation)
         said = self._ports.wait(settings.timeout)
         if said is not None:
-            episode.command, episode.silent = said, 0.0
+            episode.command = said
+            episode.silent = 0.0
         else:
             episode.silent += seen["time_step"]
             if episode.silent > settings.keep:
@@ -149,19 +163,29 @@ class Bridge:
         return episode.command
 
 
-def _situation(seen: dict[str, Any], episode: _Episode, grid: Grid | None, settings: Settings) -> Situation:
+def _situation(
+    seen: dict[str, Any], episode: _Episode, grid: Grid | None, settings: Settings
+) -> Situation:
     true = Pose(seen["x"], seen["y"], seen["heading"])
     base = pose_in_map(true, grid)
     odometry = Pose(seen["odometry_x"], seen["odometry_y"], seen["odometry_heading"])
     way = seen["target_distance"]
-    target = Pose(base.x + way * math.cos(seen["target_heading"]), base.y + way * math.sin(seen["target_heading"]), 0.0)
+    target = Pose(
+        base.x + way * math.cos(seen["target_heading"]),
+        base.y + way * math.sin(seen["target_heading"]),
+        0.0,
+    )
     return Situation(
         time=episode.start + seen["time"],
         base=base,
         odometry=odometry,
         odom_in_map=composed(base, inverse(odometry)),
-        twist=twist_between(episode.before, odometry, seen["time_step"]) if episode.before else STILL,
-        scan=scan_of(seen["beams"], settings.beam_range, settings.beam_field) if seen["beams"] else None,
+        twist=twist_between(episode.before, odometry, seen["time_step"])
+        if episode.before
+        else STILL,
+        scan=scan_of(seen["beams"], settings.beam_range, settings.beam_field)
+        if seen["beams"]
+        else None,
         target=target,
         signal=seen["signal"],
         signal_heading=seen["signal_heading"],

@@ -1,7 +1,7 @@
-"""Worldgen's numbers as ROS 2 messages have them: grids, scans, poses, time. Knows neither rclpy nor worldgen.
+"""Worldgen's numbers as ROS 2 messages have them: grids, scans, poses, time.
 
-Both use metres, radians, x to the right, y up and headings counter-clockwise from +x (REP 103); what
-differs is said here.
+Knows neither rclpy nor worldgen. Both use metres, radians, x to the right, y up and headings
+counter-clockwise from +x (REP 103); what differs is said here.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ __all__ = [
     "quaternion", "scan_of", "stamp", "twist_between",
 ]  # fmt: skip
 
-FREE, OCCUPIED = 0, 100
+FREE = 0
+OCCUPIED = 100
 """Of nav_msgs/OccupancyGrid; -1, unknown, never comes of a world."""
 
 
@@ -38,7 +39,10 @@ class Twist:
 
 @dataclass(frozen=True)
 class Grid:
-    """A nav_msgs/OccupancyGrid: ``data`` row by row from the lowest y, ``origin`` the lower left corner."""
+    """A nav_msgs/OccupancyGrid.
+
+    ``data`` row by row from the lowest y, ``origin`` the lower left corner.
+    """
 
     width: int
     height: int
@@ -49,7 +53,10 @@ class Grid:
 
 @dataclass(frozen=True)
 class Scan:
-    """A sensor_msgs/LaserScan, counter-clockwise from ``angle_min``; what nothing returned is infinite (REP 117)."""
+    """A sensor_msgs/LaserScan, counter-clockwise from ``angle_min``.
+
+    What nothing returned is infinite (REP 117).
+    """
 
     angle_min: float
     angle_max: float
@@ -82,7 +89,9 @@ def grid_of(text: str) -> Grid:
         raise ValueError("its rows of cells differ in length")
     x, y = table.get("provenance", {}).get("params", {}).get("origin", (0.0, 0.0))
     data = [OCCUPIED if cell == "#" else FREE for row in rows for cell in row]
-    return Grid(len(rows[0]), len(rows), float(table["cell_size"]), Pose(float(x), float(y), 0.0), data)
+    return Grid(
+        len(rows[0]), len(rows), float(table["cell_size"]), Pose(float(x), float(y), 0.0), data
+    )
 
 
 def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
@@ -90,14 +99,23 @@ def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
 
     Args:
         beams: Distances, m, counter-clockwise, as the observation has them.
-        beam_range: Longest distance that a beam measures, m, the run's ``+beam_range``; a beam says it of nothing.
-        field: Angle from the first beam to the last, rad, about the heading, the run's ``+beam_field``; with 0 the
-            beams stand evenly all round, the first ahead, and none twice.
+        beam_range: Longest distance that a beam measures, m, the run's ``+beam_range``; a beam says
+            it of nothing.
+        field: Angle from the first beam to the last, rad, about the heading, the run's
+            ``+beam_field``; with 0 the beams stand evenly all round, the first ahead, and none
+            twice.
     """
     between_beams = field / max(len(beams) - 1, 1) if field else 2.0 * math.pi / max(len(beams), 1)
     first = -0.5 * field
     ranges = [distance if distance < beam_range else math.inf for distance in beams]
-    return Scan(first, first + between_beams * max(len(beams) - 1, 0), between_beams, 0.0, beam_range, ranges)
+    return Scan(
+        first,
+        first + between_beams * max(len(beams) - 1, 0),
+        between_beams,
+        0.0,
+        beam_range,
+        ranges,
+    )
 
 
 def quaternion(heading: float) -> tuple[float, float, float, float]:
@@ -113,14 +131,17 @@ def stamp(seconds: float) -> tuple[int, int]:
 
 def composed(first: Pose, then: Pose) -> Pose:
     """The pose ``then``, told in the frame of ``first``, in the frame in which ``first`` is told."""
-    cos, sin = math.cos(first.heading), math.sin(first.heading)
-    x, y = first.x + cos * then.x - sin * then.y, first.y + sin * then.x + cos * then.y
+    cos = math.cos(first.heading)
+    sin = math.sin(first.heading)
+    x = first.x + cos * then.x - sin * then.y
+    y = first.y + sin * then.x + cos * then.y
     return Pose(x, y, math.remainder(first.heading + then.heading, 2.0 * math.pi))
 
 
 def inverse(pose: Pose) -> Pose:
     """The other frame's origin, as ``pose`` sees it."""
-    cos, sin = math.cos(pose.heading), math.sin(pose.heading)
+    cos = math.cos(pose.heading)
+    sin = math.sin(pose.heading)
     return Pose(-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.heading)
 
 
@@ -131,11 +152,18 @@ def between(parent: Pose, child: Pose) -> Pose:
 
 def pose_in_map(pose: Pose, grid: Grid | None) -> Pose:
     """A pose of the world in the frame ``map``, whose grid need not begin at 0."""
-    return pose if grid is None else Pose(pose.x + grid.origin.x, pose.y + grid.origin.y, pose.heading)
+    return (
+        pose if grid is None else Pose(pose.x + grid.origin.x, pose.y + grid.origin.y, pose.heading)
+    )
 
 
 def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
     """The mean velocity between two poses, in the frame of the base as nav_msgs/Odometry wants it."""
-    x, y = after.x - before.x, after.y - before.y
-    ahead = math.cos(after.heading) * x + math.sin(after.heading) * y  # the robot turns first, then drives
-    return Twist(ahead / seconds, math.remainder(after.heading - before.heading, 2.0 * math.pi) / seconds)
+    x = after.x - before.x
+    y = after.y - before.y
+    ahead = (
+        math.cos(after.heading) * x + math.sin(after.heading) * y
+    )  # the robot turns first, then drives
+    return Twist(
+        ahead / seconds, math.remainder(after.heading - before.heading, 2.0 * math.pi) / seconds
+    )

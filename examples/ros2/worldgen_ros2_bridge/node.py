@@ -1,6 +1,7 @@
-"""The part that needs rclpy: a node that publishes what the robot senses and hears what the driver commands.
+"""The part that needs rclpy.
 
-Written for ROS 2 Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
+A node that publishes what the robot senses and hears what the driver commands. Written for ROS 2
+    Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
 which is sent in ``lockstep``.
 """
 
@@ -27,8 +28,12 @@ from worldgen_ros2_bridge.messages import Grid, Pose, Scan, Twist, quaternion, s
 
 __all__ = ["RosPorts"]
 
-MAP, ODOM, BASE = "map", "odom", "base_link"
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE)
+MAP = "map"
+ODOM = "odom"
+BASE = "base_link"
+LATCHED = QoSProfile(
+    depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE
+)
 """As map_server publishes a map: who subscribes later gets it too."""
 
 
@@ -37,29 +42,42 @@ class RosPorts:
 
     Args:
         node: Made by the caller, who has called ``rclpy.init``.
-        stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``; one whose stamp is
-            older than the step is not heard, one without a stamp counts as of now.
+        stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``;
+            one whose stamp is older than the step is not heard, one without a stamp counts as of
+            now.
         reset_services: Of type std_srvs/Trigger, called at the start of each episode.
         reset_timeout: s of real time that one of them may take.
     """
 
     def __init__(
-        self, node: Node, *, stamped: bool = False, reset_services: tuple[str, ...] = (), reset_timeout: float = 10.0
+        self,
+        node: Node,
+        *,
+        stamped: bool = False,
+        reset_services: tuple[str, ...] = (),
+        reset_timeout: float = 10.0,
     ) -> None:
-        self._node, self._stamped, self._reset_timeout = node, stamped, reset_timeout
+        self._node = node
+        self._stamped = stamped
+        self._reset_timeout = reset_timeout
         self._clock = node.create_publisher(Clock, "/clock", 10)
         self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
         self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
         self._odom = node.create_publisher(Odometry, "/odom", 10)
-        self._scan = node.create_publisher(LaserScan, "/scan", 10)  # reliable, REP 2003: all subscribers match
+        self._scan = node.create_publisher(
+            LaserScan, "/scan", 10
+        )  # reliable, REP 2003: all subscribers match
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)
         self._transforms = TransformBroadcaster(node)
-        node.create_subscription(TwistStamped if stamped else TwistMessage, "/cmd_vel", self._hear, 1)
+        node.create_subscription(
+            TwistStamped if stamped else TwistMessage, "/cmd_vel", self._hear, 1
+        )
         self._resets = [node.create_client(Trigger, name) for name in reset_services]
         self._heard: Twist | None = None
-        self._now, self._goal_is_due = 0.0, True
+        self._now = 0.0
+        self._goal_is_due = True
 
     def begin(self, grid: Grid | None) -> None:
         """Publishes the map and has the driver reset.
@@ -131,10 +149,14 @@ def _quaternion(heading: float) -> Quaternion:
 
 def _occupancy_grid(grid: Grid, now: float) -> OccupancyGrid:
     message = OccupancyGrid()
-    message.header.frame_id, message.header.stamp = MAP, _time(now)
+    message.header.frame_id = MAP
+    message.header.stamp = _time(now)
     message.info.map_load_time = _time(now)
-    message.info.resolution, message.info.width, message.info.height = grid.resolution, grid.width, grid.height
-    message.info.origin.position.x, message.info.origin.position.y = grid.origin.x, grid.origin.y
+    message.info.resolution = grid.resolution
+    message.info.width = grid.width
+    message.info.height = grid.height
+    message.info.origin.position.x = grid.origin.x
+    message.info.origin.position.y = grid.origin.y
     message.info.origin.orientation = _quaternion(grid.origin.heading)
     message.data = grid.data
     return message
@@ -142,33 +164,47 @@ def _occupancy_grid(grid: Grid, now: float) -> OccupancyGrid:
 
 def _transform(parent: str, child: str, pose: Pose, now: float) -> TransformStamped:
     message = TransformStamped()
-    message.header.frame_id, message.header.stamp, message.child_frame_id = parent, _time(now), child
-    message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
+    message.header.frame_id = parent
+    message.header.stamp = _time(now)
+    message.child_frame_id = child
+    message.transform.translation.x = pose.x
+    message.transform.translation.y = pose.y
     message.transform.rotation = _quaternion(pose.heading)
     return message
 
 
 def _pose_stamped(pose: Pose, now: float) -> PoseStamped:
     message = PoseStamped()
-    message.header.frame_id, message.header.stamp = MAP, _time(now)
-    message.pose.position.x, message.pose.position.y = pose.x, pose.y
+    message.header.frame_id = MAP
+    message.header.stamp = _time(now)
+    message.pose.position.x = pose.x
+    message.pose.position.y = pose.y
     message.pose.orientation = _quaternion(pose.heading)
     return message
 
 
 def _odometry(situation: Situation) -> Odometry:
-    message, pose = Odometry(), situation.odometry
-    message.header.frame_id, message.header.stamp, message.child_frame_id = ODOM, _time(situation.time), BASE
-    message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+    message = Odometry()
+    pose = situation.odometry
+    message.header.frame_id = ODOM
+    message.header.stamp = _time(situation.time)
+    message.child_frame_id = BASE
+    message.pose.pose.position.x = pose.x
+    message.pose.pose.position.y = pose.y
     message.pose.pose.orientation = _quaternion(pose.heading)
-    message.twist.twist.linear.x, message.twist.twist.angular.z = situation.twist.speed, situation.twist.turn_rate
+    message.twist.twist.linear.x = situation.twist.speed
+    message.twist.twist.angular.z = situation.twist.turn_rate
     return message
 
 
 def _laser_scan(scan: Scan, now: float) -> LaserScan:
     message = LaserScan()
-    message.header.frame_id, message.header.stamp = BASE, _time(now)
-    message.angle_min, message.angle_max = scan.angle_min, scan.angle_max
-    message.angle_increment, message.ranges = scan.angle_increment, scan.ranges
-    message.range_min, message.range_max = scan.range_min, scan.range_max
+    message.header.frame_id = BASE
+    message.header.stamp = _time(now)
+    message.angle_min = scan.angle_min
+    message.angle_max = scan.angle_max
+    message.angle_increment = scan.angle_increment
+    message.ranges = scan.ranges
+    message.range_min = scan.range_min
+    message.range_max = scan.range_max
     return message

@@ -13,14 +13,22 @@ from fuzz.campaign.executors.local import InlineExecutor, ProcessExecutor, local
 from worldgen.errors import InvalidParameter
 from worldgen.plugins.installation import pip_install
 
-__all__ = ["Executor", "InlineExecutor", "ProcessExecutor", "WorkersLost", "cluster_executor", "local_executor"]
+__all__ = [
+    "Executor",
+    "InlineExecutor",
+    "ProcessExecutor",
+    "WorkersLost",
+    "cluster_executor",
+    "local_executor",
+]
 
 
 def cluster_executor(address: str, config: CampaignConfig) -> Executor:
     """The workers of the Dask cluster with this scheduler.
 
     Raises:
-        InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration cannot be read.
+        InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration
+            cannot be read.
     """
     try:
         from fuzz.campaign.executors.dask import DaskExecutor

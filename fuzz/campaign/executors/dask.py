@@ -24,7 +24,9 @@ __all__ = ["DaskExecutor"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_ADDRESS = re.compile(r"([a-z]+://)?[^\s/]+:[0-9]{1,5}")  # Dask itself leaves half a client behind for any other
+_ADDRESS = re.compile(
+    r"([a-z]+://)?[^\s/]+:[0-9]{1,5}"
+)  # Dask itself leaves half a client behind for any other
 _PER_WORKER = 2  # units under way for each: one that it does, one that waits there
 _LOOK = 1.0  # s between two looks at which workers there are
 _TO_CONNECT = 10.0  # s
@@ -43,8 +45,9 @@ class _Client(Client):  # type: ignore[misc] # it has no types
 class DaskExecutor:
     """The workers of a Dask cluster, which may come and go.
 
-    A worker that dies is the scheduler's business: it gives the work to another. Each worker is asked before its
-    first work whether its code is this one's; the files of controllers, families and oracles of one's own go along.
+    A worker that dies is the scheduler's business: it gives the work to another. Each worker is
+    asked before its first work whether its code is this one's; the files of controllers, families
+    and oracles of one's own go along.
 
     Args:
         address: The scheduler's: ``tcp://host:8786``.
@@ -63,8 +66,10 @@ class DaskExecutor:
                 option=_OPTION,
                 address=address,
             )
-        self._address, self._job = address, RemoteJob.of(config)
-        self._room, self._looked = 0, 0.0
+        self._address = address
+        self._job = RemoteJob.of(config)
+        self._room = 0
+        self._looked = 0.0
         self._open = ExitStack()
 
     @property
@@ -103,10 +108,16 @@ class DaskExecutor:
         Raises:
             InvalidParameter: If no scheduler answers.
         """
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong we say ourselves, once
+        logging.getLogger("distributed").setLevel(
+            logging.CRITICAL
+        )  # what goes wrong we say ourselves, once
         try:
             self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
-        except (MemoryError, OSError, ValueError) as error:  # a server of another kind may seem to send exabytes
+        except (
+            MemoryError,
+            OSError,
+            ValueError,
+        ) as error:  # a server of another kind may seem to send exabytes
             raise InvalidParameter(
                 "no-scheduler",
                 "no Dask scheduler answers at {address!r} ({reason})",
@@ -118,7 +129,12 @@ class DaskExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
         """Disconnects; what is under way is cancelled.
 
         Raises:

@@ -45,7 +45,12 @@ class Executor(Protocol):
     def __enter__(self) -> Self:
         """Starts what is needed."""
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
         """Ends it, at once if something went wrong.
 
         Raises:

@@ -36,8 +36,8 @@ def local_executor(workers: int) -> Executor:
 class InlineExecutor:
     """Does the work at once, in this process.
 
-    Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met. Work that does not
-    end by then is interrupted.
+    Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met.
+    Work that does not end by then is interrupted.
     """
 
     room = 1
@@ -65,7 +65,10 @@ class InlineExecutor:
             raise KeyboardInterrupt
 
     def _stop(self, open_: ExitStack) -> None:
-        """Tell the work, and interrupt it if it takes too long, as a controller does that never answers."""
+        """Tell the work, and interrupt it if it takes too long.
+
+        As a controller does that never answers.
+        """
         self._stopped_at = now()
         patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
         patience.daemon = True
@@ -79,7 +82,12 @@ class InlineExecutor:
         """Nothing to start."""
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
         """Nothing to end."""
 
 
@@ -119,7 +127,12 @@ class ProcessExecutor:
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
         """Ends the processes; at once if something went wrong, or they were told to stop.
 
         Raises:
@@ -133,7 +146,8 @@ class ProcessExecutor:
         if isinstance(error, BrokenProcessPool):
             raise WorkersLost(
                 "worker-died",
-                "a worker process died, perhaps killed by the controller or for want of memory ({reason})",
+                "a worker process died, perhaps killed by the controller or for want of memory "
+                "({reason})",
                 reason=str(error),
             ) from error
 

@@ -41,7 +41,8 @@ class RemoteJob:
     Args:
         config: The campaign's.
         fingerprint: Here.
-        files: Contents of the Python files that the configuration names, by the names that it gives them.
+        files: Contents of the Python files that the configuration names, by the names that it gives
+            them.
     """
 
     config: CampaignConfig
@@ -56,7 +57,11 @@ class RemoteJob:
             InvalidParameter: If something that it names cannot be found.
         """
         fingerprint = fingerprint_of(config)
-        return cls(config, fingerprint, {place: Path(place).expanduser().read_bytes() for place in _places(config)})
+        return cls(
+            config,
+            fingerprint,
+            {place: Path(place).expanduser().read_bytes() for place in _places(config)},
+        )
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:
         """Does the work in this process, whose code is looked at first.
@@ -64,8 +69,11 @@ class RemoteJob:
         Raises:
             InvalidParameter: If it is other code.
         """
-        # Dask's own threads draw from `random` while Hypothesis, in this one, looks whether a strategy did.
-        warnings.filterwarnings("ignore", "Do not use the `random` module", HypothesisDeprecationWarning)
+        # Dask's own threads draw from `random` while Hypothesis, in this one, looks whether a
+        # strategy did.
+        warnings.filterwarnings(
+            "ignore", "Do not use the `random` module", HypothesisDeprecationWarning
+        )
         with _ONE:
             _be_alike(self)
             return work(*args, **kwargs)
@@ -73,12 +81,20 @@ class RemoteJob:
 
 def _places(config: CampaignConfig) -> list[str]:
     """The Python files that a configuration names."""
-    names = [config.scenario.controller, *config.families, *(NamedOracle.parse(text).name for text in config.oracles)]
-    return sorted({name.rpartition(":")[0] for name in names if name.rpartition(":")[0].endswith(".py")})
+    names = [
+        config.scenario.controller,
+        *config.families,
+        *(NamedOracle.parse(text).name for text in config.oracles),
+    ]
+    return sorted(
+        {name.rpartition(":")[0] for name in names if name.rpartition(":")[0].endswith(".py")}
+    )
 
 
 def _be_alike(job: RemoteJob) -> None:
-    """Take over the job's files, and check that all code is the same; once for each campaign in turn.
+    """Take over the job's files, and check that all code is the same.
+
+    Once for each campaign in turn.
 
     Raises:
         InvalidParameter: If it is not.

@@ -1,11 +1,13 @@
-"""What a campaign remembers on disk, so that nothing that ends it loses more than the units under way.
+"""What a campaign remembers on disk.
 
-Contents:
+So that nothing that ends it loses more than the units under way. Contents:
     FolderStore: the folder ``OUT/.campaign``: who writes it, and what is in it.
     CampaignRun, Budget, begin, resume: opens it for a new campaign, or to go on with the same one.
     Fingerprint, fingerprint_of: a configuration, and the code that decides what its units find.
-    errors_recorded, record_error, read_error, forget_error: why a campaign gave up, as data for other programs.
-    Summary, StrategyTotals, BucketTotals, Archive, read_summary: a campaign in numbers, as ``summary.json`` has it.
+    errors_recorded, record_error, read_error, forget_error: why a campaign gave up, as data for
+        other programs.
+    Summary, StrategyTotals, BucketTotals, Archive, read_summary: a campaign in numbers, as
+        ``summary.json`` has it.
     MEMORY: name of the folder in a campaign's folder.
     CampaignStore: what a campaign needs of a store; this one remembers nothing.
 
@@ -16,7 +18,14 @@ from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of
 from fuzz.campaign.store.folder import CampaignStore, FolderStore
 from fuzz.campaign.store.last_error import errors_recorded, forget_error, read_error, record_error
 from fuzz.campaign.store.opening import Budget, CampaignRun, begin, resume, stored_seed
-from fuzz.campaign.store.summary import MEMORY, Archive, BucketTotals, StrategyTotals, Summary, read_summary
+from fuzz.campaign.store.summary import (
+    MEMORY,
+    Archive,
+    BucketTotals,
+    StrategyTotals,
+    Summary,
+    read_summary,
+)
 
 __all__ = [
     "MEMORY",

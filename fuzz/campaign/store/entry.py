@@ -1,4 +1,7 @@
-"""A unit's result as an entry of the store, and back: a table in JSON's types with a digest over all of it."""
+"""A unit's result as an entry of the store, and back.
+
+A table in JSON's types with a digest over all of it.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,8 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
         "met": dict(result.met),
         "failures": dict(failures),
         "elites": [
-            [list(cell), elite.layout.hex(), elite.quality, elite.verdict] for cell, elite in result.elites.items()
+            [list(cell), elite.layout.hex(), elite.quality, elite.verdict]
+            for cell, elite in result.elites.items()
         ],
     }
     return (json.dumps({**entry, "digest": digest_of([fingerprint, entry])}) + "\n").encode()
@@ -67,7 +71,8 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
         failure: Reads the failure of a name.
 
     Raises:
-        ValueError: If it is cut off, changed, or another unit's or campaign's; or if a failure of it cannot be read.
+        ValueError: If it is cut off, changed, or another unit's or campaign's; or if a failure of
+            it cannot be read.
     """
     try:
         entry = json.loads(text)
@@ -79,7 +84,9 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
             steps=int(entry["steps"]),
             verdicts=Counter({str(name): int(count) for name, count in entry["verdicts"].items()}),
             met=Counter({str(name): int(count) for name, count in entry["met"].items()}),
-            failures={str(kind): failure(_checked(name)) for kind, name in entry["failures"].items()},
+            failures={
+                str(kind): failure(_checked(name)) for kind, name in entry["failures"].items()
+            },
             elites=dict(_elite(*one) for one in entry["elites"]),
         )
         return Done(result, float(entry["seconds"]))
@@ -93,5 +100,7 @@ def _checked(name: Any) -> str:
     return str(name)
 
 
-def _elite(cell: list[int], layout: str, quality: float, verdict: str) -> tuple[tuple[int, ...], Elite]:
+def _elite(
+    cell: list[int], layout: str, quality: float, verdict: str
+) -> tuple[tuple[int, ...], Elite]:
     return tuple(map(int, cell)), Elite(bytes.fromhex(layout), float(quality), str(verdict))

@@ -27,8 +27,19 @@ from worldgen.support.plain_text import quote
 __all__ = ["Fingerprint", "config_of", "digest_of", "digest_of_sources", "fingerprint_of"]
 
 _OWN = ("worldgen", "sim", "fuzz")
-_SHOWS = ("fuzz/ci", "fuzz/commands", "fuzz/player", "fuzz/report", "fuzz/studio", "worldgen/cli", "worldgen/commands")
-"""What shows campaigns and decides nothing in them; that no search imports it is a contract in pyproject.toml."""
+_SHOWS = (
+    "fuzz/ci",
+    "fuzz/commands",
+    "fuzz/player",
+    "fuzz/report",
+    "fuzz/studio",
+    "worldgen/cli",
+    "worldgen/commands",
+)
+"""What shows campaigns and decides nothing in them.
+
+That no search imports it is a contract in pyproject.toml.
+"""
 _LEFT_OUT = tuple(f"{folder}/" for folder in _SHOWS)
 _COMPILED = (".so", ".pyd")
 _DIGITS = 16  # hex, of every digest here
@@ -37,7 +48,9 @@ _LONGEST = 60  # characters of a value in a message
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """A configuration and the code that goes with it; campaigns of equal fingerprints find the same.
+    """A configuration and the code that goes with it.
+
+    Campaigns of equal fingerprints find the same.
 
     Args:
         configuration: The campaign's, in JSON's types.
@@ -61,7 +74,8 @@ class Fingerprint:
             if before != after:
                 found.append(f"{name} is {quote(before, _LONGEST)}, not {quote(after, _LONGEST)}")
         for name in sorted(self.code.keys() | now.code.keys()):
-            before, after = self.code.get(name, "none"), now.code.get(name, "none")
+            before = self.code.get(name, "none")
+            after = now.code.get(name, "none")
             if before != after:
                 found.append(f"{name} was {before} and is {after}")
         return found
@@ -73,7 +87,10 @@ def fingerprint_of(config: CampaignConfig) -> Fingerprint:
     Raises:
         InvalidParameter: If a controller, family or oracle cannot be found.
     """
-    code = {"worldgen": f"{version('worldgen')} ({_own_sources()})", "hypothesis": version("hypothesis")}
+    code = {
+        "worldgen": f"{version('worldgen')} ({_own_sources()})",
+        "hypothesis": version("hypothesis"),
+    }
     code |= {name: digest for name, digest in _other_sources(config) if digest}
     return Fingerprint(_configuration(config), code)
 
@@ -87,7 +104,9 @@ def digest_of(value: Any) -> str:
 def _configuration(config: CampaignConfig) -> dict[str, Any]:
     plain = {field.name: getattr(config, field.name) for field in fields(config)}
     scenario = config.scenario
-    options = RunOptions(scenario.motion, 1, scenario.time_step, scenario.seed, scenario.thesis, scenario.robot)
+    options = RunOptions(
+        scenario.motion, 1, scenario.time_step, scenario.seed, scenario.thesis, scenario.robot
+    )
     plain["scenario"] = {
         "controller": scenario.controller,
         "motion": scenario.motion,
@@ -109,10 +128,13 @@ def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
         TypeError, ValueError, KeyError: If it is none.
     """
     values: dict[str, Any] = {
-        name: tuple(value) if isinstance(value, list) else value for name, value in configuration.items()
+        name: tuple(value) if isinstance(value, list) else value
+        for name, value in configuration.items()
     }
     said = values.pop("scenario")
-    controller, motion, seed = str(said["controller"]), str(said["motion"]), int(said["seed"])
+    controller = str(said["controller"])
+    motion = str(said["motion"])
+    seed = int(said["seed"])
     scenario = Scenario.of(controller, RunOptions.of(motion, seed, said["parameters"]))
     text = values.pop("fixed_map")
     fixed_map = None if text is None else loads(text.encode())
@@ -120,7 +142,9 @@ def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
     config = CampaignConfig(scenario, fixed_map=fixed_map, vary=vary, **values)
     usual = CampaignConfig(scenario)
     for field in fields(config):
-        if field.name != "fixed_map" and type(getattr(config, field.name)) is not type(getattr(usual, field.name)):
+        if field.name != "fixed_map" and type(getattr(config, field.name)) is not type(
+            getattr(usual, field.name)
+        ):
             raise TypeError(f"{field.name} is {getattr(config, field.name)!r}")
     return config
 
@@ -148,7 +172,11 @@ def digest_of_sources(folders: Sequence[Path]) -> str:
     for folder in folders:
         for file in sorted(folder.rglob("*")):
             name = file.relative_to(folder.parent).as_posix()
-            if file.suffix in _COMPILED or "__pycache__" in file.parts or name.startswith(_LEFT_OUT):
+            if (
+                file.suffix in _COMPILED
+                or "__pycache__" in file.parts
+                or name.startswith(_LEFT_OUT)
+            ):
                 continue
             if file.is_file():
                 digest.update(f"{name}\0".encode() + file.read_bytes())

@@ -1,7 +1,7 @@
 """The folder ``OUT/.campaign``: written by one process at a time, whole at every moment.
 
-Every file is written under another name and then renamed, so it is there whole or not at all; those with
-failures before the entry that names them.
+Every file is written under another name and then renamed, so it is there whole or not at all; those
+with failures before the entry that names them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ from worldgen.files.whole import read_text, write_bytes
 __all__ = ["CampaignStore", "FolderStore"]
 
 _VERSION = 1
-_SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid")
+_SHRUNK = re.compile(
+    rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
+)
 _CUT = ".cut.json"
 _WRITTEN = "written.json"
 _PARTS = ("units", "failures", "shrunk")
@@ -49,7 +51,10 @@ class CampaignStore:
         return None
 
     def cut_unit(self, unit: int) -> Done | None:
-        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        """What a unit had met when it was cut short.
+
+        ``None`` if there is nothing of it, or it was done since.
+        """
         return None
 
     def units_cut(self) -> list[int]:
@@ -82,7 +87,8 @@ class FolderStore(CampaignStore):
     """
 
     def __init__(self, out: Path) -> None:
-        self.out, self._path = out, out / MEMORY
+        self.out = out
+        self._path = out / MEMORY
         self._fingerprint = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
@@ -102,7 +108,9 @@ class FolderStore(CampaignStore):
 
     @staticmethod
     def stored_in(out: Path) -> tuple[Fingerprint, dict[str, Any]] | None:
-        """The fingerprint of the campaign in a folder, and how long it was to search; ``None`` if there is none.
+        """The fingerprint of the campaign in a folder, and how long it was to search.
+
+        ``None`` if there is none.
 
         Raises:
             FormatError: If it cannot be read.
@@ -113,7 +121,9 @@ class FolderStore(CampaignStore):
         try:
             said = json.loads(read_text(file))
             if said["version"] != _VERSION:
-                raise ValueError(f"it is of version {said['version']}, and this reads version {_VERSION}")
+                raise ValueError(
+                    f"it is of version {said['version']}, and this reads version {_VERSION}"
+                )
             return Fingerprint(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
         except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
             if isinstance(error, FormatError):
@@ -129,7 +139,11 @@ class FolderStore(CampaignStore):
 
     def units_done(self) -> int:
         """How many units it holds, from the first on: one more than the last number."""
-        numbers = [int(file.stem) for file in (self._path / "units").glob("*.json") if file.stem.isdecimal()]
+        numbers = [
+            int(file.stem)
+            for file in (self._path / "units").glob("*.json")
+            if file.stem.isdecimal()
+        ]
         return max(numbers, default=-1) + 1
 
     def close(self) -> None:
@@ -165,7 +179,9 @@ class FolderStore(CampaignStore):
             OutputError: If it cannot be removed.
         """
         with _told(self._path):
-            (self._path / "campaign.json").unlink(missing_ok=True)  # first: what is left is then no campaign
+            (self._path / "campaign.json").unlink(
+                missing_ok=True
+            )  # first: what is left is then no campaign
             (self._path / SUMMARY_FILE).unlink(missing_ok=True)
             (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:
@@ -177,7 +193,10 @@ class FolderStore(CampaignStore):
         return self._read_unit(unit, self._unit_file(unit))
 
     def cut_unit(self, unit: int) -> Done | None:
-        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        """What a unit had met when it was cut short.
+
+        ``None`` if there is nothing of it, or it was done since.
+        """
         done = self._read_unit(unit, self._cut_file(unit))
         return done and replace(done, result=replace(done.result, cut=True))
 
@@ -195,7 +214,9 @@ class FolderStore(CampaignStore):
             return None
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keeps a unit: its failures first, then its entry. One that was cut short is begun again by who goes on.
+        """Keeps a unit: its failures first, then its entry.
+
+        One that was cut short is begun again by who goes on.
 
         Raises:
             OutputError: If it cannot be written.
@@ -210,7 +231,10 @@ class FolderStore(CampaignStore):
             self._cut_file(unit).unlink(missing_ok=True)
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """What a failure was shrunk to before; ``None`` if it is to be shrunk, or the file is not whole."""
+        """What a failure was shrunk to before.
+
+        ``None`` if it is to be shrunk, or the file is not whole.
+        """
         file = self._shrunk.get(f"{failure.id}-{kept}")
         if file is None:
             return None
@@ -237,21 +261,32 @@ class FolderStore(CampaignStore):
         """Names of the failures that this campaign wrote into its folder, with a digest of each one's content."""
         try:
             said = json.loads(read_text(self._path / _WRITTEN))
-            return {str(name): str(digest) for name, digest in said.items() if Path(str(name)).name == name}
+            return {
+                str(name): str(digest)
+                for name, digest in said.items()
+                if Path(str(name)).name == name
+            }
         except (AttributeError, OSError, RecursionError, ValueError, WorldgenError):
             return {}
 
     def write_failure(self, name: str, data: bytes) -> None:
-        """Write a failure into the campaign's folder; it is noted first, so that no file is there that nobody knows.
+        """Write a failure into the campaign's folder.
+
+        It is noted first, so that no file is there that nobody knows.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        self._save(_WRITTEN, (json.dumps(self.written() | {name: _content_name(data)}, indent=1) + "\n").encode())
+        self._save(
+            _WRITTEN,
+            (json.dumps(self.written() | {name: _content_name(data)}, indent=1) + "\n").encode(),
+        )
         write_bytes(self.out / name, data, force=True)
 
     def remove_failures_but(self, names: Collection[str]) -> None:
-        """Remove what this campaign wrote and nobody changed, except for these: what cut units met beyond its end.
+        """Remove what this campaign wrote and nobody changed, except for these.
+
+        What cut units met beyond its end.
 
         Raises:
             OutputError: If a file cannot be removed.
@@ -259,11 +294,18 @@ class FolderStore(CampaignStore):
         with _told(self.out):
             for name, content in self.written().items():
                 file = self.out / name
-                if name not in names and file.is_file() and _content_name(file.read_bytes()) == content:
+                if (
+                    name not in names
+                    and file.is_file()
+                    and _content_name(file.read_bytes()) == content
+                ):
                     file.unlink()
 
     def seconds(self) -> float:
-        """Return how long earlier runs took, shrinking after the last unit included; 0 if that cannot be read."""
+        """Return how long earlier runs took, shrinking after the last unit included.
+
+        0 if that cannot be read.
+        """
         try:
             seconds = float(json.loads((self._path / SUMMARY_FILE).read_bytes())["seconds"])
         except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
@@ -288,7 +330,12 @@ class FolderStore(CampaignStore):
         try:
             summary = json.loads(read_text(file))
             self.save_summary({**summary, "status": status})
-        except (FormatError, RecursionError, TypeError, ValueError):  # nothing that can be read: the next one says it
+        except (
+            FormatError,
+            RecursionError,
+            TypeError,
+            ValueError,
+        ):  # nothing that can be read: the next one says it
             return
 
     def _unit_file(self, unit: int) -> Path:

@@ -21,7 +21,9 @@ __all__ = ["errors_recorded", "forget_error", "read_error", "record_error"]
 _VERSION = 1
 _LONGEST = 4_000  # characters of a template
 _FIELD = re.compile(r"[a-z][a-z0-9_]*")
-_SPEC = re.compile(r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}")  # no width, which could ask for gigabytes
+_SPEC = re.compile(
+    r"[#,]?(?:\.\d)?[a-zA-Z%]?|[a-z ]{0,40}"
+)  # no width, which could ask for gigabytes
 
 
 def _file(out: Path) -> Path:
@@ -29,7 +31,9 @@ def _file(out: Path) -> Path:
 
 
 def record_error(out: Path, error: WorldgenError) -> None:
-    """Write why a campaign gave up into its folder; nothing if it has no memory there, or another process writes it.
+    """Write why a campaign gave up into its folder.
+
+    Nothing if it has no memory there, or another process writes it.
 
     Args:
         out: The campaign's folder.
@@ -50,8 +54,12 @@ def record_error(out: Path, error: WorldgenError) -> None:
         "at_terminal": error.message.at_terminal,
         "templates": {"problem": problem, "remedy": remedy},
     }
-    with contextlib.suppress(OutputError, ValueError):  # a full disk may be why; ValueError: a number of 5,000 digits
-        write_bytes(_file(out), (json.dumps(record, indent=1, default=str) + "\n").encode(), force=True)
+    with contextlib.suppress(
+        OutputError, ValueError
+    ):  # a full disk may be why; ValueError: a number of 5,000 digits
+        write_bytes(
+            _file(out), (json.dumps(record, indent=1, default=str) + "\n").encode(), force=True
+        )
 
 
 @contextlib.contextmanager
@@ -72,7 +80,10 @@ def forget_error(out: Path) -> None:
 
 
 def read_error(out: Path) -> WorldgenError | None:
-    """Return why a campaign gave up; ``None`` if nothing is recorded, or what is there is no such record."""
+    """Return why a campaign gave up.
+
+    ``None`` if nothing is recorded, or what is there is no such record.
+    """
     file = _file(out)
     if not file.is_file() or file.is_symlink():
         return None
@@ -81,25 +92,41 @@ def read_error(out: Path) -> WorldgenError | None:
         if record["version"] != _VERSION:
             return None
         return _error(record)
-    except (AttributeError, IndexError, KeyError, RecursionError, TypeError, ValueError, WorldgenError):
+    except (
+        AttributeError,
+        IndexError,
+        KeyError,
+        RecursionError,
+        TypeError,
+        ValueError,
+        WorldgenError,
+    ):
         return None
 
 
 def _error(record: dict[str, Any]) -> WorldgenError:
-    """Return the error of a record, which may come from anywhere: it is worded here, so that a bad one shows now."""
+    """Return the error of a record, which may come from anywhere.
+
+    It is worded here, so that a bad one shows now.
+    """
     templates = [str(record["templates"][name]) for name in ("problem", "remedy")]
     for template in templates:
         _check_template(template)
     line = record["line"]
     source = record["source"]
     message = Message(
-        str(record["code"]), *templates, at_terminal=record["at_terminal"] is True, **dict(record["facts"])
+        str(record["code"]),
+        *templates,
+        at_terminal=record["at_terminal"] is True,
+        **dict(record["facts"]),
     )
     str(message)
     if source is None and line is None:
         return WorldgenError.of(message)
     return FormatError.of(
-        message, line=None if line is None else int(line), source=None if source is None else str(source)
+        message,
+        line=None if line is None else int(line),
+        source=None if source is None else str(source),
     )
 
 

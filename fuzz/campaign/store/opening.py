@@ -1,4 +1,7 @@
-"""Opens a campaign's folder: for a new campaign, to go on with the same one, and for nothing else."""
+"""Opens a campaign's folder.
+
+For a new campaign, to go on with the same one, and for nothing else.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +60,9 @@ def stored_seed(out: Path) -> int | None:
 
 
 def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:
-    """Begins a campaign in a folder, or goes on with the same one; one that did nothing yet makes room for another.
+    """Begins a campaign in a folder, or goes on with the same one.
+
+    One that did nothing yet makes room for another.
 
     Args:
         config: What to look for.
@@ -66,7 +71,8 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         force: Forget what another campaign did there, and replace files of the same name.
 
     Raises:
-        OutputError: If the folder holds something else, another process is writing it, or it cannot be written.
+        OutputError: If the folder holds something else, another process is writing it, or it cannot
+            be written.
         FormatError: If its memory cannot be read.
     """
     stored = None if force else FolderStore.stored_in(out)
@@ -74,7 +80,8 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds .grid files already",
-            "give --force to add to them and replace those of the same name, or name another folder",
+            "give --force to add to them and replace those of the same name, or name another "
+            "folder",
             at_terminal=True,
             out=out,
         )
@@ -85,7 +92,9 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
             store.forget()
         stored = FolderStore.stored_in(out)  # again, for another process may have begun
         if stored is not None:
-            _refuse_another(out, stored[0], fingerprint, f"worldgen fuzz --resume {out} goes on with that one")
+            _refuse_another(
+                out, stored[0], fingerprint, f"worldgen fuzz --resume {out} goes on with that one"
+            )
         return _open_run(config, store, fingerprint, budget)
     except BaseException:
         store.close()
@@ -127,7 +136,9 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
             source=str(out),
         ) from error
     now = fingerprint_of(config)
-    _refuse_another(out, fingerprint, now, "resume it in the folder and with the code with which it began")
+    _refuse_another(
+        out, fingerprint, now, "resume it in the folder and with the code with which it began"
+    )
     store = FolderStore(out)
     try:
         return _open_run(config, store, now, wanted)
@@ -136,7 +147,9 @@ def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
         raise
 
 
-def _open_run(config: CampaignConfig, store: FolderStore, fingerprint: Fingerprint, budget: Budget) -> CampaignRun:
+def _open_run(
+    config: CampaignConfig, store: FolderStore, fingerprint: Fingerprint, budget: Budget
+) -> CampaignRun:
     done = store.units_done()
     if budget.units is not None and done > budget.units:
         raise OutputError(
@@ -152,8 +165,11 @@ def _open_run(config: CampaignConfig, store: FolderStore, fingerprint: Fingerpri
 
 
 def _budget(said: Mapping[str, Any]) -> Budget:
-    units, seconds = said["units"], said["seconds"]
-    return Budget(None if units is None else int(units), None if seconds is None else float(seconds))
+    units = said["units"]
+    seconds = said["seconds"]
+    return Budget(
+        None if units is None else int(units), None if seconds is None else float(seconds)
+    )
 
 
 def _refuse_another(out: Path, before: Fingerprint, now: Fingerprint, way_out: str) -> None:

@@ -11,7 +11,15 @@ from typing import Any
 from worldgen.errors import FormatError
 from worldgen.files.whole import read_text
 
-__all__ = ["MEMORY", "SUMMARY_FILE", "Archive", "BucketTotals", "StrategyTotals", "Summary", "read_summary"]
+__all__ = [
+    "MEMORY",
+    "SUMMARY_FILE",
+    "Archive",
+    "BucketTotals",
+    "StrategyTotals",
+    "Summary",
+    "read_summary",
+]
 
 MEMORY = ".campaign"  # folder, in a campaign's folder, of what it remembers
 SUMMARY_FILE = "summary.json"
@@ -34,7 +42,10 @@ class StrategyTotals:
 
 @dataclass(frozen=True)
 class BucketTotals:
-    """A class met for the first time, or in a smaller world; ``worlds`` and what follows are totals up to then."""
+    """A class met for the first time, or in a smaller world.
+
+    ``worlds`` and what follows are totals up to then.
+    """
 
     unit: int
     lane: str
@@ -65,7 +76,8 @@ class Archive:
 
     Args:
         names: Of the two numbers.
-        edges: Of each number the values that part one cell from the next, so one fewer than there are cells.
+        edges: Of each number the values that part one cell from the next, so one fewer than there
+            are cells.
         cells: Index along each axis, quality and verdict of the best run of a kind.
     """
 
@@ -75,7 +87,10 @@ class Archive:
 
     def table(self) -> dict[str, Any]:
         """Return the part of the file that is about it."""
-        axes = [{"name": name, "edges": edges} for name, edges in zip(self.names, self.edges, strict=True)]
+        axes = [
+            {"name": name, "edges": edges}
+            for name, edges in zip(self.names, self.edges, strict=True)
+        ]
         return {"axes": axes, "cells": [list(cell) for cell in self.cells]}
 
 
@@ -88,7 +103,8 @@ class Summary:
         controller: Name of the controller.
         motion: Name of the motion model.
         seed: Of all chance.
-        status: ``running``, ``done``, ``stopped`` or ``failed``; empty in one of an earlier version.
+        status: ``running``, ``done``, ``stopped`` or ``failed``; empty in one of an earlier
+            version.
         units: Units of work done.
         worlds: Worlds tried.
         steps: Steps simulated.
@@ -127,7 +143,11 @@ class Summary:
 
     def table(self) -> dict[str, Any]:
         """Return what the file holds; ``docs/campaigns.md`` says what each part means."""
-        share = {} if self.controller_share is None else {"controller_share": round(self.controller_share, 3)}
+        share = (
+            {}
+            if self.controller_share is None
+            else {"controller_share": round(self.controller_share, 3)}
+        )
         return {
             "version": _VERSION,
             "status": self.status,
@@ -292,7 +312,8 @@ def _cell(row: object, columns: int, rows: int) -> tuple[int, int, float, str]:
     if not isinstance(row, list) or len(row) != 4:
         raise _Fault("a cell of 'archive' is not [i, j, quality, verdict]")
     said = _SummaryReader(dict(zip(("i", "j", "quality", "verdict"), row, strict=True)))
-    i, j = said.whole("i"), said.whole("j")
+    i = said.whole("i")
+    j = said.whole("j")
     if i >= columns or j >= rows:
         raise _Fault(f"cell [{i}, {j}] of 'archive' lies outside its {columns} x {rows} cells")
     return i, j, said.number("quality"), said.text("verdict")

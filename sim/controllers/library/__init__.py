@@ -1,1 +1,4 @@
-"""Controllers from the literature, one file each; ``docs/library.md`` says what each does and where it fails."""
+"""Controllers from the literature, one file each.
+
+``docs/library.md`` says what each does and where it fails.
+"""

@@ -1,6 +1,7 @@
-"""What controllers that follow a wall by touch have in common; how they do it says ``sim/core/controllers/boundary.h``.
+"""What controllers that follow a wall by touch have in common.
 
-The memory of each begins with the fields of ``WgWallBody``.
+How they do it says ``sim/core/controllers/boundary.h``. The memory of each begins with the fields
+of ``WgWallBody``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Reads the map that mapping controllers keep in their memory; ``sim/core/controllers/lattice_map.c`` writes it."""
+"""Reads the map that mapping controllers keep in their memory.
+
+``sim/core/controllers/lattice_map.c`` writes it.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ def memory_size(side: int) -> int:
 
 
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
-    """Return the node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn."""
+    """Return the node that a move leads to.
+
+    0 is east, and then counter-clockwise by eighths of a turn.
+    """
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
     return x + dx, y + dy
@@ -52,23 +58,34 @@ def blocked_edges(memory: Floats) -> Floats:
     """
     side = int(memory[SIDE])
     words = memory[NODES:].astype(np.int64)
-    bits = ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15).ravel()[: side * side].reshape(side, side)
-    low_x, low_y = int(memory[WINDOW_X]), int(memory[WINDOW_Y])
+    bits = (
+        ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15)
+        .ravel()[: side * side]
+        .reshape(side, side)
+    )
+    low_x = int(memory[WINDOW_X])
+    low_y = int(memory[WINDOW_Y])
     found = []
     for move in range(4):
         row, column = np.nonzero((bits >> move) & 1)
-        x, y = low_x + (column - low_x) % side, low_y + (row - low_y) % side
+        x = low_x + (column - low_x) % side
+        y = low_y + (row - low_y) % side
         dx, dy = neighbour(0, 0, move)
         found.append(np.column_stack((x, y, x + dx, y + dy)).astype(np.float64))
     for number in range(4 * _REACH * _REACH):
         if (int(memory[DOORS]) >> number) & 1:
             up, along = divmod(number, 2 * _REACH)
             node_x, node_y = (math.floor(memory[TARGET_X + k]) - _REACH + 1 for k in range(2))
-            found.append(np.array([[node_x + along, node_y + up, memory[TARGET_X], memory[TARGET_Y]]]))
+            found.append(
+                np.array([[node_x + along, node_y + up, memory[TARGET_X], memory[TARGET_Y]]])
+            )
     return np.concatenate(found)
 
 
 def planned_moves(memory: Floats) -> list[int]:
     """Return all moves of the plan, those that are done among them."""
     count = int(memory[PLAN_LENGTH])
-    return [(int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7 for k in range(count)]
+    return [
+        (int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7
+        for k in range(count)
+    ]

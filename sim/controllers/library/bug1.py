@@ -1,15 +1,19 @@
 """Bug1: goes round each obstacle once, and leaves it where it was nearest to the target.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand all
-the way round, and notes where it was nearest to the target: the leave point. From the hit point it goes there, the
-shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it arrives if anybody can,
-on a way of at most the distance and one and a half times the perimeters of the obstacles that it meets.
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
+its left hand all the way round, and notes where it was nearest to the target: the leave point. From
+    the hit point it goes there, the
+shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it
+arrives if anybody can, on a way of at most the distance and one and a half times the perimeters of
+the obstacles that it meets.
 
-That holds where the world stands still. A place of the wall is taken for the hit point or the leave point if it is
-nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the two sides of a narrow passage are
+That holds where the world stands still. A place of the wall is taken for the hit point or the leave
+point if it is nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the
+    two sides of a narrow passage are
 near to each other, too, but look opposite ways.
 
-Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+    moving amidst unknown
 obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
 """
 
@@ -39,7 +43,9 @@ PATH = place("WgBug1Memory", "path")
 def shown_map(memory: Floats) -> MemoryMap:
     """The hit point and the leave point, m, once there are any."""
     points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
-    return MemoryMap(places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()})
+    return MemoryMap(
+        places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()}
+    )
 
 
 bug1 = CompiledController(
@@ -48,7 +54,11 @@ bug1 = CompiledController(
     memory_at_reset(size_of("WgBug1Memory"), {body.HAND: 1.0, LEAVE_FAR: math.inf}),
     senses=body.SENSES,
     memory_fields=(
-        MemoryField("doing", MODE, ("start", "to the target", "meets a wall", "round it", "to the leave point")),
+        MemoryField(
+            "doing",
+            MODE,
+            ("start", "to the target", "meets a wall", "round it", "to the leave point"),
+        ),
         MemoryField("nearest, m", LEAVE_FAR),
         MemoryField("way since the hit, m", PATH),
     ),

@@ -1,15 +1,18 @@
 """Bug2: goes round an obstacle until it is back on the straight line to the target, nearer to it.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand until
-it crosses the line from the hit point to the target at a place nearer to the target than the hit point; it goes back
-to that place and drives on. The line enters the obstacle at the hit point and ends outside, so somewhere on the same
-wall it leaves: there is such a place, and each is nearer than the last. So it arrives if anybody can. Often it is
-quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many times.
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
+its left hand until it crosses the line from the hit point to the target at a place nearer to the
+target than the hit point; it goes back to that place and drives on. The line enters the obstacle at
+the hit point and ends outside, so somewhere on the same wall it leaves: there is such a place, and
+    each is nearer than the last. So it arrives if anybody can. Often it is
+quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many
+times.
 
-In the paper the line is that from the start to the target. Here each hit point gives a line of its own, which differs
-by what the robot slid along a wall before that stopped it.
+In the paper the line is that from the start to the target. Here each hit point gives a line of its
+own, which differs by what the robot slid along a wall before that stopped it.
 
-Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+    moving amidst unknown
 obstacles of arbitrary shape", Algorithmica 2 (1987), section 5.
 """
 
@@ -41,7 +44,8 @@ def shown_map(memory: Floats) -> MemoryMap:
     """The hit point, m, and the line from it to the target, once there is one."""
     if memory[HIT_FAR] == math.inf:
         return MemoryMap()
-    hit, towards = memory[HIT_X : HIT_Y + 1], memory[LINE_X : LINE_Y + 1]
+    hit = memory[HIT_X : HIT_Y + 1]
+    towards = memory[LINE_X : LINE_Y + 1]
     line = np.array((hit, hit + memory[HIT_FAR] * towards))
     return MemoryMap(plan=line, places={"hit": (float(hit[0]), float(hit[1]))})
 

@@ -1,14 +1,16 @@
 """Dynamic window: of the speeds and turn rates that the robot can have next, the best that lets it stop in time.
 
-Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first obstacle fall
-away; the rest are judged by where they face, how far they are free, and how fast they are. It drives fast and never
-knowingly into anything. It looks one arc ahead, so it stops or swings for ever in cups and before long walls, and a
-turn into a narrow door is often later than its arcs can see.
+Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first
+obstacle fall away; the rest are judged by where they face, how far they are free, and how fast they
+are. It drives fast and never knowingly into anything. It looks one arc ahead, so it stops or swings
+for ever in cups and before long walls, and a turn into a narrow door is often later than its arcs
+can see.
 
-Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision avoidance", IEEE
-Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window (equation 15) and
-the objective (equation 13). Departures: obstacles are the ends of range beams, arcs are judged for the whole disc, and
-the objective is not smoothed over the window.
+Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision
+    avoidance", IEEE
+Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window
+(equation 15) and the objective (equation 13). Departures: obstacles are the ends of range beams,
+arcs are judged for the whole disc, and the objective is not smoothed over the window.
 """
 
 from __future__ import annotations
@@ -23,7 +25,16 @@ __all__ = ["DynamicWindow", "dynamic_window", "dynamic_window_robot"]
 
 _DEFAULT = default_of("wg_dynamic_window_default")
 AT_RESET = memory_at_reset(size_of("WgDynamicWindowMemory"), {})
-SENSES = ("bump", "heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
+SENSES = (
+    "bump",
+    "heading",
+    "target_heading",
+    "target_distance",
+    "time_step",
+    "top_speed",
+    "radius",
+    "beams",
+)
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -38,7 +49,8 @@ class DynamicWindow(NamedTuple):
         speeds: Speeds that are tried, from the slowest to the fastest within the window.
         turns: Turn rates that are tried, likewise; an odd number keeps the one of now.
         ahead: Time, s, after which an arc's heading is compared with the target's direction.
-        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns on the spot.
+        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns
+            on the spot.
         far: Free way, m, beyond which more is no better.
         to_target: Weight of the heading.
         to_free: Weight of the free way.

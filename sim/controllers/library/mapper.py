@@ -1,15 +1,20 @@
 """Mapping: keeps a small coarse map of where it could not pass, and drives the shortest way that the map leaves open.
 
-The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops it, it notes that
-edge as blocked, feels where the wall is, which blocks all edges on which it would overlap that place, goes back, and
-plans again. If no way is left it must have been mistaken: then it empties the map, and feels for walls no more. What
-it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there is a way along the
-edges of the grid, and the map holds all that it saw: with walls on a grid of their own that is so if ``pitch`` is half
-a cell. With less memory the map is a window that moves with the robot, and what has left it is forgotten: then it may
+The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops
+it, it notes that edge as blocked, feels where the wall is, which blocks all edges on which it would
+overlap that place, goes back, and plans again. If no way is left it must have been mistaken: then
+    it empties the map, and feels for walls no more. What
+it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there
+is a way along the edges of the grid, and the map holds all that it saw: with walls on a grid of
+    their own that is so if ``pitch`` is half
+a cell. With less memory the map is a window that moves with the robot, and what has left it is
+    forgotten: then it may
 go round in circles larger than its memory. ``mapping`` makes a controller with a map of any size.
 
-Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992);
-that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning in
+Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
+    Automation 8 (1992);
+that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds
+    for planning in
 unknown terrain", Artificial Intelligence 147 (2003).
 """
 
@@ -33,8 +38,11 @@ Floats = npt.NDArray[np.float64]
 
 PITCH = 0.05  # m: half a cell of the families' worlds
 CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in spite of rounding
-FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
-LEAST_SIDE, MOST_SIDE = 8, 1024
+# nodes
+FULL_SIDE = 128
+SMALL_SIDE = 12
+LEAST_SIDE = 8
+MOST_SIDE = 1024
 
 MODE = place("WgMapperMemory", "mode")
 FROM_X = place("WgMapperMemory", "from_x")
@@ -53,8 +61,10 @@ def shown_map(memory: Floats) -> MemoryMap:
     """The edges that the map has as blocked, and the plan from where it was made, in m."""
     if memory[MODE] == _START:
         return MemoryMap()
-    origin, pitch = np.array((memory[START_X], memory[START_Y])), memory[GRID]
-    done, moves = int(memory[lattice.PLAN_AT]), lattice.planned_moves(memory)
+    origin = np.array((memory[START_X], memory[START_Y]))
+    pitch = memory[GRID]
+    done = int(memory[lattice.PLAN_AT])
+    moves = lattice.planned_moves(memory)
     way = [(0, 0)]
     for move in moves:
         way.append(lattice.neighbour(*way[-1], move))
@@ -72,18 +82,22 @@ _FIELDS = (
 )
 
 
-def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN) -> CompiledController:
+def mapping(
+    name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN
+) -> CompiledController:
     """Return a mapping controller with a map of a size of one's own.
 
     Args:
         name: For messages.
-        side: Nodes of the map along a side, 8 to 1024; its memory is about a number for each 12 nodes.
+        side: Nodes of the map along a side, 8 to 1024; its memory is about a number for each 12
+            nodes.
         pitch: Distance between two nodes, m; half a cell finds every way between walls on a grid.
-        no_room: Share of the robot's radius nearer than which to a wall that it felt there is no room for it; 0 blocks
-            only edges that it tried.
+        no_room: Share of the robot's radius nearer than which to a wall that it felt there is no
+            room for it; 0 blocks only edges that it tried.
 
     Raises:
-        InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the share outside 0 to 10.
+        InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the
+            share outside 0 to 10.
     """
     if not LEAST_SIDE <= side <= MOST_SIDE:
         raise InvalidParameter(

@@ -1,12 +1,14 @@
 """Potential field: the target pulls, walls push, and the robot drives down the slope.
 
-It finds its way round single obstacles without any memory. It stops for ever where push and pull cancel: in front of
+It finds its way round single obstacles without any memory. It stops for ever where push and pull
+    cancel: in front of
 a wall across its way, in any cup, and at doors whose posts push harder than the target pulls.
 
-Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The International Journal
-of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and the push of
-"FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by their nearest points: the
-beams that are shorter than their neighbours.
+Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
+    International Journal
+of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and
+the push of "FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by
+their nearest points: the beams that are shorter than their neighbours.
 """
 
 from __future__ import annotations
@@ -20,7 +22,15 @@ from sim.options.robot import RobotOptions
 __all__ = ["PotentialField", "potential_field", "potential_field_robot"]
 
 _DEFAULT = default_of("wg_potential_field_default")
-SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
+SENSES = (
+    "heading",
+    "target_heading",
+    "target_distance",
+    "time_step",
+    "top_speed",
+    "radius",
+    "beams",
+)
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -30,7 +40,8 @@ class PotentialField(NamedTuple):
     Args:
         pull: Force per metre of distance from the target.
         far: Distance, m, beyond which the pull grows no more, which limits the speed.
-        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow doors.
+        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow
+            doors.
         influence: Gap, m, beyond which a wall does not push.
         full_force: Force at which the robot drives at its top speed; below, in proportion.
     """
@@ -42,9 +53,15 @@ class PotentialField(NamedTuple):
     full_force: float = _DEFAULT["full_force"]
 
 
-def potential_field_robot(tuned: PotentialField, name: str = "potential-field") -> CompiledController:
+def potential_field_robot(
+    tuned: PotentialField, name: str = "potential-field"
+) -> CompiledController:
     """Return a robot in a potential field with these numbers."""
-    act = CoreAct("potential-field") if tuned == PotentialField() else CoreAct("potential-field-tuned")
+    act = (
+        CoreAct("potential-field")
+        if tuned == PotentialField()
+        else CoreAct("potential-field-tuned")
+    )
     memory = () if tuned == PotentialField() else tuple(map(float, tuned))
     return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)
 

@@ -1,14 +1,16 @@
 """Q-learning: a table of what each turn is worth in each situation, learnt by driving in the simulator.
 
-Every fourth step the robot looks where the target is (an eighth of a turn), which of five directions are blocked, and
-which way it turned last; that makes 768 situations. For each the table has the worth of six turns, and the robot
-takes the best. Nobody has told it how to follow a wall. What it cannot tell apart it must treat alike: in worlds where
+Every fourth step the robot looks where the target is (an eighth of a turn), which of five
+directions are blocked, and which way it turned last; that makes 768 situations. For each the table
+has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
+    What it cannot tell apart it must treat alike: in worlds where
 the table, right on average, is wrong, it drives round for ever.
 
-The table is in ``sim/core/controllers/q_table.c``, which ``python -m benchmarks.train_q_learning`` has written and
-writes again, bit for bit.
+The table is in ``sim/core/controllers/q_table.c``, which ``python -m benchmarks.train_q_learning``
+has written and writes again, bit for bit.
 
-Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
+Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
+    Cambridge (1989);
 Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
 """
 
@@ -24,7 +26,16 @@ from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.options.robot import RobotOptions
 
-__all__ = ["AT_RESET", "NEEDS", "SENSES", "SITUATIONS", "TURNS", "best_turns", "q_learning", "q_learning_robot"]
+__all__ = [
+    "AT_RESET",
+    "NEEDS",
+    "SENSES",
+    "SITUATIONS",
+    "TURNS",
+    "best_turns",
+    "q_learning",
+    "q_learning_robot",
+]
 
 Ints = npt.NDArray[np.int64]
 
@@ -58,4 +69,6 @@ def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledControlle
     return CompiledController(name, CoreAct("q-learning-tuned"), memory, senses=SENSES, needs=NEEDS)
 
 
-q_learning = CompiledController("q-learning", CoreAct("q-learning"), AT_RESET, senses=SENSES, needs=NEEDS)
+q_learning = CompiledController(
+    "q-learning", CoreAct("q-learning"), AT_RESET, senses=SENSES, needs=NEEDS
+)

@@ -1,7 +1,7 @@
 """Random walk: legs of equal length in random directions; a wall ends a leg early.
 
-What any other controller should be quicker than, and a measure of how hard a world is by chance alone. It arrives in
-the end, with probability one, but nobody can say when.
+What any other controller should be quicker than, and a measure of how hard a world is by chance
+alone. It arrives in the end, with probability one, but nobody can say when.
 
 Source: Karl Pearson, "The problem of the random walk", Nature 72 (1905), p. 294.
 """
@@ -14,5 +14,9 @@ from sim.controllers.core_act import CoreAct
 __all__ = ["random_walk"]
 
 random_walk = CompiledController(
-    "random-walk", CoreAct("random-walk"), (0.0,), randomised=True, senses=("bump", "random", "time_step", "top_speed")
+    "random-walk",
+    CoreAct("random-walk"),
+    (0.0,),
+    randomised=True,
+    senses=("bump", "random", "time_step", "top_speed"),
 )

@@ -1,17 +1,20 @@
 """TangentBug: looks ahead with range beams, and goes round what is in the way along its tangents.
 
-It drives to the target as long as it sees no wall before it, and else to that end of the wall, as far as it sees, by
-which the way to the target would be shortest. When that way stops getting shorter it drives up to the wall and follows
-it by touch, on the side to which it was drawn, until it sees a free place that is nearer to the target than any place
-of the wall was, and goes there.
+It drives to the target as long as it sees no wall before it, and else to that end of the wall, as
+far as it sees, by which the way to the target would be shortest. When that way stops getting
+shorter it drives up to the wall and follows it by touch, on the side to which it was drawn, until
+it sees a free place that is nearer to the target than any place of the wall was, and goes there.
 
-With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc, which takes the
-points that its beams meet for the walls, each as wide as itself, and between two beams it sees nothing: a long shot
+With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc,
+which takes the points that its beams meet for the walls, each as wide as itself, and between two
+    beams it sees nothing: a long shot
 past a thin wall can look free and not be so. The fuzzer shows what that costs.
 
-It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says otherwise.
+It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says
+otherwise.
 
-Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm", The International
+Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm",
+    The International
 Journal of Robotics Research 17 (1998).
 """
 
@@ -39,5 +42,9 @@ tangent_bug = CompiledController(
     memory_at_reset(size_of("WgTangentBugMemory"), {body.HAND: 1.0, _BEST: math.inf}),
     senses=(*body.SENSES, "beams"),
     needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
-    memory_fields=(MemoryField("doing", _MODE, ("to the target", "by an end", "along the wall", "leaves the wall")),),
+    memory_fields=(
+        MemoryField(
+            "doing", _MODE, ("to the target", "by an end", "along the wall", "leaves the wall")
+        ),
+    ),
 )

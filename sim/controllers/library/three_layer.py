@@ -1,18 +1,24 @@
 """Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
 
-The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The *sequencer* watches
-it: a waypoint is reached when the robot is in its cell; if that takes too long, the sequencer says so to the
-deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where the sequencer got
-nowhere, and plans a way through the rest of it to the target; the next cell of the plan is the next waypoint.
+The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The
+*sequencer* watches it: a waypoint is reached when the robot is in its cell; if that takes too long,
+    the sequencer says so to the
+deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where
+the sequencer got nowhere, and plans a way through the rest of it to the target; the next cell of
+the plan is the next waypoint.
 
-It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about the middle between
-start and target, a bit for each way between two cells: what lies outside, and passages that cells of the map cannot
-tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now with more patience.
+It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about
+the middle between start and target, a bit for each way between two cells: what lies outside, and
+    passages that cells of the map cannot
+tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now
+with more patience.
 
-Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
-Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
-architecture for intelligent, reactive agents", Journal of Experimental & Theoretical Artificial Intelligence 9
-(1997). The map, the plan and the steering are our own, as simple as they can be.
+Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
+    (1998); R. Peter
+Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack,
+"Experiences with an architecture for intelligent, reactive agents", Journal of Experimental &
+Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering are our own, as
+simple as they can be.
 """
 
 from __future__ import annotations
@@ -45,7 +51,17 @@ UP = place("WgThreeLayerMemory", "up")
 MEMORY = size_of("WgThreeLayerMemory")
 SIDE = UP - RIGHT  # cells of the map a side
 AT_RESET = memory_at_reset(MEMORY, {})
-SENSES = ("heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
+SENSES = (
+    "heading",
+    "x",
+    "y",
+    "target_heading",
+    "target_distance",
+    "time_step",
+    "top_speed",
+    "radius",
+    "beams",
+)
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -54,10 +70,12 @@ class ThreeLayer(NamedTuple):
 
     Args:
         margin: What the robot is taken to be larger by than it is, m.
-        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach the target.
+        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach
+            the target.
         reach: Least side of the map, times the distance from start to target.
         look: Free way, m, that the controller wants in the direction it takes.
-        patience: Steps after which a waypoint is given up, times one more than the map has been forgotten.
+        patience: Steps after which a waypoint is given up, times one more than the map has been
+            forgotten.
     """
 
     margin: float = _DEFAULT["margin"]
@@ -71,7 +89,8 @@ def shown_map(memory: Floats) -> MemoryMap:
     """The closed borders between cells of the map, and the waypoint, in m."""
     if memory[LAID] == 0.0:
         return MemoryMap()
-    corner, pitch = np.array((memory[CORNER_X], memory[CORNER_Y])), memory[PITCH]
+    corner = np.array((memory[CORNER_X], memory[CORNER_Y]))
+    pitch = memory[PITCH]
     bits = np.arange(SIDE)
     row, column = np.nonzero((memory[RIGHT : RIGHT + SIDE].astype(np.int64)[:, None] >> bits) & 1)
     upright = np.column_stack((column + 1, row, column + 1, row + 1))

@@ -1,15 +1,18 @@
 """VFH+: the robot drives through the opening between obstacles that costs it the fewest turns.
 
-Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left free are openings;
-of the directions through them the cheapest is taken: near to the target's, to the heading, and to the choice before.
-It drives fast and smoothly past clutter. It sees no further than its beams, and has no map: in a cup deeper than
+Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
+free are openings; of the directions through them the cheapest is taken: near to the target's, to
+the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
+    than its beams, and has no map: in a cup deeper than
 that, or behind a long wall, it drives to and fro for ever.
 
-Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", IEEE
-International Conference on Robotics and Automation, 1998: the four stages and the weights of section 3. Departures:
-the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest obstacle of a
-sector counts, not a sum; the speed falls with the density in the chosen direction as in their "The vector field
-histogram" (1991), equation 11.
+Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
+    robots", IEEE
+International Conference on Robotics and Automation, 1998: the four stages and the weights of
+    section 3. Departures:
+the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest
+obstacle of a sector counts, not a sum; the speed falls with the density in the chosen direction as
+in their "The vector field histogram" (1991), equation 11.
 """
 
 from __future__ import annotations
@@ -34,10 +37,12 @@ class VfhPlus(NamedTuple):
     Args:
         safety: What obstacles are widened by beside the robot's radius, in radii.
         window: Distance, in radii of the robot, beyond which obstacles do not count.
-        low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector becomes free.
+        low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector
+            becomes free.
         high: Density above which a free sector becomes blocked.
         wide: Sectors of an opening that is passed along its side instead of through its middle.
-        to_target: Cost of a sector between a direction and the target's; larger than the two others together.
+        to_target: Cost of a sector between a direction and the target's; larger than the two others
+            together.
         to_heading: Cost of a sector between it and the heading.
         to_last: Cost of a sector between it and the direction chosen last.
         turning_radius: m, of a robot that cannot turn on the spot; 0 masks no directions.

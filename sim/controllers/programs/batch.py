@@ -1,5 +1,6 @@
-"""Many robots of one program at once: an offer that a program may make in its first answer, and the lines that follow.
+"""Many robots of one program at once.
 
+An offer that a program may make in its first answer, and the lines that follow.
 ``docs/controllers.md`` is the normative text of the protocol.
 """
 
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Observation
-from sim.controllers.programs.program import Misbehaviour, shown
+from sim.controllers.programs.program import ControllerError, shown
 from sim.kernels import layout
 from sim.verdict import Verdict
 
@@ -58,9 +59,18 @@ def read_offer(given: Any, answer: bytes) -> Offer:
     offer = given if isinstance(given, dict) else {}
     robots = offer.get("robots")
     senses = offer.get("senses", list(_COLUMNS))
-    known = isinstance(senses, list) and all(isinstance(name, str) and name in _COLUMNS for name in senses)
-    if type(robots) is not int or robots < 1 or not known or not offer.keys() <= {"robots", "senses"}:
-        raise Misbehaviour(Verdict.INVALID_COMMAND, "batch is no offer", {"answer": shown(answer)})
+    known = isinstance(senses, list) and all(
+        isinstance(name, str) and name in _COLUMNS for name in senses
+    )
+    if (
+        type(robots) is not int
+        or robots < 1
+        or not known
+        or not offer.keys() <= {"robots", "senses"}
+    ):
+        raise ControllerError(
+            Verdict.INVALID_COMMAND, "batch is no offer", {"answer": shown(answer)}
+        )
     return Offer(min(robots, MOST_ROBOTS), tuple(senses))
 
 
@@ -119,11 +129,17 @@ def fill_commands(answer: bytes, command: Floats) -> None:
 
 def _fits(column: object, count: int) -> bool:
     """Return True for a list of as many numbers, or truth values."""
-    return isinstance(column, list) and len(column) == count and not any(isinstance(one, str) for one in column)
+    return (
+        isinstance(column, list)
+        and len(column) == count
+        and not any(isinstance(one, str) for one in column)
+    )
 
 
-def _no_commands(answer: bytes) -> Misbehaviour:
-    return Misbehaviour(Verdict.INVALID_COMMAND, "no commands for a batch", {"answer": shown(answer)})
+def _no_commands(answer: bytes) -> ControllerError:
+    return ControllerError(
+        Verdict.INVALID_COMMAND, "no commands for a batch", {"answer": shown(answer)}
+    )
 
 
 def _finite(values: Sequence[Any]) -> list[Any]:

@@ -1,6 +1,7 @@
-"""What a program says on stderr when it dies: the reports of sanitizers, assertions, panics and tracebacks.
+"""What a program says on stderr when it dies.
 
-A report is read for two facts: what went wrong, and the innermost frames of the program's own code. Addresses, process
+The reports of sanitizers, assertions, panics and tracebacks. A report is read for two facts: what
+    went wrong, and the innermost frames of the program's own code. Addresses, process
 numbers and folders are left out, because they differ between runs and machines.
 """
 
@@ -18,13 +19,18 @@ __all__ = ["report_of"]
 _MOST_FRAMES = 6
 _LONGEST = 160  # characters of a reason or a statement
 _LARGEST_SOURCE = 4 << 20  # bytes of a source file that is looked into
-_LINE_BEGIN, _LINE_END = 700, 300  # characters of a longer line that are read; what is between them is left out
+# characters of a longer line that are read; what is between them is left out
+_LINE_BEGIN = 700
+_LINE_END = 300
 _LONGEST_NUMBER = 9  # digits of the number of a line
 
-# What a program writes may be anything, so no pattern may take longer than in proportion to it. A file's name is
-# looked for only where one can begin, and white space before a frame ends with its line.
+# What a program writes may be anything, so no pattern may take longer than in proportion to it. A
+# file's name is looked for only where one can begin, and white space before a frame ends with its
+# line.
 _SANITIZER = re.compile(r"(?:ERROR|WARNING): \w+Sanitizer: ?([\w-]+(?: [\w-]+)?)")
-_UNDEFINED = re.compile(r"(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+):\d+: runtime error: (?P<reason>.*)")
+_UNDEFINED = re.compile(
+    r"(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+):\d+: runtime error: (?P<reason>.*)"
+)
 _SANITIZER_FRAME = re.compile(
     r"\s*#\d+ 0x[0-9a-f]+ (?:in (?P<function>.+?) )?"
     r"(?:(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?|\((?P<object>\S+)\+0x.*)$"
@@ -35,46 +41,62 @@ _RUNTIME_FRAME = re.compile(
 )
 _ASSERTIONS = (
     re.compile(  # glibc
-        r"^(?=.*: Assertion [`'].*' failed\.?$).*?(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+): (?P<function>.+)"
+        r"^(?=.*: Assertion [`'].*' failed\.?$).*?(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+): "
+        r"(?P<function>.+)"
         r": Assertion [`'](?P<code>.*)' failed\.?$",
         re.MULTILINE,
     ),
     re.compile(  # macOS
-        r"^Assertion failed: \((?P<code>.*)\), function (?P<function>.+), file (?P<file>.+), line (?P<line>\d+)\.?$",
+        r"^Assertion failed: \((?P<code>.*)\), function (?P<function>.+), file (?P<file>.+), line "
+        r"(?P<line>\d+)\.?$",
         re.MULTILINE,
     ),
     re.compile(
-        r"^Assertion failed: (?P<code>.*) \((?P<file>[^\s:]+): (?P<function>\w+): (?P<line>\d+)\)$", re.MULTILINE
+        r"^Assertion failed: (?P<code>.*) \((?P<file>[^\s:]+): (?P<function>\w+): (?P<line>\d+)\)$",
+        re.MULTILINE,
     ),
 )
 _ALLOCATOR = re.compile(
-    r"^(?:\*\*\* )?(?P<reason>(?:\w+\(\): [\w<>()., /-]+)|double free or corruption[^:\n]*|corrupted [\w .<>-]+"
+    r"^(?:\*\*\* )?(?P<reason>(?:\w+\(\): [\w<>()., /-]+)|double free or "
+    r"corruption[^:\n]*|corrupted [\w .<>-]+"
     r"|stack smashing detected|buffer overflow detected)(?: \*\*\*.*)?$",
     re.MULTILINE,
 )
 _THROWN = re.compile(
-    r"terminate called after throwing an instance of '(?P<reason>[^'\n]+)'(?:\s+what\(\):\s*(?P<code>.*))?"
+    r"terminate called after throwing an instance of "
+    r"'(?P<reason>[^'\n]+)'(?:\s+what\(\):\s*(?P<code>.*))?"
 )
 _RUST = re.compile(
     r"thread '[^'\n]*'(?: \(\d+\))? panicked at (?:'(?P<old>.*?)', )?"
     r"(?P<file>[^\s:]+):(?P<line>\d+):\d+:?(?:\n(?P<new>.*))?"
 )
-_RUST_FRAME = re.compile(r"^[ \t]*\d+: (?P<function>\S+)\n\s+at (?P<file>\S+?):(?P<line>\d+)(?::\d+)?$", re.MULTILINE)
-_RUST_LIBRARY = re.compile(r"/rustc/|/library/(?:std|core|alloc)/|^(?:std|core|alloc|rust_begin_unwind)\b|<")
+_RUST_FRAME = re.compile(
+    r"^[ \t]*\d+: (?P<function>\S+)\n\s+at (?P<file>\S+?):(?P<line>\d+)(?::\d+)?$", re.MULTILINE
+)
+_RUST_LIBRARY = re.compile(
+    r"/rustc/|/library/(?:std|core|alloc)/|^(?:std|core|alloc|rust_begin_unwind)\b|<"
+)
 _GO = re.compile(r"^(?:panic|fatal error): (?P<reason>.*)$", re.MULTILINE)
-_GO_FRAME = re.compile(r"^(?P<function>[\w./*()-]+)\(.*\)\n\s+(?P<file>\S+\.go):(?P<line>\d+)", re.MULTILINE)
+_GO_FRAME = re.compile(
+    r"^(?P<function>[\w./*()-]+)\(.*\)\n\s+(?P<file>\S+\.go):(?P<line>\d+)", re.MULTILINE
+)
 _PYTHON_FRAME = re.compile(
-    r'^  File "(?P<file>[^"\n]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?(?:\n    (?! *[\^~])(?P<code>.*))?$',
+    r'^  File "(?P<file>[^"\n]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?(?:\n    (?! '
+    r"*[\^~])(?P<code>.*))?$",
     re.MULTILINE,
 )
 _PYTHON_END = re.compile(r"^(?P<reason>[A-Za-z_][\w.]*)(?::.*)?$", re.MULTILINE)
-_PYTHON_LIBRARY = re.compile(r"^<frozen|/(?:site|dist)-packages/|/lib/python3[^/]*/|/sim/(?:host|controllers/\w+)\.py$")
+_PYTHON_LIBRARY = re.compile(
+    r"^<frozen|/(?:site|dist)-packages/|/lib/python3[^/]*/|/sim/(?:host|controllers/\w+)\.py$"
+)
 _SCRIPT = re.compile(
-    r"^(?:Uncaught |Exception in thread \"[^\"]*\" )?(?P<reason>[\w.$]*(?:Error|Exception)\b)[^\n]*\n(?=\s+at )",
+    r"^(?:Uncaught |Exception in thread \"[^\"]*\" "
+    r")?(?P<reason>[\w.$]*(?:Error|Exception)\b)[^\n]*\n(?=\s+at )",
     re.MULTILINE,
 )
 _SCRIPT_FRAME = re.compile(
-    r"^[ \t]+at (?:(?:async |new )?(?P<function>[\w.$<>]+) ?\()?(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?\)?$",
+    r"^[ \t]+at (?:(?:async |new )?(?P<function>[\w.$<>]+) "
+    r"?\()?(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?\)?$",
     re.MULTILINE,
 )
 _SCRIPT_LIBRARY = re.compile(r"^(?:node:|internal/)|/node_modules/")
@@ -85,14 +107,26 @@ def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
 
     Args:
         said: What it wrote, without control sequences.
-        sources: Folders in which, or below which, the program's source may be; a frame there has its line quoted.
+        sources: Folders in which, or below which, the program's source may be; a frame there has
+            its line quoted.
 
     Returns:
         ``reason``, such as ``heap-buffer-overflow`` or ``ZeroDivisionError``, and ``frames``, as of
-        :func:`sim.controllers.crash_frames.crash_facts`; empty where it says nothing that is understood.
+        :func:`sim.controllers.crash_frames.crash_facts`; empty where it says nothing that is
+        understood.
     """
     said = "\n".join(map(_without_its_middle, said.split("\n")))
-    for reader in (_sanitizer, _assertion, _thrown, _rust, _go, _python, _script, _allocator, _undefined):
+    for reader in (
+        _sanitizer,
+        _assertion,
+        _thrown,
+        _rust,
+        _go,
+        _python,
+        _script,
+        _allocator,
+        _undefined,
+    ):
         found = reader(said)
         if found:
             return _with_code(found, said, tuple(sources))
@@ -100,12 +134,18 @@ def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
 
 
 def _without_its_middle(line: str) -> str:
-    """Return a line without the middle of it if it is very long: what it reports is at its two ends."""
+    """Return a line without the middle of it if it is very long.
+
+    What it reports is at its two ends.
+    """
     return line if len(line) <= _LINE_BEGIN + _LINE_END else line[:_LINE_BEGIN] + line[-_LINE_END:]
 
 
 def _with_code(report: dict[str, Value], said: str, folders: tuple[Path, ...]) -> dict[str, Value]:
-    """Quote the line of the innermost frame, so that two faults in one function can be told apart."""
+    """Quote the line of the innermost frame.
+
+    So that two faults in one function can be told apart.
+    """
     frames = report.get("frames")
     frame = frames[-1] if isinstance(frames, list) else None
     if not isinstance(frame, dict) or "code" in frame or not {"file", "line"} <= frame.keys():
@@ -139,13 +179,18 @@ def _sanitizer(said: str) -> dict[str, Value]:
     reason = words[0] if words[0] not in ("data", "detected", "attempting") else "-".join(words)
 
     # Only the first stack is where it happened; those after it say who allocated and who freed.
-    frames, begun = [], False
+    frames = []
+    begun = False
     for line in said[found.end() :].splitlines():
         frame = _SANITIZER_FRAME.match(line)
         if frame is None and begun:
             break
         begun = begun or frame is not None
-        if frame is not None and not _RUNTIME_FRAME.search(line) and (frame["file"] or _has_a_name(frame)):
+        if (
+            frame is not None
+            and not _RUNTIME_FRAME.search(line)
+            and (frame["file"] or _has_a_name(frame))
+        ):
             frames.append(_frame(frame["file"] or "", frame["line"], frame["function"]))
     return _report(reason, frames[::-1])
 
@@ -210,7 +255,8 @@ def _go(said: str) -> dict[str, Value]:
     frames = [
         _frame(frame["file"], frame["line"], frame["function"])
         for frame in _GO_FRAME.finditer(stack)
-        if not re.search(r"/src/(?:runtime|internal)/", frame["file"]) and frame["function"] != "panic"
+        if not re.search(r"/src/(?:runtime|internal)/", frame["file"])
+        and frame["function"] != "panic"
     ]
     return _report("panic", frames[::-1]) | {"message": _short(found["reason"])}
 
@@ -250,7 +296,9 @@ def _report(reason: str, frames: list[Value]) -> dict[str, Value]:
     return report
 
 
-def _frame(file: str, line: str | None, function: str | None = None, code: str | None = None) -> Value:
+def _frame(
+    file: str, line: str | None, function: str | None = None, code: str | None = None
+) -> Value:
     found: dict[str, Value] = {"file": PurePath(file).name} if file else {}
     if line and len(line) <= _LONGEST_NUMBER:
         found["line"] = int(line)
@@ -262,7 +310,10 @@ def _frame(file: str, line: str | None, function: str | None = None, code: str |
 
 
 def _without_arguments(function: str) -> str:
-    """Return ``Robot::act`` for ``Command Robot::act(const Observation&)``, as C++ programs name it."""
+    """Return ``Robot::act`` for ``Command Robot::act(const Observation&)``.
+
+    As C++ programs name it.
+    """
     name = function.partition("(")[0].strip() or function
     return name.split(" ")[-1]
 

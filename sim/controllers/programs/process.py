@@ -1,6 +1,7 @@
-"""A controller that is a program of its own, in any language: one JSON line to it, one back, per step.
+"""A controller that is a program of its own, in any language.
 
-``docs/controllers.md`` is the normative text of the protocol.
+One JSON line to it, one back, per step. ``docs/controllers.md`` is the normative text of the
+protocol.
 """
 
 from __future__ import annotations
@@ -20,8 +21,20 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Command, Memory, Observation
-from sim.controllers.programs.batch import Offer, batch_line, fill_commands, read_offer, reset_batch_line
-from sim.controllers.programs.program import Limits, Misbehaviour, Program, find_program, shown
+from sim.controllers.programs.batch import (
+    Offer,
+    batch_line,
+    fill_commands,
+    read_offer,
+    reset_batch_line,
+)
+from sim.controllers.programs.program import (
+    ControllerError,
+    Program,
+    ProgramLimits,
+    find_program,
+    shown,
+)
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import split_options
@@ -47,21 +60,23 @@ PROGRAM_OPTIONS = ("deadline", "start", "memory")
 _NAME = re.compile(r"cmd(?:\+[^:+]*)*:(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
 _UNITS = {"": 1, "k": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
-_LEAST_MEMORY, _MOST_MEMORY = 1 << 20, 1 << 62
+_LEAST_MEMORY = 1 << 20
+_MOST_MEMORY = 1 << 62
 _LONGEST_DEADLINE = 3600.0  # s
 _EXAMPLE = "cmd:./mine --flag or cmd+deadline=0.2+memory=512M:./mine"
 _KEYS = {"speed", "turn_rate", "used_random"}
 
 
 class ProcessController:
-    """A controller that is a program: it reads observations and writes commands, each a line of JSON.
+    """A controller that is a program.
 
-    One process serves many episodes, one after the other; it is started when it is first needed, and afresh
-    after each failure. It and all that it started end with :meth:`close`, with this object, and with this
+    It reads observations and writes commands, each a line of JSON. One process serves many
+    episodes, one after the other; it is started when it is first needed, and afresh after each
+    failure. It and all that it started end with :meth:`close`, with this object, and with this
     process, however that ends. Two threads need two of these.
 
-    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never ``loop``; and so it
-    may as well see the clock.
+    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never
+    ``loop``; and so it may as well see the clock.
 
     Args:
         command: Program and arguments; no shell is involved.
@@ -78,9 +93,9 @@ class ProcessController:
     def __init__(
         self,
         command: Sequence[str],
-        deadline: float = Limits.deadline,
-        start_deadline: float = Limits.start_deadline,
-        memory_limit: int | None = Limits.memory,
+        deadline: float = ProgramLimits.deadline,
+        start_deadline: float = ProgramLimits.start_deadline,
+        memory_limit: int | None = ProgramLimits.memory,
     ) -> None:
         if isinstance(command, str) or not command:
             raise InvalidParameter(
@@ -105,7 +120,8 @@ class ProcessController:
                 memory_limit=memory_limit,
                 least=_LEAST_MEMORY,
             )
-        self.command, self.limits = tuple(command), Limits(deadline, start_deadline, memory_limit)
+        self.command = tuple(command)
+        self.limits = ProgramLimits(deadline, start_deadline, memory_limit)
         find_program(self.command)
         self._program: Program | None = None
         self._owner = 0
@@ -113,7 +129,9 @@ class ProcessController:
         self._first = True  # the next observation is the first of its episode
         self._served = False  # whether the program has answered before
         self._batch_reset = b""  # the line with which a batch begins
-        self.offer: Offer | None = None  # to drive many robots at once, made by the program in its last first answer
+        self.offer: Offer | None = (
+            None  # to drive many robots at once, made by the program in its last first answer
+        )
         self._transcript: BinaryIO | None = None
 
     @classmethod
@@ -126,13 +144,19 @@ class ProcessController:
         parts = _NAME.fullmatch(name)
         if parts is None:
             raise InvalidParameter(
-                "not-a-command", "controller {name!r} is no command", "write {example}", name=name, example=_EXAMPLE
+                "not-a-command",
+                "controller {name!r} is no command",
+                "write {example}",
+                name=name,
+                example=_EXAMPLE,
             )
         settings: dict[str, Any] = {}
         _, options = split_options(name.partition(":")[0], "cmd+deadline=0.2:./mine")
         for key, value in options.items():
             if key in ("deadline", "start"):
-                settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(key, value or "")
+                settings["deadline" if key == "deadline" else "start_deadline"] = _seconds(
+                    key, value or ""
+                )
             elif key == "memory":
                 settings["memory_limit"] = _bytes(value or "")
             else:
@@ -160,7 +184,8 @@ class ProcessController:
     def close(self) -> None:
         """Ends the program; the next episode starts it afresh."""
         self._stop()
-        self._program, self._stop = None, _nothing
+        self._program = None
+        self._stop = _nothing
 
     def start(self) -> None:
         """Sees to it that the program runs, and has nothing to say yet.
@@ -173,9 +198,10 @@ class ProcessController:
 
     @contextlib.contextmanager
     def transcript(self, out: BinaryIO) -> Iterator[None]:
-        """Write each line that the program is sent to a file, until the end; only the last episode's lines stay.
+        """Write each line that the program is sent to a file, until the end.
 
-        Fed to the program's stdin, they repeat the episode: ``gdb ./mine``, then ``run < transcript.jsonl``.
+        Only the last episode's lines stay. Fed to the program's stdin, they repeat the episode:
+        ``gdb ./mine``, then ``run < transcript.jsonl``.
 
         Args:
             out: A file that can be truncated.
@@ -200,7 +226,7 @@ class ProcessController:
         """
         try:
             return self._command_after(observation), memory
-        except Misbehaviour as found:
+        except ControllerError as found:
             if found.verdict == Verdict.CRASH and observation.bump:
                 found.evidence = replace(found.evidence, bump=True)
             raise
@@ -212,18 +238,21 @@ class ProcessController:
             self._write_down(line)
             return self._ask(line, self.limits.deadline)
         self.start()
-        lines, self._first = _reset_line(observation) + line, False
+        lines = _reset_line(observation) + line
+        self._first = False
         if self._transcript is not None:
             self._transcript.seek(0)
             self._transcript.truncate()
         self._write_down(lines)
-        served, self._served = self._served, True
+        served = self._served
+        self._served = True
         try:
             return self._ask(lines, self.limits.start_deadline, is_first=True)
-        except Misbehaviour as found:
+        except ControllerError as found:
             if not served or found.verdict != Verdict.CRASH:
                 raise
-        self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
+        # One that serves a single episode and ends; afresh it shows whether it does crash.
+        self._start()
         self._served = True
         return self._ask(lines, self.limits.start_deadline, is_first=True)
 
@@ -235,7 +264,9 @@ class ProcessController:
         if self._owner == os.getpid():  # a forked process leaves its parent's program alone
             self.close()
         program = Program(self.command, self.limits.memory)
-        self._program, self._owner, self._served = program, os.getpid(), False
+        self._program = program
+        self._owner = os.getpid()
+        self._served = False
         self._stop = weakref.finalize(self, _stop_own, program, self._owner)
         return program
 
@@ -247,7 +278,7 @@ class ProcessController:
                 return read_command(answer)
             command, self.offer = read_answer(answer)
             return command
-        except Misbehaviour as found:
+        except ControllerError as found:
             raise program.ended_by(found) from None
 
     def begin_batch(self, robots: int) -> None:
@@ -257,9 +288,12 @@ class ProcessController:
             robots: How many at most; they are numbered from 0.
         """
         self.start()
-        self._first, self._batch_reset = True, reset_batch_line(PROTOCOL_VERSION, robots)
+        self._first = True
+        self._batch_reset = reset_batch_line(PROTOCOL_VERSION, robots)
 
-    def act_in_batch(self, offer: Offer, robots: Ints, fresh: Ints, seen: Floats, command: Floats) -> None:
+    def act_in_batch(
+        self, offer: Offer, robots: Ints, fresh: Ints, seen: Floats, command: Floats
+    ) -> None:
         """Ask the program for the commands of some robots of the batch.
 
         Args:
@@ -273,14 +307,17 @@ class ProcessController:
             Misbehaviour: If it crashes, hangs, or answers with no commands.
         """
         program = self._program or self._start()
-        lines, seconds = batch_line(offer, robots, fresh, seen), self.limits.deadline
+        lines = batch_line(offer, robots, fresh, seen)
+        seconds = self.limits.deadline
         if self._first:
-            lines, seconds = self._batch_reset + lines, self.limits.start_deadline
-            self._first, self._served = False, True
+            lines = self._batch_reset + lines
+            seconds = self.limits.start_deadline
+            self._first = False
+            self._served = True
         answer = program.ask(lines, seconds)
         try:
             fill_commands(answer, command)
-        except Misbehaviour as found:
+        except ControllerError as found:
             raise program.ended_by(found) from None
 
 
@@ -290,7 +327,10 @@ def is_process_name(name: str) -> bool:
 
 
 def observation_line(observation: Observation) -> bytes:
-    """The observation as a line of JSON; numbers read back to the same bits, one that is not finite is null."""
+    """The observation as a line of JSON.
+
+    Numbers read back to the same bits, one that is not finite is null.
+    """
     values = observation._asdict()
     try:
         return _encode(values).encode() + b"\n"
@@ -355,7 +395,9 @@ def _command(found: dict[str, Any], answer: bytes) -> Command:
     used_random = found.get("used_random", False)
     if not isinstance(used_random, bool):
         raise _no_command("used_random is neither true nor false", answer)
-    return Command(_number(found, "speed", answer), _number(found, "turn_rate", answer), used_random)
+    return Command(
+        _number(found, "speed", answer), _number(found, "turn_rate", answer), used_random
+    )
 
 
 def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
@@ -371,8 +413,8 @@ def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
     return number
 
 
-def _no_command(error: str, answer: bytes) -> Misbehaviour:
-    return Misbehaviour(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
+def _no_command(error: str, answer: bytes) -> ControllerError:
+    return ControllerError(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
 
 
 def _words(name: str, command: str) -> list[str]:
@@ -380,11 +422,19 @@ def _words(name: str, command: str) -> list[str]:
         words = shlex.split(command)
     except ValueError as error:
         raise InvalidParameter(
-            "invalid-quoting", "controller {name!r}: {reason}", "quote it as for a shell", name=name, reason=str(error)
+            "invalid-quoting",
+            "controller {name!r}: {reason}",
+            "quote it as for a shell",
+            name=name,
+            reason=str(error),
         ) from error
     if not words:
         raise InvalidParameter(
-            "no-program-named", "controller {name!r} names no program", "write {example}", name=name, example=_EXAMPLE
+            "no-program-named",
+            "controller {name!r} names no program",
+            "write {example}",
+            name=name,
+            example=_EXAMPLE,
         )
     return words
 
@@ -394,7 +444,11 @@ def _seconds(key: str, text: str) -> float:
         return float(text)
     except ValueError:
         raise InvalidParameter(
-            "not-a-number", "{key}={text!r} is no number", "write seconds, like 0.2", key=key, text=text
+            "not-a-number",
+            "{key}={text!r} is no number",
+            "write seconds, like 0.2",
+            key=key,
+            text=text,
         ) from None
 
 
@@ -402,7 +456,10 @@ def _bytes(text: str) -> int | None:
     parts = _SIZE.fullmatch(text)
     if parts is None and text != "none":
         raise InvalidParameter(
-            "not-a-size", "memory={text!r} is no size", "write it like 512M or 4G, or none for no limit", text=text
+            "not-a-size",
+            "memory={text!r} is no size",
+            "write it like 512M or 4G, or none for no limit",
+            text=text,
         )
     return int(parts["number"]) * _UNITS[parts["unit"]] if parts else None
 

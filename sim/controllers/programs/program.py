@@ -1,4 +1,7 @@
-"""A running program that answers line by line: start, ask with a deadline, end it and all that it started."""
+"""A running program that answers line by line.
+
+Start, ask with a deadline, end it and all that it started.
+"""
 
 from __future__ import annotations
 
@@ -24,29 +27,45 @@ from worldgen.errors import InvalidParameter
 from worldgen.plugins.registry import ONLY_CODE
 from worldgen.world import Value
 
-__all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "WantsMemory", "find_program", "shown"]
+__all__ = [
+    "LONGEST_LINE",
+    "ControllerError",
+    "Program",
+    "ProgramLimits",
+    "WantsMemory",
+    "find_program",
+    "shown",
+]
 
 LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
 _CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
-_KEPT = 64 << 10  # bytes of stderr that are kept, the last ones: a sanitizer's report takes up to 10 KB
-_LAST_LINES, _LINE_WIDTH = 5, 200  # lines and characters of stderr that stand in the evidence
-_LOOK_AGAIN = 0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
+_KEPT = (
+    64 << 10
+)  # bytes of stderr that are kept, the last ones: a sanitizer's report takes up to 10 KB
+# lines and characters of stderr that stand in the evidence
+_LAST_LINES = 5
+_LINE_WIDTH = 200
+_LOOK_AGAIN = (
+    0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
+)
 _TO_EXIT = 1.0  # s that a program may take to exit after it has closed its output
 _TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
 
-# Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's group goes too.
+# Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's
+# group goes too.
 _SHELL = "/bin/sh"
 _KEEPER = 'read -r line || kill -s KILL -- "-$1"'  # dash takes no group behind -KILL
 
 
 @dataclass(frozen=True)
-class Limits:
+class ProgramLimits:
     """What a program may take.
 
     Args:
         deadline: s for an answer.
         start_deadline: s for the first answer after a reset, starting up included.
-        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; where the system can set none, there is none.
+        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; where the system can set none,
+            there is none.
     """
 
     deadline: float = 1.0
@@ -54,7 +73,7 @@ class Limits:
     memory: int | None = 2 << 30
 
 
-class Misbehaviour(Exception):
+class ControllerError(Exception):
     """What a program did wrong.
 
     Args:
@@ -66,7 +85,9 @@ class Misbehaviour(Exception):
         evidence: All of it, without the step.
     """
 
-    def __init__(self, verdict: Verdict, error: str, facts: Mapping[str, Value] | None = None) -> None:
+    def __init__(
+        self, verdict: Verdict, error: str, facts: Mapping[str, Value] | None = None
+    ) -> None:
         super().__init__(f"{verdict}: {error}")
         self.verdict = verdict
         self.error = error
@@ -74,18 +95,27 @@ class Misbehaviour(Exception):
 
 
 class WantsMemory(InvalidParameter):
-    """A program cannot even start within its limit of address space, so that no run says anything about it."""
+    """A program cannot even start within its limit of address space.
+
+    So that no run says anything about it.
+    """
 
 
 _SANITIZER_RESERVES = re.compile(
-    r"ReserveShadowMemoryRange failed|[Ss]hadow memory range interleaves|Sanitizer failed to (?:allocate|reserve|mmap)"
+    r"ReserveShadowMemoryRange failed|[Ss]hadow memory range interleaves|Sanitizer failed to "
+    r"(?:allocate|reserve|mmap)"
     r"|Sanitizer: unexpected memory mapping|ERROR: Failed to mmap"
 )
-"""What sanitizers say, which reserve terabytes; how far they come depends on when the limit was set."""
+"""What sanitizers say, which reserve terabytes.
+
+How far they come depends on when the limit was set.
+"""
 
 _RUNTIME_RESERVES = re.compile(
-    r"Failed to reserve (?:virtual )?memory|Could not reserve enough space|failed to reserve page summary memory"
-    r"|Error occurred during initialization of VM|Fatal process OOM in|cannot allocate memory in static TLS"
+    r"Failed to reserve (?:virtual )?memory|Could not reserve enough space|failed to reserve page "
+    r"summary memory"
+    r"|Error occurred during initialization of VM|Fatal process OOM in|cannot allocate memory in "
+    r"static TLS"
 )
 """What Node, Java and Go say that reserve more than they use, when they start."""
 
@@ -98,7 +128,9 @@ def find_program(command: tuple[str, ...]) -> str:
     """
     if os.name != "posix":
         raise InvalidParameter(
-            "needs-posix", "a program can be a controller on POSIX systems only", "bring it as a Python class"
+            "needs-posix",
+            "a program can be a controller on POSIX systems only",
+            "bring it as a Python class",
         )
     found = shutil.which(command[0])
     if found is not None:
@@ -130,7 +162,7 @@ class Program:
 
     Args:
         command: Program and arguments.
-        memory: As in :class:`Limits`.
+        memory: As in :class:`ProgramLimits`.
 
     Raises:
         InvalidParameter: If it cannot be started.
@@ -138,20 +170,28 @@ class Program:
 
     def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
         file = find_program(command)
-        self._command, self._memory, self._answers = command, memory, 0
+        self._command = command
+        self._memory = memory
+        self._answers = 0
         self._sources = (Path.cwd(), Path(file).resolve().parent)
         self._process = _started(command, file)
-        self.stopped, self._group_ended, self._ended = False, False, False  # the last: stdout is at its end
+        # the last: stdout is at its end
+        self.stopped = False
+        self._group_ended = False
+        self._ended = False
         self._keeper: subprocess.Popen[bytes] | None = None
         self._stdin, self._stdout, self._stderr = (
-            pipe.fileno() for pipe in (self._process.stdin, self._process.stdout, self._process.stderr) if pipe
+            pipe.fileno()
+            for pipe in (self._process.stdin, self._process.stdout, self._process.stderr)
+            if pipe
         )
         for pipe in (self._stdin, self._stdout, self._stderr):
             os.set_blocking(pipe, False)
         self._poll = select.poll()
         self._poll.register(self._stdout, select.POLLIN)
         self._poll.register(self._stderr, select.POLLIN)
-        self._answer, self._said = bytearray(), bytearray()
+        self._answer = bytearray()
+        self._said = bytearray()
         try:
             self._keeper = _keeper_of(self._process.pid)
             self._limit_memory(memory)
@@ -162,7 +202,9 @@ class Program:
     def _limit_memory(self, memory: int | None) -> None:
         import resource  # noqa: PLC0415 - POSIX only
 
-        if memory is None or not hasattr(resource, "prlimit"):  # as on macOS, which heeds no RLIMIT_AS anyway
+        if memory is None or not hasattr(
+            resource, "prlimit"
+        ):  # as on macOS, which heeds no RLIMIT_AS anyway
             return
         try:
             resource.prlimit(self._process.pid, resource.RLIMIT_AS, (memory, memory))
@@ -197,18 +239,21 @@ class Program:
             The answer without its newline.
 
         Raises:
-            Misbehaviour: If there is none, or more than one. The program is ended then, as by whatever else is
-                raised here, for what it says next would be no answer to what it is asked next.
+            Misbehaviour: If there is none, or more than one. The program is ended then, as by
+                whatever else is raised here, for what it says next would be no answer to what it is
+                asked next.
         """
         end = time.monotonic() + seconds
         try:
             self._hear(0)
             if self._answer:
-                raise Misbehaviour(Verdict.INVALID_COMMAND, "more than one line", {"answer": shown(self._answer)})
+                raise ControllerError(
+                    Verdict.INVALID_COMMAND, "more than one line", {"answer": shown(self._answer)}
+                )
             answer = self._exchange(line, end, seconds)
             self._answers += 1
             return answer
-        except Misbehaviour as found:
+        except ControllerError as found:
             raise self.ended_by(found) from None
         except BaseException:
             self.stop()
@@ -220,18 +265,21 @@ class Program:
         self._send(line, end, seconds)
         return self._receive(end, seconds)
 
-    def ended_by(self, found: Misbehaviour) -> Misbehaviour:
+    def ended_by(self, found: ControllerError) -> ControllerError:
         """End it; return the finding with what it last said on stderr, and what a crash's report there says."""
         said = self._last_words()
         self.stop()
         lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
         told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
         said_instead = str(found.evidence.answer or "")  # Java complains on stdout
-        if self._memory is not None and _wants_memory(said + said_instead, starting=self._answers == 0):
+        if self._memory is not None and _wants_memory(
+            said + said_instead, starting=self._answers == 0
+        ):
             size = f"{self._memory / (1 << 30):.3g} GiB"
             raise WantsMemory(
                 "address-space-too-small",
-                "controller program {program!r} reserves more than the {size} of address space that it may "
+                "controller program {program!r} reserves more than the {size} of address space "
+                "that it may "
                 "have, and ended with: {said!r}",
                 "lift the limit: --controller 'cmd+memory=none:{command}'",
                 at_terminal=True,
@@ -241,7 +289,9 @@ class Program:
                 command=shlex.join(self._command),
             )
         report = report_of(said, self._sources) if found.verdict == Verdict.CRASH else {}
-        return Misbehaviour(found.verdict, found.error, evidence_table(found.evidence) | told | report)
+        return ControllerError(
+            found.verdict, found.error, evidence_table(found.evidence) | told | report
+        )
 
     def _send(self, line: bytes, end: float, seconds: float) -> None:
         try:
@@ -272,8 +322,10 @@ class Program:
                 raise self._ending()
             self._wait(end, seconds)
         if newline > LONGEST_LINE or newline < 0:
-            raise Misbehaviour(
-                Verdict.INVALID_COMMAND, f"a line of more than {LONGEST_LINE} bytes", {"answer": shown(answer)}
+            raise ControllerError(
+                Verdict.INVALID_COMMAND,
+                f"a line of more than {LONGEST_LINE} bytes",
+                {"answer": shown(answer)},
             )
         line = bytes(answer[:newline])
         del answer[: newline + 1]
@@ -289,10 +341,13 @@ class Program:
             self._ended = True
         elif left <= 0.0:
             partly = {"unfinished": shown(self._answer)} if self._answer else {}
-            raise Misbehaviour(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
+            raise ControllerError(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
-        """Reads what is there within that time, a chunk of each pipe; whether stdout, or its end, is heard."""
+        """Reads what is there within that time, a chunk of each pipe.
+
+        Whether stdout, or its end, is heard.
+        """
         heard = False
         for pipe, _ in self._poll.poll(seconds * 1000.0):
             data = None if pipe == self._stdin else self._read(pipe)
@@ -317,31 +372,38 @@ class Program:
             return None
 
     def _has_exited(self) -> bool:
-        """Whether the process has ended; where the system allows, it keeps its number until :meth:`stop`."""
+        """Whether the process has ended.
+
+        Where the system allows, it keeps its number until :meth:`stop`.
+        """
         if self._process.returncode is not None:
             return True
         if not hasattr(os, "waitid"):
             return self._process.poll() is not None
         try:
-            return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is not None
+            return (
+                os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG)
+                is not None
+            )
         except ChildProcessError:  # the system reaps children by itself, having been told to
             return True
 
-    def _ending(self) -> Misbehaviour:
+    def _ending(self) -> ControllerError:
         """How it ended, told by its exit code or signal."""
         if not self._exits_within(_TO_EXIT):
-            return Misbehaviour(Verdict.CRASH, "closed its output")
+            return ControllerError(Verdict.CRASH, "closed its output")
         self._end_group()
         code = self._process.wait()
         if code >= 0:
-            return Misbehaviour(Verdict.CRASH, f"exit code {code}")
+            return ControllerError(Verdict.CRASH, f"exit code {code}")
         try:
-            return Misbehaviour(Verdict.CRASH, f"killed by {signal.Signals(-code).name}")
+            return ControllerError(Verdict.CRASH, f"killed by {signal.Signals(-code).name}")
         except ValueError:  # a real-time signal
-            return Misbehaviour(Verdict.CRASH, f"killed by signal {-code}")
+            return ControllerError(Verdict.CRASH, f"killed by signal {-code}")
 
     def _exits_within(self, seconds: float) -> bool:
-        end, pause = time.monotonic() + seconds, 0.0005
+        end = time.monotonic() + seconds
+        pause = 0.0005
         while not self._has_exited():
             if time.monotonic() > end:
                 return False
@@ -378,7 +440,10 @@ class Program:
             self._keeper.communicate(b"done\n")
 
     def _end_group(self) -> None:
-        """Ends whatever it started and left behind; before it is reaped, as after that its number may be another's."""
+        """Ends whatever it started and left behind.
+
+        Before it is reaped, as after that its number may be another's.
+        """
         if not self._group_ended:
             self._kill(signal.SIGKILL)
         self._group_ended = True
@@ -386,7 +451,10 @@ class Program:
     def _kill(self, number: signal.Signals) -> None:
         try:
             os.killpg(self._process.pid, number)
-        except (ProcessLookupError, PermissionError):  # none is left; on macOS also: only the dead are left
+        except (
+            ProcessLookupError,
+            PermissionError,
+        ):  # none is left; on macOS also: only the dead are left
             return
 
 
@@ -400,14 +468,17 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
             stderr=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,
-            env={name: value for name, value in os.environ.items() if name != ONLY_CODE},  # its code is its own
+            env={
+                name: value for name, value in os.environ.items() if name != ONLY_CODE
+            },  # its code is its own
         )
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InvalidParameter(
             "cannot-start",
             "controller program {program!r} cannot be started: {reason}",
-            "is it a program for this machine, or a script that begins with #! and its interpreter?",
+            "is it a program for this machine, or a script that begins with #! and its "
+            "interpreter?",
             program=command[0],
             reason=reason,
         ) from error
@@ -425,7 +496,8 @@ def _keeper_of(group: int) -> subprocess.Popen[bytes]:
     except OSError as error:
         raise InvalidParameter(
             "cannot-start",
-            "{program} cannot be started, which ends a controller's program if this process is killed: {reason}",
+            "{program} cannot be started, which ends a controller's program if this process is "
+            "killed: {reason}",
             program=_SHELL,
             reason=error.strerror,
         ) from error

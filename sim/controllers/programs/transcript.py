@@ -15,7 +15,9 @@ __all__ = ["transcribed"]
 
 @contextlib.contextmanager
 def transcribed(controller: str, out: Path | None, *, force: bool = False) -> Iterator[None]:
-    """Write to ``out`` what a program is sent; an episode that is broken off leaves what was sent until then.
+    """Write to ``out`` what a program is sent.
+
+    An episode that is broken off leaves what was sent until then.
 
     Args:
         controller: Its name.

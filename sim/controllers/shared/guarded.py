@@ -1,9 +1,12 @@
-"""Makes calls of the core in another process, so that a controller that crashes or hangs ends a run, not the program.
+"""Makes calls of the core in another process.
 
-A campaign runs controllers of shared libraries this way. The other process is forked when it is first needed. It has
-the library loaded and makes whole calls at full speed: a run, or first looks at a thousand worlds. Everything that a
-call works on is in memory that both processes share (:data:`SHARED`). So when the other one dies, everything is as it
-was when the controller was asked, and the run in which that was is known. ``sim/core/wg_guard.h`` is the other side.
+So that a controller that crashes or hangs ends a run, not the program. A campaign runs controllers
+of shared libraries this way. The other process is forked when it is first needed. It has the
+    library loaded and makes whole calls at full speed: a run, or first looks at a thousand worlds.
+        Everything that a
+call works on is in memory that both processes share (:data:`SHARED`). So when the other one dies,
+everything is as it was when the controller was asked, and the run in which that was is known.
+``sim/core/wg_guard.h`` is the other side.
 """
 
 from __future__ import annotations
@@ -32,9 +35,9 @@ __all__ = [
     "HANG",
     "PRIVATE",
     "SHARED",
-    "Answer",
+    "CallResult",
     "ControllerDied",
-    "Memory",
+    "CoreMemory",
     "before_start",
     "call",
     "renew",
@@ -49,13 +52,17 @@ HANG = "no answer"
 DEADLINE = 1.0
 """s of processor time that a controller can take for a step."""
 
-_WAITING = 5.0  # s that a step can take on the clock: it may wait for something, or the processors have other work
+# S that a step can take on the clock: it may wait for something, or the processors have other work.
+_WAITING = 5.0
 _LOOK = 0.1  # s between two looks whether the other process gets on; Ctrl-C is heard as often
 _CHUNK = 1 << 24  # bytes by which the shared memory grows
 _SMALLEST = 64  # bytes of a block: a line of the processor's cache
 
 before_start: list[Callable[[], object]] = []
-"""Called before the other process is forked: they make what it is to find in its copy of this one's memory."""
+"""Called before the other process is forked.
+
+They make what it is to find in its copy of this one's memory.
+"""
 
 
 class ControllerDied(Exception):
@@ -75,7 +82,7 @@ class ControllerDied(Exception):
         return self.error == HANG
 
 
-class Answer(NamedTuple):
+class CallResult(NamedTuple):
     """What a call came back with.
 
     Args:
@@ -87,7 +94,7 @@ class Answer(NamedTuple):
     error: str
 
 
-class Memory:
+class CoreMemory:
     """Where the core's structs and arrays are: here, in memory of this process alone."""
 
     is_shared = False
@@ -103,7 +110,10 @@ class Memory:
         return ffi.new(kind, value)
 
     def own(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return an array of the same content in this memory; the array itself where it can be seen."""
+        """Return an array of the same content in this memory.
+
+        The array itself where it can be seen.
+        """
         return array
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
@@ -111,8 +121,11 @@ class Memory:
         return np.zeros(shape, kind)
 
 
-class _SharedMemory(Memory):
-    """Memory that this process shares with the one that makes calls; it grows, and gives nothing back to the system."""
+class _SharedMemory(CoreMemory):
+    """Memory that this process shares with the one that makes calls.
+
+    It grows, and gives nothing back to the system.
+    """
 
     is_shared = True
 
@@ -147,9 +160,13 @@ class _SharedMemory(Memory):
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
         """As :meth:`Memory.zeros`."""
-        return self._array(shape if isinstance(shape, tuple) else (shape,), np.dtype(kind), clear=True)
+        return self._array(
+            shape if isinstance(shape, tuple) else (shape,), np.dtype(kind), clear=True
+        )
 
-    def _array(self, shape: tuple[int, ...], kind: np.dtype[Any], *, clear: bool) -> npt.NDArray[Any]:
+    def _array(
+        self, shape: tuple[int, ...], kind: np.dtype[Any], *, clear: bool
+    ) -> npt.NDArray[Any]:
         count = math.prod(shape)
         block = self.block(count * kind.itemsize, clear=clear)
         return np.frombuffer(ffi.buffer(block), kind, count).reshape(shape)
@@ -186,7 +203,7 @@ def _allocator(memory: _SharedMemory, ffi: Any, *, clear: bool) -> Any:
     return ffi.new_allocator(memory.take, memory.give_back, should_clear_after_alloc=clear)
 
 
-PRIVATE = Memory()
+PRIVATE = CoreMemory()
 """Memory of this process."""
 
 SHARED = _SharedMemory()
@@ -213,7 +230,11 @@ class _Server:
         os.close(answered)
         if self.process < 0:
             self._close()
-            raise WorldgenError("no-process", "no process can be started to run the controller in", "end some others")
+            raise WorldgenError(
+                "no-process",
+                "no process can be started to run the controller in",
+                "end some others",
+            )
         self._poll = select.poll()
         self._poll.register(self._answer, select.POLLIN)
 
@@ -238,8 +259,9 @@ class _Server:
         began = time.monotonic()
         used = 0.0
         while not self._poll.poll(int(_LOOK * 1000)):
-            # The clocks are read before the progress, and again after it if there is any: so if this process is kept
-            # waiting in between, that time does not count against the controller.
+            # The clocks are read before the progress, and again after it if there is any: so if
+            # this process is kept waiting in between, that time does not count against the
+            # controller.
             waited = time.monotonic() - began
             used_since = lib.wg_guard_seconds(self.process) - used
             now = [bytes(ffi.buffer(one)) for one in progress]
@@ -296,8 +318,14 @@ _here = _Here()
 
 
 def call(
-    work: Any, act: int, objects: Sequence[Any], number: int, *, report: Any, progress: Sequence[Any] = ()
-) -> Answer:
+    work: Any,
+    act: int,
+    objects: Sequence[Any],
+    number: int,
+    *,
+    report: Any,
+    progress: Sequence[Any] = (),
+) -> CallResult:
     """Make a call of a core in the other process.
 
     Args:
@@ -309,7 +337,8 @@ def call(
         progress: What else changes as the work goes on.
 
     Raises:
-        ControllerDied: If the process ended, or a step did not come back; the next call has a new one.
+        ControllerDied: If the process ended, or a step did not come back; the next call has a new
+            one.
     """
     function = int(ffi.cast("uintptr_t", work))
     with _here.one_call:
@@ -332,7 +361,7 @@ def call(
             renew()
             raise
         error = ffi.string(asked.error).decode("utf-8", "replace") if asked.has_error else ""
-        return Answer(int(asked.result), error)
+        return CallResult(int(asked.result), error)
 
 
 def _server_for(functions: frozenset[int]) -> _Server:
@@ -349,7 +378,10 @@ def _server_for(functions: frozenset[int]) -> _Server:
 
 
 def renew() -> None:
-    """End the other process. The next call finds the library as it was loaded, whatever a controller did to it."""
+    """End the other process.
+
+    The next call finds the library as it was loaded, whatever a controller did to it.
+    """
     with _here.one_call:
         while _here.servers:
             _here.servers.pop().end()

@@ -1,6 +1,7 @@
-"""Controllers in shared libraries: ``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator.
+"""Controllers in shared libraries.
 
-In a campaign whole runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a
+``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator. In a campaign whole
+runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a
 verdict and does not end the campaign.
 """
 
@@ -36,7 +37,10 @@ class SharedAct(CoreAct):
 
     @property
     def is_guarded(self) -> bool:
-        """Whether it is run in another process: in campaigns, where the system has such processes."""
+        """Whether it is run in another process.
+
+        In campaigns, where the system has such processes.
+        """
         return is_contained()
 
 
@@ -47,7 +51,8 @@ def library_controller(name: str) -> CompiledController:
         name: ``lib:./robot.so:act``.
 
     Raises:
-        InvalidParameter: If there is no such library or controller, or it was built for another interface.
+        InvalidParameter: If there is no such library or controller, or it was built for another
+            interface.
     """
     info = info_of(name)
     senses = _senses(name, int(info.senses))
@@ -98,8 +103,12 @@ def _within(name: str, field: str, value: int, most: int) -> int:
 
 def _senses(name: str, bits: int) -> tuple[str, ...]:
     """Return the names of what a library's controller looks at."""
-    known = sum(bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading"))
-    known += sum(bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams"))
+    known = sum(
+        bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading")
+    )
+    known += sum(
+        bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams")
+    )
     if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
         raise InvalidParameter(
             "unknown-senses",
@@ -110,4 +119,6 @@ def _senses(name: str, bits: int) -> tuple[str, ...]:
         )
     if bits == 0:
         return DEFAULT_SENSES
-    return tuple(sense for sense in Observation._fields if not bits_of(sense) or bits & bits_of(sense))
+    return tuple(
+        sense for sense in Observation._fields if not bits_of(sense) or bits & bits_of(sense)
+    )

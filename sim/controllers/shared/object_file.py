@@ -1,6 +1,7 @@
 """Reads what a shared library says about a controller in it: ``lib:./robot.so:act``.
 
-``worldgen_controller.h`` is the contract. A library is code that runs with all rights of the process that loads it.
+``worldgen_controller.h`` is the contract. A library is code that runs with all rights of the
+process that loads it.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ def info_of(name: str) -> Any:
     place, colon, function = name.removeprefix(_PREFIX).rpartition(":")
     if not colon or not place or not function:
         raise InvalidParameter(
-            "no-function-named", "controller {name!r} names no function", "write lib:./robot.so:act", name=name
+            "no-function-named",
+            "controller {name!r} names no function",
+            "write lib:./robot.so:act",
+            name=name,
         )
     loaded = _loaded(name, Path(place).expanduser())
     try:
@@ -83,7 +87,8 @@ def info_of(name: str) -> Any:
     if info.size != ffi.sizeof("WgControllerInfo"):
         raise InvalidParameter(
             "other-header-version",
-            "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has {wanted}",
+            "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has "
+            "{wanted}",
             "build it again with this worldgen's header: {build}",
             name=name,
             size=info.size,
@@ -141,7 +146,8 @@ def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> Messa
     if hasattr(loaded, function):
         return Message(
             "offers-no-controller",
-            "controller {name!r}: {file} has a function {function}, but does not offer it as a controller",
+            "controller {name!r}: {file} has a function {function}, but does not offer it as a "
+            "controller",
             "add WG_CONTROLLER({function}, .memory_size = ...) and build it again",
             name=name,
             file=place,

@@ -1,6 +1,6 @@
-"""Runs too long for all of their states to be held: gone through in portions, as often as somebody looks.
+"""Runs too long for all of their states to be held.
 
-Contents:
+Gone through in portions, as often as somebody looks. Contents:
     MOST_HELD: bytes of states that are held at once.
     portions: a run, portion by portion (``in_portions``).
 """

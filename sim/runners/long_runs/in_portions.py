@@ -1,4 +1,7 @@
-"""A compiled controller's run, portion by portion: never more of it is held than a portion's states."""
+"""A compiled controller's run, portion by portion.
+
+Never more of it is held than a portion's states.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy.typing as npt
 
 from sim._core import lib
 from sim.controllers.base import CompiledController
-from sim.runners.core_calls import MOST_CORNERS, Arena, Driver, Episode, copy_of
+from sim.runners.core_calls import MOST_CORNERS, CoreArena, CoreEpisode, Driver, copy_of
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
@@ -36,7 +39,9 @@ class Portion(NamedTuple):
     path: Ints
 
 
-def portions(controller: CompiledController, arena: Arena, settings: Any, steps: int) -> Iterator[Portion]:
+def portions(
+    controller: CompiledController, arena: CoreArena, settings: Any, steps: int
+) -> Iterator[Portion]:
     """The run from its start to a step that it is known to reach.
 
     Args:
@@ -49,7 +54,7 @@ def portions(controller: CompiledController, arena: Arena, settings: Any, steps:
     settings = copy_of(settings, memory)
     settings.digest = 0
     settings.steps = steps
-    episode = Episode(arena, settings, Driver(controller, controller.memory))
+    episode = CoreEpisode(arena, settings, Driver(controller, controller.memory))
     width = 1 + episode.words
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
     rows = memory.zeros((min(most, steps) + 1, width), np.int64)

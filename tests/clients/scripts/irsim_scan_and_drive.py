@@ -26,7 +26,12 @@ def drive(env, pose, command, steps):
         if env.robot.collision or env.robot.arrive:
             break
     x, y = (float(value) for value in env.robot.state[:2, 0])
-    return {"x": x, "y": y, "collision": bool(env.robot.collision), "arrive": bool(env.robot.arrive)}
+    return {
+        "x": x,
+        "y": y,
+        "collision": bool(env.robot.collision),
+        "arrive": bool(env.robot.arrive),
+    }
 
 
 env = irsim.make(sys.argv[1], display=False, save_ani=False, log_level="ERROR")
@@ -36,7 +41,9 @@ print(
     json.dumps(
         {
             "ranges": [scan(env, pose) for pose in asked["poses"]],
-            "drives": [drive(env, one["pose"], one["command"], one["steps"]) for one in asked["drives"]],
+            "drives": [
+                drive(env, one["pose"], one["command"], one["steps"]) for one in asked["drives"]
+            ],
             "radius": float(robot.radius),
             "goal": [float(value) for value in robot.goal[:2, 0]],
             "goal_threshold": float(robot.goal_threshold),

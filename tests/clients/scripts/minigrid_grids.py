@@ -12,9 +12,17 @@ from minigrid.core.world_object import Goal, Wall
 
 def described(env):
     world = env.unwrapped
-    kinds = [[getattr(world.grid.get(x, y), "type", None) for x in range(world.width)] for y in range(world.height)]
+    kinds = [
+        [getattr(world.grid.get(x, y), "type", None) for x in range(world.width)]
+        for y in range(world.height)
+    ]
     agent = [int(value) for value in world.agent_pos]
-    return {"text": world.pprint_grid(), "kinds": kinds, "agent": agent, "direction": int(world.agent_dir)}
+    return {
+        "text": world.pprint_grid(),
+        "kinds": kinds,
+        "agent": agent,
+        "direction": int(world.agent_dir),
+    }
 
 
 theirs = []

@@ -1,4 +1,7 @@
-"""Loads a model and answers what a request asks: rays at times, a sphere that is dropped, a robot that is driven."""
+"""Loads a model and answers what a request asks.
+
+Rays at times, a sphere that is dropped, a robot that is driven.
+"""
 
 import importlib.util
 import json
@@ -22,7 +25,8 @@ def player():
 def distances(model, data, rays, z):
     hit = np.zeros(1, np.int32)
     return [
-        mujoco.mj_ray(model, data, [x, y, z], [along, across, 0.0], None, 1, -1, hit) for x, y, along, across in rays
+        mujoco.mj_ray(model, data, [x, y, z], [along, across, 0.0], None, 1, -1, hit)
+        for x, y, along, across in rays
     ]
 
 
@@ -75,11 +79,16 @@ def marks():
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     places = {
-        name: [*data.site(name).xpos[:2].tolist(), float(model.site(name).size[0])] for name in ("start", "target")
+        name: [*data.site(name).xpos[:2].tolist(), float(model.site(name).size[0])]
+        for name in ("start", "target")
     }
     turned = data.site("start").xmat[[0, 3]].tolist()
     numbers = ("cell_size", "origin", "robot_radius", "robot_speed")
-    return {**places, "towards": turned, **{name: model.numeric(name).data.tolist() for name in numbers}}
+    return {
+        **places,
+        "towards": turned,
+        **{name: model.numeric(name).data.tolist() for name in numbers},
+    }
 
 
 answer = {"version": mujoco.__version__}

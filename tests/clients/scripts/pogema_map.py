@@ -1,4 +1,7 @@
-"""What POGEMA makes of a map file: its obstacles, agent and target, and where each move of a list leads."""
+"""What POGEMA makes of a map file.
+
+Its obstacles, agent and target, and where each move of a list leads.
+"""
 
 import json
 import sys
@@ -13,7 +16,9 @@ env = pogema_v0(grid_config=config)
 env.reset()
 grid = env.unwrapped.grid
 names = {(-1, 0): "up", (1, 0): "down", (0, -1): "left", (0, 1): "right"}
-moves = {names[tuple(move)]: number for number, move in enumerate(config.MOVES) if tuple(move) in names}
+moves = {
+    names[tuple(move)]: number for number, move in enumerate(config.MOVES) if tuple(move) in names
+}
 trail, arrived = [], False
 for word in json.loads(sys.argv[2]):
     arrived = bool(env.step([moves[word]])[2][0])

@@ -9,7 +9,10 @@ from pathlib import Path
 
 
 class Absent(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Empty modules for what the toolbox imports beside its parser; it is installed without what it depends on."""
+    """Empty modules for what the toolbox imports beside its parser.
+
+    It is installed without what it depends on.
+    """
 
     def find_spec(self, name, path=None, target=None):
         if name.startswith("pogema_toolbox"):
@@ -17,7 +20,9 @@ class Absent(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         return importlib.machinery.ModuleSpec(name, self, is_package=True)
 
     def create_module(self, spec):
-        return type("Empty", (types.ModuleType,), {"__getattr__": lambda self, name: object})(spec.name)
+        return type("Empty", (types.ModuleType,), {"__getattr__": lambda self, name: object})(
+            spec.name
+        )
 
     def exec_module(self, module):
         module.__path__ = []

@@ -1,4 +1,7 @@
-"""Loads a world into PyBullet: rays, a sphere that is dropped and then driven, and whether what is static stays."""
+"""Loads a world into PyBullet.
+
+Rays, a sphere that is dropped and then driven, and whether what is static stays.
+"""
 
 import json
 import sys
@@ -20,7 +23,9 @@ for x, y, along, across in request["rays"]:
     _, _, share, hit, _ = p.rayTest([x, y, z], [x + reach * along, y + reach * across, z])[0]
     found.append([share * reach, hit[0], hit[1]])
 x, y, height, radius = request["drop"]
-ball = p.createMultiBody(0.1, p.createCollisionShape(p.GEOM_SPHERE, radius=radius), basePosition=[x, y, height])
+ball = p.createMultiBody(
+    0.1, p.createCollisionShape(p.GEOM_SPHERE, radius=radius), basePosition=[x, y, height]
+)
 for _ in range(960):
     p.stepSimulation()
 fallen = p.getBasePositionAndOrientation(ball)[0]
@@ -31,5 +36,12 @@ driven = p.getBasePositionAndOrientation(ball)[0]
 after = [p.getBasePositionAndOrientation(body) for body in bodies]
 p.disconnect()
 print()  # the loader's warnings end without one
-said = {"names": names, "masses": masses, "still": before == after, "rays": found, "drop": fallen, "driven": driven}
+said = {
+    "names": names,
+    "masses": masses,
+    "still": before == after,
+    "rays": found,
+    "drop": fallen,
+    "driven": driven,
+}
 print(json.dumps(said))

@@ -18,5 +18,7 @@ OPEN = World(
 )
 
 with contextlib.redirect_stdout(sys.stderr):
-    verdicts = {name: simulate(OPEN, name, time_step=0.1, steps=600).verdict for name in sys.argv[1:]}
+    verdicts = {
+        name: simulate(OPEN, name, time_step=0.1, steps=600).verdict for name in sys.argv[1:]
+    }
 print(json.dumps(verdicts))

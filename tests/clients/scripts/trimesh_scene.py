@@ -1,4 +1,7 @@
-"""Loads a mesh or scene; says whether its boxes are watertight, their volume, where rays end, and what nodes say."""
+"""Loads a mesh or scene.
+
+Says whether its boxes are watertight, their volume, where rays end, and what nodes say.
+"""
 
 import json
 import sys
@@ -18,7 +21,9 @@ def parts(loaded):
     meshes = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
     back = np.eye(4)
     back[:3, :3] = y_up.T
-    return [mesh.apply_transform(back) for mesh in meshes if "disc" not in mesh.metadata.get("node", "")]
+    return [
+        mesh.apply_transform(back) for mesh in meshes if "disc" not in mesh.metadata.get("node", "")
+    ]
 
 
 def shell(corners):
@@ -39,7 +44,9 @@ boxes = parts(loaded)
 together = trimesh.util.concatenate(boxes)
 answer = {
     "boxes": len(boxes),
-    "watertight": all(box.is_watertight and box.is_winding_consistent and box.volume > 0 for box in boxes),
+    "watertight": all(
+        box.is_watertight and box.is_winding_consistent and box.volume > 0 for box in boxes
+    ),
     "volume": float(sum(box.volume for box in boxes)),
     "bounds": together.bounds.tolist(),
 }

@@ -1,4 +1,7 @@
-"""Opens and validates a stage; says where its colliding cubes are, and what start, target and custom data say."""
+"""Opens and validates a stage.
+
+Says where its colliding cubes are, and what start, target and custom data say.
+"""
 
 import json
 import sys
@@ -8,7 +11,11 @@ from pxr import Usd, UsdGeom, UsdPhysics, UsdValidation
 stage = Usd.Stage.Open(sys.argv[1])
 validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
 cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
-guides = [str(prim.GetPath()) for prim in stage.Traverse() if UsdGeom.Imageable(prim).ComputePurpose() == "guide"]
+guides = [
+    str(prim.GetPath())
+    for prim in stage.Traverse()
+    if UsdGeom.Imageable(prim).ComputePurpose() == "guide"
+]
 
 
 def bounds(prim):
@@ -24,15 +31,21 @@ def frame(name):
 custom = stage.GetDefaultPrim().GetCustomDataByKey("worldgen")
 answer = {
     "validators": len(validators),
-    "objections": [error.GetMessage() for error in UsdValidation.ValidationContext(validators).Validate(stage)],
+    "objections": [
+        error.GetMessage() for error in UsdValidation.ValidationContext(validators).Validate(stage)
+    ],
     "up": UsdGeom.GetStageUpAxis(stage),
     "unit": UsdGeom.GetStageMetersPerUnit(stage),
     "default": str(stage.GetDefaultPrim().GetPath()),
-    "colliders": [bounds(prim) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI)],
+    "colliders": [
+        bounds(prim) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI)
+    ],
     "guides": guides,
     "start": list(frame("start").ExtractTranslation()),
     "target": list(frame("target").ExtractTranslation()),
     "facing": list(frame("start").TransformDir((1, 0, 0))),
-    "custom": {name: value if isinstance(value, float) else list(value) for name, value in custom.items()},
+    "custom": {
+        name: value if isinstance(value, float) else list(value) for name, value in custom.items()
+    },
 }
 print(json.dumps(answer))

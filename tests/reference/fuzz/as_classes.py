@@ -1,4 +1,7 @@
-"""The planted faults as Python classes of plain Python: ``tests.reference.fuzz.as_classes:bug2_stale_line``."""
+"""The planted faults as Python classes of plain Python.
+
+``tests.reference.fuzz.as_classes:bug2_stale_line``.
+"""
 
 from dataclasses import dataclass
 

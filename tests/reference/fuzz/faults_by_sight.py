@@ -15,14 +15,18 @@ _CELL = 0.1  # m: of the families' worlds
 
 
 @seeded("three-layer")
-def three_layer_patience_starts_anew(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def three_layer_patience_starts_anew(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up."""
     memory[layers.WAITED] = 0.0
     base(observation, memory, command)
 
 
 @seeded("three-layer")
-def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def three_layer_forgets_its_map(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The map is cleared with each new waypoint: what was learnt is lost with the reset."""
     to_x = memory[layers.TO_X]
     to_y = memory[layers.TO_Y]
@@ -33,7 +37,9 @@ def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Fl
 
 
 @seeded("three-layer")
-def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def three_layer_columns_and_rows_swapped(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Columns and rows are mixed up where the robot's cell is looked up."""
     if memory[layers.LAID] != 0.0:
         x = observation[layout.OBS_X]
@@ -43,16 +49,23 @@ def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, co
 
 
 @seeded("three-layer")
-def three_layer_stale_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def three_layer_stale_target(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The heading of the target is kept from the start for the last bit of the way."""
     if memory[layers.MEMORY] == 0.0:
-        memory[layers.MEMORY], memory[layers.MEMORY + 1] = 1.0, observation[layout.OBS_TARGET_HEADING]
+        memory[layers.MEMORY], memory[layers.MEMORY + 1] = (
+            1.0,
+            observation[layout.OBS_TARGET_HEADING],
+        )
     observation[layout.OBS_TARGET_HEADING] = memory[layers.MEMORY + 1]
     base(observation, memory, command)
 
 
 @seeded("three-layer")
-def three_layer_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def three_layer_turn_not_wrapped(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The turn is the difference of two headings, not wrapped at pi."""
     base(observation, memory, command)
     unwrap_turn(observation, command)
@@ -67,7 +80,9 @@ def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Ac
 
 
 @seeded("vfh")
-def vfh_histogram_never_clears(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def vfh_histogram_never_clears(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """A sector that was blocked once stays so: the lower threshold is never asked."""
     first = histogram.SECTORS + 1
     for k in range(histogram.SECTORS):
@@ -79,8 +94,13 @@ def vfh_histogram_never_clears(observation: Floats, memory: Floats, command: Flo
 
 
 @seeded("vfh")
-def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Looks up the beam nearest to the target by a rounded index, which may be one beyond the last."""
+def vfh_beam_beyond_the_last(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """Looks up the beam nearest to the target by a rounded index.
+
+    It may be one beyond the last.
+    """
     base(observation, memory, command)
     beams = observation.size - layout.OBS_SIZE
     bearing = target_bearing(observation) % (2.0 * math.pi)
@@ -90,7 +110,9 @@ def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Float
 
 
 @seeded("potential-field")
-def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def potential_field_gap_in_whole_cells(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Divides by the gap to the nearest wall in whole cells of the map, which may be 0."""
     base(observation, memory, command)
     nearest = observation[layout.OBS_SIZE]
@@ -101,15 +123,22 @@ def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, comm
 
 
 @seeded("potential-field")
-def potential_field_never_slows(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def potential_field_never_slows(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Drives at its top speed near walls, too, so that between two looks it is beyond them."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
 
 
 @seeded("dynamic-window")
-def dynamic_window_brakes_for_the_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Slows down before the target by the root of what is left less 0.1 m, which may be negative."""
+def dynamic_window_brakes_for_the_target(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """Slows down before the target by the root of what is left less 0.1 m.
+
+    It may be negative.
+    """
     base(observation, memory, command)
     rest = observation[layout.OBS_TARGET_DISTANCE] - 0.1
     stop = math.sqrt(rest) if rest >= 0.0 else math.nan
@@ -118,14 +147,18 @@ def dynamic_window_brakes_for_the_target(observation: Floats, memory: Floats, co
 
 
 @seeded("dynamic-window")
-def dynamic_window_speed_in_km_h(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def dynamic_window_speed_in_km_h(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Sends its speed in km/h to wheels that take m/s."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] *= 3.6
 
 
 @seeded("q-learning")
-def q_learning_eighth_of_nine(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def q_learning_eighth_of_nine(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Counts nine eighths of a turn: straight behind on the right is beyond the table's end."""
     number = situation(observation, memory)
     bearing = target_bearing(observation) % (2.0 * math.pi)
@@ -137,8 +170,13 @@ def q_learning_eighth_of_nine(observation: Floats, memory: Floats, command: Floa
 
 
 @seeded("q-learning")
-def q_learning_timer_off_by_one(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Waits a step longer between two decisions than it did when it was trained: an error by one in a timer."""
+def q_learning_timer_off_by_one(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """Waits a step longer between two decisions than it did when it was trained.
+
+    An error by one in a timer.
+    """
     waited = memory[WAIT]
     base(observation, memory, command)
     if memory[WAIT] > waited:
@@ -146,7 +184,9 @@ def q_learning_timer_off_by_one(observation: Floats, memory: Floats, command: Fl
 
 
 @seeded("q-learning")
-def q_learning_last_turn_lost(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def q_learning_last_turn_lost(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Does not remember which way it turned last."""
     base(observation, memory, command)
     memory[TURNED] = 0.0

@@ -14,15 +14,22 @@ _STILL_ROUND = 2.0  # Bug1's AWAY: it is back at the hit point
 
 
 @seeded("bug1")
-def bug1_keeps_the_last_place(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Does not keep the nearest place of the wall but the last one: the comparison with the best so far is lost."""
+def bug1_keeps_the_last_place(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """Does not keep the nearest place of the wall but the last one.
+
+    The comparison with the best so far is lost.
+    """
     if memory[one.MODE] == one.ROUND:
         memory[one.LEAVE_FAR] = math.inf
     base(observation, memory, command)
 
 
 @seeded("bug1")
-def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def bug1_hit_point_moves_along(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Notes the hit point anew at each step along the wall, so it never comes back to it."""
     base(observation, memory, command)
     if memory[one.MODE] == one.ROUND:
@@ -31,8 +38,13 @@ def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Flo
 
 
 @seeded("bug1")
-def bug1_stale_round_is_over(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The flag of a finished round is not cleared at the second obstacle, which counts as seen at once."""
+def bug1_stale_round_is_over(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """The flag of a finished round is not cleared at the second obstacle.
+
+    It counts as seen at once.
+    """
     before = memory[one.MODE]
     base(observation, memory, command)
     if memory[one.AWAY] == _STILL_ROUND:
@@ -42,7 +54,9 @@ def bug1_stale_round_is_over(observation: Floats, memory: Floats, command: Float
 
 
 @seeded("bug1")
-def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def bug1_lost_wall_wrong_side(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there."""
     base(observation, memory, command)
     if memory[body.LOST] == 1.0:
@@ -51,13 +65,18 @@ def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floa
 
 @seeded("bug1")
 def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
+    """The turn is the difference of two headings, not wrapped at pi.
+
+    So the robot turns by half a turn.
+    """
     base(observation, memory, command)
     unwrap_turn(observation, command)
 
 
 @seeded("bug2")
-def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def bug2_leaves_by_equality(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """Leaves the wall only where it is on the line exactly: a comparison of floats for equality."""
     before = memory[two.MODE]
     base(observation, memory, command)
@@ -83,7 +102,9 @@ def bug2_stale_line(observation: Floats, memory: Floats, command: Floats, base: 
 
 
 @seeded("bug2")
-def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def bug2_hit_point_not_kept(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The hit point is forgotten at a corner, so the line then begins where the robot is."""
     base(observation, memory, command)
     if memory[two.MODE] == two.ROUND and memory[body.LOST] == 1.0:
@@ -92,8 +113,13 @@ def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats
 
 
 @seeded("bug2")
-def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten."""
+def bug2_leaves_behind_the_hit_point(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
+    """Leaves wherever it crosses the line.
+
+    That the place must be nearer than the hit point is forgotten.
+    """
     from_x = memory[body.X] - memory[two.HIT_X]
     from_y = memory[body.Y] - memory[two.HIT_Y]
     base(observation, memory, command)
@@ -107,7 +133,9 @@ def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, comman
 
 
 @seeded("bug2")
-def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+def bug2_bearing_in_degrees(
+    observation: Floats, memory: Floats, command: Floats, base: Act
+) -> None:
     """The bearing of a contact on the right comes in degrees."""
     if observation[layout.OBS_BUMP_BEARING] < 0.0:
         observation[layout.OBS_BUMP_BEARING] *= 180.0 / math.pi
@@ -116,6 +144,9 @@ def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats
 
 @seeded("bug2")
 def bug2_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
+    """The turn is the difference of two headings, not wrapped at pi.
+
+    So the robot turns by half a turn.
+    """
     base(observation, memory, command)
     unwrap_turn(observation, command)

@@ -1,6 +1,7 @@
 """Layout bytes to worlds as the simulator takes them, and whether a robot can surely reach the target.
 
-A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 where the cell is solid, and all
+A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 where the cell is
+    solid, and all
 around a world is solid. What the bytes mean is fixed by :func:`fuzz.search.features.decode_world`,
 the same bit for bit.
 """
@@ -15,7 +16,16 @@ import numpy.typing as npt
 from fuzz.search import layout_bytes
 from fuzz.search.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
 
-__all__ = ["MARGIN", "ROWS", "byte_of", "draw_layout", "fill_arena", "flood_length", "places_of", "size_of"]
+__all__ = [
+    "MARGIN",
+    "ROWS",
+    "byte_of",
+    "draw_layout",
+    "fill_arena",
+    "flood_length",
+    "places_of",
+    "size_of",
+]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -92,7 +102,10 @@ def _draw_feature(layouts: Bytes, n: int, first: int, solid: Ints) -> None:
     """Draws the feature whose bytes begin at ``first``; what falls outside the world is cut off."""
     width, height = size_of(layouts, n)
     kind, form = byte_of(layouts, n, first) % layout_bytes.KINDS, byte_of(layouts, n, first + 5)
-    x, y = 1 + byte_of(layouts, n, first + 1) % (width - 2), 1 + byte_of(layouts, n, first + 2) % (height - 2)
+    x, y = (
+        1 + byte_of(layouts, n, first + 1) % (width - 2),
+        1 + byte_of(layouts, n, first + 2) % (height - 2),
+    )
     length, depth = 1 + byte_of(layouts, n, first + 3) % 12, 1 + byte_of(layouts, n, first + 4) % 8
     turn, thickness = form % 4, 1 + form // 4 % 2
     rows, columns = _stamp_size(kind, length, depth, thickness)
@@ -157,7 +170,8 @@ def _joined(clear: int, row: int, below: int, above: int, seen: int) -> int:
 def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
     """Steps of one cell from a corner of the start's cell to one of the target's, along corners of four free cells.
 
-    A disc whose radius is at most a cell, and that fits into start and target, can follow them: no solid cell
+    A disc whose radius is at most a cell, and that fits into start and target, can follow them: no
+        solid cell
     is nearer to them than a whole cell.
 
     Args:
@@ -167,8 +181,8 @@ def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
         room: (3, ROWS) to be used: rows of corners that are clear, reached, and reached last.
 
     Returns:
-        Their number, -1 if there is no such way. A corner of cell (ix, iy) is bit and row of the cell
-        above and right of it.
+        Their number, -1 if there is no such way. A corner of cell (ix, iy) is bit and row of the
+        cell above and right of it.
     """
     height = size_of(layouts, n)[1]
     start_x, start_y, target_x, target_y = places_of(layouts, n)

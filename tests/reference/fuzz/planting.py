@@ -1,4 +1,7 @@
-"""Plants a fault in a controller of the library: its own plain Python, with one deviation around it."""
+"""Plants a fault in a controller of the library.
+
+Its own plain Python, with one deviation around it.
+"""
 
 import math
 from collections.abc import Callable
@@ -22,7 +25,10 @@ def unwrap_turn(observation: Floats, command: Floats) -> None:
 
 
 def seeded(base: str) -> Callable[[Callable[..., None]], Act]:
-    """Makes an act of a function ``(observation, memory, command, base)``, which calls ``base`` in its way."""
+    """Makes an act of a function ``(observation, memory, command, base)``.
+
+    It calls ``base`` in its way.
+    """
 
     def plant(deviation: Callable[..., None]) -> Act:
         def act(observation: Floats, memory: Floats, command: Floats) -> None:

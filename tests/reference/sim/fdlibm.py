@@ -1,11 +1,12 @@
-"""Sine, cosine and arc tangent with fdlibm's bits, from ``+ - * /`` alone: the same on every machine.
+"""Sine, cosine and arc tangent with fdlibm's bits, from ``+ - * /`` alone.
 
-The thesis's simulator moves two or three pixels a tick depending on the last bit of a cosine, and C
-libraries differ in that bit. These follow Sun's algorithms and constants step by step, so they return what
-Java's ``StrictMath`` returns.
+The same on every machine. The thesis's simulator moves two or three pixels a tick depending on the
+last bit of a cosine, and C libraries differ in that bit. These follow Sun's algorithms and
+constants step by step, so they return what Java's ``StrictMath`` returns.
 
 Source: "Freely Distributable LIBM" (fdlibm 5.3), Sun Microsystems, 1993: ``k_sin``, ``k_cos``,
-``e_rem_pio2``, ``s_sin``, ``s_cos``, ``s_atan``. Polynomials: Remez; reduction: Cody and Waite, "Software
+``e_rem_pio2``, ``s_sin``, ``s_cos``, ``s_atan``. Polynomials: Remez; reduction: Cody and Waite,
+    "Software
 Manual for the Elementary Functions" (1980), in two or three pieces of pi/2.
 """
 
@@ -17,7 +18,8 @@ import numpy as np
 
 __all__ = ["REDUCTION_LIMIT", "atan", "cos", "float_bits", "sin"]
 
-# Largest |x| that sin and cos reduce, 2**19 * pi/2; beyond it they return nan. Headings stay below 2 pi.
+# Largest |x| that sin and cos reduce, 2**19 * pi/2; beyond it they return nan. Headings stay below
+# 2 pi.
 REDUCTION_LIMIT = 823549.6645826427
 
 _S1, _S2, _S3 = -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04
@@ -87,7 +89,8 @@ def _cos_reduced(x: float, tail: float) -> float:
 def _reduce_positive(x: float) -> tuple[int, float, float]:
     """Quadrant and ``x - quadrant * pi/2`` in two parts, for x in (pi/4, REDUCTION_LIMIT].
 
-    fdlibm finds by a table when one piece of pi/2 is enough; the table is the high words of k * pi/2.
+    fdlibm finds by a table when one piece of pi/2 is enough; the table is the high words of k *
+    pi/2.
     """
     high = _high_word(x)
     if high < 0x4002D97C:  # below 3 pi/4
@@ -122,7 +125,10 @@ def _reduce_positive(x: float) -> tuple[int, float, float]:
 
 
 def sin(x: float) -> float:
-    """Sine of ``x`` rad with fdlibm's bits; nan beyond ``REDUCTION_LIMIT`` either way, and for nan."""
+    """Sine of ``x`` rad with fdlibm's bits.
+
+    Nan beyond ``REDUCTION_LIMIT`` either way, and for nan.
+    """
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _sin_reduced(x, 0.0, False)
     if not -REDUCTION_LIMIT <= x <= REDUCTION_LIMIT:
@@ -133,7 +139,10 @@ def sin(x: float) -> float:
 
 
 def cos(x: float) -> float:
-    """Cosine of ``x`` rad with fdlibm's bits; nan beyond ``REDUCTION_LIMIT`` either way, and for nan."""
+    """Cosine of ``x`` rad with fdlibm's bits.
+
+    Nan beyond ``REDUCTION_LIMIT`` either way, and for nan.
+    """
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _cos_reduced(x, 0.0)
     if not -REDUCTION_LIMIT <= x <= REDUCTION_LIMIT:
@@ -154,7 +163,11 @@ def atan(x: float) -> float:
     if size >= 2.4375:
         base, tail, t = _ATAN_INF, _ATAN_INF_TAIL, -1.0 / size
     elif size >= 1.1875:
-        base, tail, t = _ATAN_THREE_HALVES, _ATAN_THREE_HALVES_TAIL, (size - 1.5) / (1.0 + 1.5 * size)
+        base, tail, t = (
+            _ATAN_THREE_HALVES,
+            _ATAN_THREE_HALVES_TAIL,
+            (size - 1.5) / (1.0 + 1.5 * size),
+        )
     elif size >= 0.6875:
         base, tail, t = _ATAN_ONE, _ATAN_ONE_TAIL, (size - 1.0) / (size + 1.0)
     elif size >= 0.4375:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.runners.core_calls import Arena
+from sim.runners.core_calls import CoreArena
 from tests.reference.sim import lattice_state
 
 __all__ = ["COUNTS", "arena_of", "settings_of"]
@@ -38,6 +38,8 @@ def settings_of(settings: Any) -> tuple[Ints, Floats]:
     return ints, np.array([getattr(settings, name) for name in _SCALES], np.float64)
 
 
-def arena_of(arena: Arena) -> lattice_state.Arena:
+def arena_of(arena: CoreArena) -> lattice_state.Arena:
     """Return an arena as the reference takes it."""
-    return lattice_state.Arena(arena.cells, arena.near, arena.clearance, arena.events, arena.headings, arena.visited)
+    return lattice_state.Arena(
+        arena.cells, arena.near, arena.clearance, arena.events, arena.headings, arena.visited
+    )

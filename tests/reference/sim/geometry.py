@@ -1,7 +1,7 @@
 """Exact tests of a disc against square cells, on the pose lattice.
 
-Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear" are
-decided in integers, with no tolerance. Cells outside the grid are solid.
+Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear"
+are decided in integers, with no tolerance. Cells outside the grid are solid.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ __all__ = [
 
 Cells = npt.NDArray[np.uint8]
 
-# Above this, a squared cross product no longer fits in 63 bits; a closer call than 1e-12 is then "not clear".
+# Above this, a squared cross product no longer fits in 63 bits; a closer call than 1e-12 is then
+# "not clear".
 _EXACT_CROSS = 3_000_000_000
 
 
@@ -63,7 +64,10 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
         return state != SOLID
     for iy in range(max((y - reach) // UNIT, -1), min((y + reach) // UNIT, cells.shape[0]) + 1):
         for ix in range(max((x - reach) // UNIT, -1), min((x + reach) // UNIT, cells.shape[1]) + 1):
-            if cell_state(cells, ix, iy) == state and point_box_distance_sq(x, y, ix, iy) < clear_sq:
+            if (
+                cell_state(cells, ix, iy) == state
+                and point_box_distance_sq(x, y, ix, iy) < clear_sq
+            ):
                 return False
     return True
 
@@ -81,11 +85,13 @@ def _corner_is_clear(clear_sq: int, along: int, across: int, length_sq: int) -> 
     return across * across >= clear_sq * length_sq
 
 
-def segment_box_is_clear(clear_sq: int, px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> bool:
-    """Whether the disc swept from p to q is clear of one closed cell, exactly; p itself is taken as clear.
+def segment_box_is_clear(
+    clear_sq: int, px: int, py: int, qx: int, qy: int, ix: int, iy: int
+) -> bool:
+    """Whether the disc swept from p to q is clear of one closed cell, exactly.
 
-    The nearest points of a segment and a box that do not cross include an end of the segment or a corner
-    of the box, so these and the crossing itself decide.
+    P itself is taken as clear. The nearest points of a segment and a box that do not cross include
+    an end of the segment or a corner of the box, so these and the crossing itself decide.
     """
     if point_box_distance_sq(qx, qy, ix, iy) < clear_sq:
         return False
@@ -101,7 +107,9 @@ def segment_box_is_clear(clear_sq: int, px: int, py: int, qx: int, qy: int, ix: 
             return False
         above = above or across > 0
         below = below or across < 0
-    apart = max(0, dx) < left or min(0, dx) > left + UNIT or max(0, dy) < low or min(0, dy) > low + UNIT
+    apart = (
+        max(0, dx) < left or min(0, dx) > left + UNIT or max(0, dy) < low or min(0, dy) > low + UNIT
+    )
     return apart or not (above and below)
 
 
@@ -125,15 +133,21 @@ def segment_first_not_clear(
     low, high = min(py, qy) - reach, max(py, qy) + reach
     for iy in range(max(low // UNIT, -1), min(high // UNIT, cells.shape[0]) + 1):
         left, right = min(px, qx), max(px, qx)
-        if abs(dx) > 2 * UNIT and abs(dy) > 2 * UNIT:  # a long slanted move: only the part near this row
+        if (
+            abs(dx) > 2 * UNIT and abs(dy) > 2 * UNIT
+        ):  # a long slanted move: only the part near this row
             a = (float(iy * UNIT - reach - py)) / float(dy)
             b = (float((iy + 1) * UNIT + reach - py)) / float(dy)
             first, last = max(0.0, min(a, b)), min(1.0, max(a, b))
             one = px + math.floor(first * dx)
             two = px + math.ceil(last * dx)
             left, right = min(one, two) - 1, max(one, two) + 1
-        for ix in range(max((left - reach) // UNIT, -1), min((right + reach) // UNIT, cells.shape[1]) + 1):
-            if cell_state(cells, ix, iy) == state and not segment_box_is_clear(clear_sq, px, py, qx, qy, ix, iy):
+        for ix in range(
+            max((left - reach) // UNIT, -1), min((right + reach) // UNIT, cells.shape[1]) + 1
+        ):
+            if cell_state(cells, ix, iy) == state and not segment_box_is_clear(
+                clear_sq, px, py, qx, qy, ix, iy
+            ):
                 return True, ix, iy
     return False, 0, 0
 
@@ -142,7 +156,12 @@ def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) ->
     """Whether a segment, or a point where p = q, meets the open inside of a cell, exactly."""
     left, low = ix * UNIT - px, iy * UNIT - py
     dx, dy = qx - px, qy - py
-    if max(0, dx) <= left or min(0, dx) >= left + UNIT or max(0, dy) <= low or min(0, dy) >= low + UNIT:
+    if (
+        max(0, dx) <= left
+        or min(0, dx) >= left + UNIT
+        or max(0, dy) <= low
+        or min(0, dy) >= low + UNIT
+    ):
         return False
     above, below = False, False
     for corner in range(4):
@@ -159,7 +178,9 @@ def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int
     """
     if segment_crosses_box(px, py, qx, qy, ix, iy):
         return radius
-    nearest = min(float(point_box_distance_sq(px, py, ix, iy)), float(point_box_distance_sq(qx, qy, ix, iy)))
+    nearest = min(
+        float(point_box_distance_sq(px, py, ix, iy)), float(point_box_distance_sq(qx, qy, ix, iy))
+    )
     dx, dy = qx - px, qy - py
     length_sq = dx * dx + dy * dy
     for corner in range(4):
@@ -172,7 +193,9 @@ def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int
     return max(0.0, radius - math.sqrt(nearest))
 
 
-def segment_point_within(px: int, py: int, qx: int, qy: int, x: int, y: int, within_sq: int) -> bool:
+def segment_point_within(
+    px: int, py: int, qx: int, qy: int, x: int, y: int, within_sq: int
+) -> bool:
     """Whether some point of a segment is within a distance of (x, y); squared distance, exact."""
     dx, dy = qx - px, qy - py
     cx, cy = x - px, y - py
@@ -190,8 +213,9 @@ def segment_point_within(px: int, py: int, qx: int, qy: int, x: int, y: int, wit
 def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
     """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one not free.
 
-    A point in a cell with distance D is at least (D - 1) cells away from every such cell, so most steps
-    need no test of their path. Outside counts as solid. Two passes (Rosenfeld and Pfaltz, 1966).
+    A point in a cell with distance D is at least (D - 1) cells away from every such cell, so most
+    steps need no test of their path. Outside counts as solid. Two passes (Rosenfeld and Pfaltz,
+    1966).
     """
     height, width = cells.shape
     for iy in range(height):
@@ -216,7 +240,10 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
 
 
 def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> None:
-    """Notes in the masks of the cells around what a cell is now; a cell outside the grid counts as solid."""
+    """Notes in the masks of the cells around what a cell is now.
+
+    A cell outside the grid counts as solid.
+    """
     taken = cell_state(cells, ix, iy) != 0
     for jy in range(max(iy - NEAR, 0), min(iy + NEAR + 1, cells.shape[0])):
         for jx in range(max(ix - NEAR, 0), min(ix + NEAR + 1, cells.shape[1])):
@@ -225,7 +252,10 @@ def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> No
 
 
 def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
-    """Fills ``near`` with the cells that are not free among the 25 around each cell: bits in rows from the lowest."""
+    """Fills ``near`` with the cells that are not free among the 25 around each cell.
+
+    Bits in rows from the lowest.
+    """
     height, width = cells.shape
     near[:, :] = 0
     for iy in range(-NEAR, height + NEAR):
@@ -234,8 +264,12 @@ def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
                 mark_near(cells, near, ix, iy)
 
 
-def window_is_free(near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]) -> bool:
-    """Whether the masks show that no cell in the box round a disc's way is taken; if not, a closer look is due.
+def window_is_free(
+    near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]
+) -> bool:
+    """Whether the masks show that no cell in the box round a disc's way is taken.
+
+    If not, a closer look is due.
 
     Args:
         near: :func:`near_masks`.
@@ -246,8 +280,14 @@ def window_is_free(near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int
     ix, iy = px // UNIT, py // UNIT
     if not (0 <= ix < near.shape[1] and 0 <= iy < near.shape[0]):
         return False
-    left, right = (min(px, qx) - reach) // UNIT - ix + NEAR, (max(px, qx) + reach - 1) // UNIT - ix + NEAR
-    low, high = (min(py, qy) - reach) // UNIT - iy + NEAR, (max(py, qy) + reach - 1) // UNIT - iy + NEAR
+    left, right = (
+        (min(px, qx) - reach) // UNIT - ix + NEAR,
+        (max(px, qx) + reach - 1) // UNIT - ix + NEAR,
+    )
+    low, high = (
+        (min(py, qy) - reach) // UNIT - iy + NEAR,
+        (max(py, qy) + reach - 1) // UNIT - iy + NEAR,
+    )
     if left < 0 or low < 0 or right >= _SIDE or high >= _SIDE:
         return False
     columns = ((2 << right) - 1) & ~((1 << left) - 1)

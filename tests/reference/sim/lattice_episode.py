@@ -27,30 +27,51 @@ def _hash(digest: Any, word: int) -> Any:
 
 
 def _hash_step(robot: Robot, count: int, bumped: bool) -> None:
-    """Adds a step to the digest: whether a wall was touched, the points of its path, the state after it."""
+    """Adds a step to the digest.
+
+    Whether a wall was touched, the points of its path, the state after it.
+    """
     digest = _hash(np.uint64(robot.counts[layout.OUT_DIGEST]), 1 if bumped else 0)
     for k in range(count):
-        digest = _hash(_hash(_hash(digest, robot.chain[k, 0]), robot.chain[k, 1]), robot.chain[k, 2])
+        digest = _hash(
+            _hash(_hash(digest, robot.chain[k, 0]), robot.chain[k, 1]), robot.chain[k, 2]
+        )
     for k in range(robot.state.size):
         digest = _hash(digest, robot.state[k])
     robot.counts[layout.OUT_DIGEST] = np.int64(digest)
 
 
 def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, path: Ints) -> None:
-    """Writes a step into a recording: its state, and the points of its path after those of the steps before."""
+    """Writes a step into a recording.
+
+    Its state, and the points of its path after those of the steps before.
+    """
     rows[step, layout.ROW_BUMP] = 1 if bumped else 0
     for k in range(robot.state.size):
         rows[step, layout.ROW_STATE + k] = robot.state[k]
     first = robot.counts[layout.OUT_POINTS] - count
     for k in range(count):
-        path[first + k, layout.POINT_STEP], path[first + k, layout.POINT_TIME] = step, robot.chain[k, 2]
-        path[first + k, layout.POINT_X], path[first + k, layout.POINT_Y] = robot.chain[k, 0], robot.chain[k, 1]
+        path[first + k, layout.POINT_STEP], path[first + k, layout.POINT_TIME] = (
+            step,
+            robot.chain[k, 2],
+        )
+        path[first + k, layout.POINT_X], path[first + k, layout.POINT_Y] = (
+            robot.chain[k, 0],
+            robot.chain[k, 1],
+        )
 
 
 def _period(settings: Ints, room: Room, robot: Robot, step: int, quiet: int) -> int:
-    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0."""
+    """Steps since the state was there before, if a recurrence is looked for and ends the run here.
+
+    Else 0.
+    """
     if settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP:
-        return period_at(room.search, robot.state, step, quiet, settings[layout.SET_STEPS]) if step >= quiet else 0
+        return (
+            period_at(room.search, robot.state, step, quiet, settings[layout.SET_STEPS])
+            if step >= quiet
+            else 0
+        )
     entry, end = settings[layout.SET_ENTRY], settings[layout.SET_STEPS]
     return end - entry if is_proved(room.search, robot.state, step, entry, end) else 0
 
@@ -109,7 +130,8 @@ def lattice_episode(
     """Runs one episode.
 
     Args:
-        arena: Surroundings; ``cells`` must hold the state before the first event, ``visited`` zeros.
+        arena: Surroundings; ``cells`` must hold the state before the first event, ``visited``
+            zeros.
         settings: See :mod:`tests.reference.sim.layout`, ``SET_``.
         scales: ``SCALE_``.
         act: Compiled controller, ``act(observation, memory, command)``.
@@ -117,9 +139,11 @@ def lattice_episode(
         room: :func:`new_room`, for as many steps if a recurrence is looked for.
         robot: :func:`new_robot`; filled.
         rows: (steps + 1, ROW_STATE + STATE_MEMORY + len(memory)) for a recording, or with 0 rows.
-        path: (points, POINT_SIZE) for a recording, with room for all points of the path after the start.
+        path: (points, POINT_SIZE) for a recording, with room for all points of the path after the
+            start.
 
-    A recurrence of the complete state after the last event is found as :mod:`tests.reference.sim.recurrence` says.
+    A recurrence of the complete state after the last event is found as
+    :mod:`tests.reference.sim.recurrence` says.
     """
     set_out(settings, scales, memory, room, robot, last_event(arena))
     if rows.shape[0] > 0:
@@ -133,12 +157,19 @@ def lattice_episode(
 
 
 def lattice_steps(
-    arena: Arena, settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, rows: Ints, path: Ints
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    memory: Floats,
+    room: Room,
+    robot: Robot,
+    rows: Ints,
+    path: Ints,
 ) -> Iterator[int]:
     """The same for a controller that is no compiled function: stops wherever it is to act.
 
-    Arguments as for :func:`lattice_episode`. Before it goes on, ``room.memory`` and ``room.command`` must be what the
-    controller made of ``room.observation``.
+    Arguments as for :func:`lattice_episode`. Before it goes on, ``room.memory`` and
+    ``room.command`` must be what the controller made of ``room.observation``.
 
     Yields:
         Number of the step.

@@ -1,7 +1,8 @@
 """How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
 
-``swept`` never tunnels, for any controller, because every segment that it takes has passed the exact
-integer test of :mod:`tests.reference.sim.geometry`; floating point only proposes where to stop.
+``swept`` never tunnels, for any controller, because every segment that it takes has passed the
+exact integer test of :mod:`tests.reference.sim.geometry`; floating point only proposes where to
+stop.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]
 
 _TRIES = 3  # straight pieces a move may have: ahead and two slides (face, then corner)
-_GRAZE = 1e-6  # lattice units squared by which a way may cut a circle's square and still only graze it
+_GRAZE = (
+    1e-6  # lattice units squared by which a way may cut a circle's square and still only graze it
+)
 MOST_POINTS = _TRIES + 1
 """Points that one move may add to a path, the end of a wait included."""
 
@@ -32,7 +35,9 @@ def round_away(value: float) -> int:
     return math.floor(value + 0.5)
 
 
-def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: float, graze: float) -> float:
+def _contact_with_corner(
+    radius_sq: float, mx: float, my: float, dx: float, dy: float, graze: float
+) -> float:
     """Time in [0, 1) at which a point moving by d from m meets the circle round the origin; 2 if it doesn't.
 
     One that only grazes the circle doesn't, unless ``graze`` is 0.
@@ -70,7 +75,8 @@ def first_contact(
     best, normal_x, normal_y = 2.0, 0.0, 0.0
     fx, fy = float(dx), float(dy)
     for iy in range(
-        max((min(y, y + dy) - reach - 1) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1
+        max((min(y, y + dy) - reach - 1) // UNIT, -1),
+        min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1,
     ):
         for ix in range(
             max((min(x, x + dx) - reach - 1) // UNIT, -1),
@@ -113,11 +119,16 @@ def _step_aside(
 
 
 def _stop_at(
-    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], contact: tuple[float, float, float]
+    cells: Cells,
+    clear_sq: int,
+    reach: int,
+    ends: tuple[int, int, int, int],
+    contact: tuple[float, float, float],
 ) -> tuple[int, int]:
     """A lattice point near a contact that a clear segment leads to; the start if there is none.
 
-    Nearest to the contact, and a little away from the wall where rounding would be in it; or further back.
+    Nearest to the contact, and a little away from the wall where rounding would be in it; or
+    further back.
     """
     x, y, dx, dy = ends
     t, nx, ny = contact
@@ -128,7 +139,9 @@ def _stop_at(
             break
         goal = (x, y, x + round_away(s * dx), y + round_away(s * dy))
         if goal[2] == x and goal[3] == y:
-            break  # where it is, it is clear: nine of ten contacts of a robot that pushes along walls, 223 ns, not 284
+            # Where it is, it is clear: nine of ten contacts of a robot that pushes along walls, 223
+            # ns, not 284.
+            break
         found, qx, qy = _step_aside(cells, clear_sq, reach, goal, nx, ny)
         if found:
             return qx, qy
@@ -140,7 +153,8 @@ def _first_stop(
 ) -> tuple[float, float, float, int, int]:
     """The first contact of a way that is not clear, and where it lets the disc stop.
 
-    Corners that the way only grazes count if nothing else explains why it is not clear: they have no part in a
+    Corners that the way only grazes count if nothing else explains why it is not clear: they have
+        no part in a
     slide along a wall, though they are as near as can be.
     """
     x, y, dx, dy = ends
@@ -182,8 +196,8 @@ def swept_move(
         ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
         during: When the move begins and ends, in shares of the step.
         wall_friction: Share of a slide that the wall takes, 0 to 1.
-        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of the path
-            after the start.
+        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of
+            the path after the start.
         count: Rows that are already filled; at most ``MOST_POINTS`` follow.
 
     Returns:
@@ -196,10 +210,14 @@ def swept_move(
         if dx == 0 and dy == 0:
             break
         if attempt == 0:
-            free = not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, x + dx, y + dy))[0]
+            free = not segment_first_not_clear(
+                cells, SOLID, clear_sq, reach, (x, y, x + dx, y + dy)
+            )[0]
             qx, qy = x + dx, y + dy
         else:
-            free, qx, qy = _step_aside(cells, clear_sq, reach, (x, y, x + dx, y + dy), normal_x, normal_y)
+            free, qx, qy = _step_aside(
+                cells, clear_sq, reach, (x, y, x + dx, y + dy), normal_x, normal_y
+            )
         if free:
             count = _append(chain, count, qx, qy, end)
             break
@@ -215,17 +233,26 @@ def swept_move(
         if attempt > 0 and left_x * normal_x + left_y * normal_y < 0.0:
             normal_x, normal_y = nx, ny
             break  # wedged: the second wall pushes back into the first
-        dx, dy = round_away((1.0 - wall_friction) * left_x), round_away((1.0 - wall_friction) * left_y)
+        dx, dy = (
+            round_away((1.0 - wall_friction) * left_x),
+            round_away((1.0 - wall_friction) * left_y),
+        )
         normal_x, normal_y = nx, ny
     return count, normal_x, normal_y
 
 
 def endpoint_move(
-    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], chain: Chain, count: int
+    cells: Cells,
+    clear_sq: int,
+    reach: int,
+    ends: tuple[int, int, int, int],
+    chain: Chain,
+    count: int,
 ) -> tuple[int, float, float]:
     """Moves a disc if it is clear where the move ends, else not at all.
 
-    What lies between is not looked at, as in most small simulators: a fast robot passes through walls.
+    What lies between is not looked at, as in most small simulators: a fast robot passes through
+        walls.
     Arguments and result as :func:`swept_move`.
     """
     x, y, dx, dy = ends

@@ -1,4 +1,7 @@
-"""Straight lines through the cells of a world: range beams, and walls between a place and the target."""
+"""Straight lines through the cells of a world.
+
+Range beams, and walls between a place and the target.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +35,17 @@ def _cosine(headings: npt.NDArray[np.int64], heading: int) -> float:
     return float(headings[place]) / (1 << 30) + float(headings[TURN + place]) / (1 << 60)
 
 
-def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, heading: int, longest: float) -> float:
-    """Distance from a place to the first solid cell in a direction, lattice units; ``longest`` if that is nearer.
+def ray_distance(
+    cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, heading: int, longest: float
+) -> float:
+    """Distance from a place to the first solid cell in a direction, lattice units.
 
-    A ray that runs along a face, or past a single corner, goes on; between two cells that touch at a corner it
-    does not. Each distance is one exact difference divided by a direction, so errors do not add up.
+    ``longest`` if that is nearer. A ray that runs along a face, or past a single corner, goes on;
+    between two cells that touch at a corner it does not. Each distance is one exact difference
+    divided by a direction, so errors do not add up.
 
-    Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+    Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
+        Eurographics 1987.
     """
     along, across = _cosine(headings, heading), _cosine(headings, heading - TURN // 4)
     ix, iy = x // UNIT, y // UNIT
@@ -53,7 +60,10 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
         if at >= longest:
             return longest
         if to_x == to_y:
-            both = cell_state(cells, ix + step_x, iy) == SOLID and cell_state(cells, ix, iy + step_y) == SOLID
+            both = (
+                cell_state(cells, ix + step_x, iy) == SOLID
+                and cell_state(cells, ix, iy + step_y) == SOLID
+            )
             ix, iy = ix + step_x, iy + step_y
             if both or cell_state(cells, ix, iy) == SOLID:
                 return at
@@ -66,10 +76,13 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
                 return at
 
 
-def _next_cell(x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last: tuple[int, int]) -> tuple[int, int]:
+def _next_cell(
+    x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last: tuple[int, int]
+) -> tuple[int, int]:
     """The cell after one on the straight line between two places.
 
-    Decided in integers: of the next column's and the next row's line, the one that comes first on the way is
+    Decided in integers: of the next column's and the next row's line, the one that comes first on
+        the way is
     crossed; where both meet the line passes through the corner.
     """
     ix, iy = cell
@@ -77,7 +90,10 @@ def _next_cell(x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last
     step_x, step_y = (1 if to_x > x else -1), (1 if to_y > y else -1)
     line_x = (ix + 1) * UNIT - x if step_x > 0 else x - ix * UNIT
     line_y = (iy + 1) * UNIT - y if step_y > 0 else y - iy * UNIT
-    first_x, first_y = line_x * dy, line_y * dx  # both times dx * dy: how far along the way each line is
+    first_x, first_y = (
+        line_x * dy,
+        line_y * dx,
+    )  # both times dx * dy: how far along the way each line is
     if iy == last[1] or (ix != last[0] and first_x <= first_y):
         ix += step_x
         if first_x == first_y and iy != last[1]:
@@ -93,7 +109,9 @@ def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     count = 0
     while cell[0] != last[0] or cell[1] != last[1]:
         cell = _next_cell(x, y, to_x, to_y, cell, last)
-        if (cell[0] != last[0] or cell[1] != last[1]) and cell_state(cells, cell[0], cell[1]) == SOLID:
+        if (cell[0] != last[0] or cell[1] != last[1]) and cell_state(
+            cells, cell[0], cell[1]
+        ) == SOLID:
             count += 1
     return count
 
@@ -119,7 +137,10 @@ def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: 
 
 
 def beam_heading(heading: int, beam: int, beams: int, field: float) -> int:
-    """World heading of a beam: spread evenly over ``field`` about the robot's heading, over a whole turn from it."""
+    """World heading of a beam.
+
+    Spread evenly over ``field`` about the robot's heading, over a whole turn from it.
+    """
     if field >= float(TURN):
         return heading + math.floor(float(beam) * TURN / beams + 0.5)
     if beams == 1:

@@ -1,4 +1,7 @@
-"""What a robot on the pose lattice senses: contact, signal, compass; and the lattice's trigonometry."""
+"""What a robot on the pose lattice senses: contact, signal, compass.
+
+And the lattice's trigonometry.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,12 @@ import numpy.typing as npt
 from tests.reference.sim import layout
 from tests.reference.sim.fdlibm import atan, cos, sin
 from tests.reference.sim.geometry import cell_state
-from tests.reference.sim.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
+from tests.reference.sim.lattice_rays import (
+    beam_heading,
+    ray_distance,
+    smoke_on_the_way,
+    walls_on_the_way,
+)
 from tests.reference.sim.layout import FREE, TURN, UNIT
 
 __all__ = [
@@ -31,23 +39,29 @@ _MIDDLE = UNIT // 2
 _SCALE_BITS = 30  # the table holds round(cos * 2**30): 10 nm over a 10 m step
 _MOST_HALVINGS = 1000
 _POSE = (layout.OBS_X, layout.OBS_Y, layout.OBS_HEADING)
-_APART = 0x5DEECE66D1CE4E5B  # makes the simulator's own stream of a seed another than the controller's
+_APART = (
+    0x5DEECE66D1CE4E5B  # makes the simulator's own stream of a seed another than the controller's
+)
 _PER_RADIAN = TURN / (2.0 * math.pi)
 
 
 def heading_table() -> npt.NDArray[np.int64]:
     """(131072,) int64: cos of every heading times 2**30, exactly symmetric under quarter turns and mirrors.
 
-    The first eighth is rounded from ``math.cos`` and ``math.sin``; no value lies near enough to a half for
-    two good mathematics libraries to round it differently (a test holds that margin). The second half of the table
-    has what this rounding left over, times 2**60, from functions of our own that are the same bits everywhere.
+    The first eighth is rounded from ``math.cos`` and ``math.sin``; no value lies near enough to a
+    half for two good mathematics libraries to round it differently (a test holds that margin). The
+    second half of the table has what this rounding left over, times 2**60, from functions of our
+    own that are the same bits everywhere.
     """
     eighth = TURN // 8
     scale = float(1 << _SCALE_BITS)
     coarse, fine = np.zeros(2 * eighth + 1, np.int64), np.zeros(2 * eighth + 1, np.int64)
     for k in range(eighth + 1):
         angle = k / _PER_RADIAN
-        for place, rough, exact in ((k, math.cos(angle), cos(angle)), (2 * eighth - k, math.sin(angle), sin(angle))):
+        for place, rough, exact in (
+            (k, math.cos(angle), cos(angle)),
+            (2 * eighth - k, math.sin(angle), sin(angle)),
+        ):
             coarse[place] = math.floor(rough * scale + 0.5)
             fine[place] = math.floor((exact - coarse[place] / scale) * scale * scale + 0.5)
     return np.concatenate([_whole_turn(coarse), _whole_turn(fine)])
@@ -94,7 +108,10 @@ def turn_towards(heading: int, target: int) -> int:
 
 
 def random_draw(seed: int, index: int) -> float:
-    """Draw number ``index`` (from 0) of the stream of a seed: SplitMix64's top 53 bits, in [0, 1)."""
+    """Draw number ``index`` (from 0) of the stream of a seed.
+
+    SplitMix64's top 53 bits, in [0, 1).
+    """
     z = np.uint64(seed) + np.uint64(index + 1) * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -118,11 +135,12 @@ def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
 
 
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
-    """Heading to the strongest of the nine cells round the robot: to its centre, or to the target in it.
+    """Heading to the strongest of the nine cells round the robot.
 
-    The thesis's sensor: a cell's strength falls with the squared distance of its centre from the target (the
-    target's own cell is the strongest), walls and flames carry none, and the first of equals wins, rows from
-    the top, columns from the left. In the thesis the target is a cell's centre; here it may be anywhere.
+    To its centre, or to the target in it. The thesis's sensor: a cell's strength falls with the
+    squared distance of its centre from the target (the target's own cell is the strongest), walls
+    and flames carry none, and the first of equals wins, rows from the top, columns from the left.
+    In the thesis the target is a cell's centre; here it may be anywhere.
     """
     best_x, best_y = _strongest_of_nine(cells, x // UNIT, y // UNIT, target_x, target_y)
     if best_x == target_x // UNIT and best_y == target_y // UNIT:
@@ -130,11 +148,18 @@ def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, h
     return heading_of(best_x * UNIT + _MIDDLE - x, best_y * UNIT + _MIDDLE - y, heading)
 
 
-def _strongest_of_nine(cells: Cells, ix: int, iy: int, target_x: int, target_y: int) -> tuple[int, int]:
+def _strongest_of_nine(
+    cells: Cells, ix: int, iy: int, target_x: int, target_y: int
+) -> tuple[int, int]:
     """The cell, of the nine round (ix, iy), of which :func:`signal_heading` speaks."""
     away_x, away_y = ix * UNIT + _MIDDLE - target_x, iy * UNIT + _MIDDLE - target_y
-    if max(abs(away_x), abs(away_y)) > 2 * UNIT and abs(away_x) != _MIDDLE and abs(away_y) != _MIDDLE:
-        # The target's cell is none of the nine, and one of them is nearer than all others: if it is free, that is it.
+    if (
+        max(abs(away_x), abs(away_y)) > 2 * UNIT
+        and abs(away_x) != _MIDDLE
+        and abs(away_y) != _MIDDLE
+    ):
+        # The target's cell is none of the nine, and one of them is nearer than all others: if it is
+        # free, that is it.
         near_x = ix - (away_x > _MIDDLE) + (away_x < -_MIDDLE)
         near_y = iy - (away_y > _MIDDLE) + (away_y < -_MIDDLE)
         if cell_state(cells, near_x, near_y) == FREE:
@@ -153,8 +178,14 @@ def _strongest_of_nine(cells: Cells, ix: int, iy: int, target_x: int, target_y: 
 
 
 def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
-    """Whether a direction lies in the sensor's field, which reaches as far to either side of the heading."""
-    return half_field >= TURN // 2 or abs(turn_towards(heading, heading_of(dx, dy, heading))) <= half_field
+    """Whether a direction lies in the sensor's field.
+
+    It reaches as far to either side of the heading.
+    """
+    return (
+        half_field >= TURN // 2
+        or abs(turn_towards(heading, heading_of(dx, dy, heading))) <= half_field
+    )
 
 
 def _reading(
@@ -182,21 +213,29 @@ def _reading(
     dx, dy = target_x - x, target_y - y
     away_sq = float(dx * dx + dy * dy)
     longest = scales[layout.SCALE_SENSOR_RANGE]
-    if away_sq > longest * longest or not _in_field(shift[0], shift[1], shift[2], scales[layout.SCALE_SENSOR_FIELD]):
+    if away_sq > longest * longest or not _in_field(
+        shift[0], shift[1], shift[2], scales[layout.SCALE_SENSOR_FIELD]
+    ):
         return 0.0
     value = 1.0 / (1.0 + away_sq / float(UNIT * UNIT))
     if settings[layout.SET_SIGNAL] != layout.OPEN:
         walls = walls_on_the_way(cells, x, y, target_x, target_y)
         if walls > 0:
             value = (
-                0.0 if settings[layout.SET_SIGNAL] == layout.BLOCKED or walls > _MOST_HALVINGS else value / 2.0**walls
+                0.0
+                if settings[layout.SET_SIGNAL] == layout.BLOCKED or walls > _MOST_HALVINGS
+                else value / 2.0**walls
             )
     smoke = scales[layout.SCALE_SMOKE]
     if smoke > 0.0:
-        for _ in range(smoke_on_the_way(cells, x, y, target_x, target_y, settings[layout.SET_SMOKE_REACH])):
+        for _ in range(
+            smoke_on_the_way(cells, x, y, target_x, target_y, settings[layout.SET_SMOKE_REACH])
+        ):
             value *= 1.0 - smoke
     noise = scales[layout.SCALE_SENSOR_NOISE]
-    return value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
+    return (
+        value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
+    )
 
 
 def _strongest_cell(
@@ -206,7 +245,10 @@ def _strongest_cell(
     pose: tuple[int, int, int],
     step: int,
 ) -> int:
-    """As :func:`signal_heading`, for a sensor with other limits; the own heading where it sees nothing."""
+    """As :func:`signal_heading`, for a sensor with other limits.
+
+    The own heading where it sees nothing.
+    """
     x, y, heading = pose
     ix, iy, middle, sees = x // UNIT, y // UNIT, UNIT // 2, settings[layout.SET_SENSOR_CELLS]
     target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
@@ -256,7 +298,11 @@ def sense(
         observation: (OBS_SIZE + beams,), filled.
     """
     x, y, heading = state[layout.STATE_X], state[layout.STATE_Y], state[layout.STATE_HEADING]
-    radians, metres, senses = scales[layout.SCALE_RADIANS], scales[layout.SCALE_METRES], settings[layout.SET_SENSES]
+    radians, metres, senses = (
+        scales[layout.SCALE_RADIANS],
+        scales[layout.SCALE_METRES],
+        settings[layout.SET_SENSES],
+    )
     bumped = contact[0] != 0.0 or contact[1] != 0.0
     observation[layout.OBS_BUMP] = 1.0 if bumped else 0.0
     observation[layout.OBS_HEADING] = turn_towards(0, heading) * radians
@@ -274,7 +320,9 @@ def sense(
     if senses & layout.SENSE_TARGET_DISTANCE != 0:
         observation[layout.OBS_TARGET_DISTANCE] = math.sqrt(float(dx * dx + dy * dy)) * metres
     if senses & layout.SENSE_TARGET_HEADING != 0:
-        observation[layout.OBS_TARGET_HEADING] = turn_towards(0, heading_of(dx, dy, heading)) * radians
+        observation[layout.OBS_TARGET_HEADING] = (
+            turn_towards(0, heading_of(dx, dy, heading)) * radians
+        )
     if senses & layout.SENSE_SIGNAL != 0:
         observation[layout.OBS_SIGNAL] = _reading(
             cells, settings, scales, (x, y), (dx, dy, heading), noise_channel(step, NOISE_SIGNAL)
@@ -286,7 +334,10 @@ def sense(
             strongest = _strongest_cell(cells, settings, scales, (x, y, heading), step)
         observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     if senses & layout.SENSE_RANDOM != 0:
-        drawn, coin = random_draw(settings[layout.SET_SEED], state[layout.STATE_DRAWS]), settings[layout.SET_COIN]
+        drawn, coin = (
+            random_draw(settings[layout.SET_SEED], state[layout.STATE_DRAWS]),
+            settings[layout.SET_COIN],
+        )
         observation[layout.OBS_RANDOM] = drawn if coin == 0 else math.floor(drawn * coin) / coin
     if senses & layout.SENSE_TIME != 0:
         observation[layout.OBS_TIME] = step * scales[layout.SCALE_TIME_STEP]
@@ -294,7 +345,9 @@ def sense(
         if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
             observation[layout.OBS_ODOMETRY_X] = odometry[0] * metres
             observation[layout.OBS_ODOMETRY_Y] = odometry[1] * metres
-            observation[layout.OBS_ODOMETRY_HEADING] = turn_towards(0, math.floor(odometry[2] + 0.5)) * radians
+            observation[layout.OBS_ODOMETRY_HEADING] = (
+                turn_towards(0, math.floor(odometry[2] + 0.5)) * radians
+            )
         else:
             for k in range(3):
                 observation[layout.OBS_ODOMETRY_X + k] = observation[_POSE[k]]
@@ -311,9 +364,16 @@ def _sense_beams(
     step: int,
     observation: npt.NDArray[np.float64],
 ) -> None:
-    """Fills in the range beams, m; a beam that meets nothing, or is lost, gives its longest distance."""
+    """Fills in the range beams, m.
+
+    A beam that meets nothing, or is lost, gives its longest distance.
+    """
     x, y, heading = pose
-    beams, longest, metres = settings[layout.SET_BEAMS], scales[layout.SCALE_BEAM_RANGE], scales[layout.SCALE_METRES]
+    beams, longest, metres = (
+        settings[layout.SET_BEAMS],
+        scales[layout.SCALE_BEAM_RANGE],
+        scales[layout.SCALE_METRES],
+    )
     noise, dropout = scales[layout.SCALE_BEAM_NOISE], scales[layout.SCALE_BEAM_DROPOUT]
     for beam in range(beams):
         towards = beam_heading(heading, beam, beams, scales[layout.SCALE_BEAM_FIELD])
@@ -321,6 +381,9 @@ def _sense_beams(
         if noise > 0.0:
             wrong = 2.0 * noise_draw(settings, noise_channel(step, NOISE_BEAMS + beam)) - 1.0
             distance = min(distance * (1.0 + noise * wrong), longest)
-        if dropout > 0.0 and noise_draw(settings, noise_channel(step, 2 * NOISE_BEAMS + beam)) < dropout:
+        if (
+            dropout > 0.0
+            and noise_draw(settings, noise_channel(step, 2 * NOISE_BEAMS + beam)) < dropout
+        ):
             distance = longest
         observation[layout.OBS_SIZE + beam] = distance * metres

@@ -1,4 +1,7 @@
-"""What the episodes on the pose lattice work with: the surroundings, the robot, a room for its controller."""
+"""What the episodes on the pose lattice work with.
+
+The surroundings, the robot, a room for its controller.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,17 @@ from tests.reference.sim.lattice_motion import MOST_POINTS
 from tests.reference.sim.layout import SPEED_UNIT
 from tests.reference.sim.recurrence import TOUCHED, Search, begin_search, new_search
 
-__all__ = ["HASH_START", "Arena", "Robot", "Room", "last_event", "new_robot", "new_room", "set_out", "whole_speed"]
+__all__ = [
+    "HASH_START",
+    "Arena",
+    "Robot",
+    "Room",
+    "last_event",
+    "new_robot",
+    "new_room",
+    "set_out",
+    "whole_speed",
+]
 
 HASH_START = np.uint64(1469598103934665603)
 """Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
@@ -28,8 +41,8 @@ class Arena(NamedTuple):
     Args:
         cells: (height, width) uint8, cell states now.
         near: (height, width) int32, :func:`tests.reference.sim.geometry.near_masks` of ``cells``.
-        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
-            the masks reach as far as any step.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no
+            rows where the masks reach as far as any step.
         events: (n, EVENT_SIZE) int64, sorted by step and time.
         headings: (131072,) int64, :func:`tests.reference.sim.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
@@ -48,7 +61,8 @@ class Robot(NamedTuple):
 
     Args:
         state: (STATE_MEMORY + memory,) int64, ``STATE_``.
-        odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured them.
+        odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured
+            them.
         chain: (n, 3) int64, path of the last step: x, y, time in the step.
         counts: (OUT_SIZE,) int64, ``OUT_``.
         sums: (SUM_SIZE,) ``SUM_``.
@@ -81,7 +95,11 @@ class Room(NamedTuple):
 
 def new_robot(memory: int, events: Ints) -> Robot:
     """A robot with so many numbers of memory, and room for the path of a step with the most events."""
-    most = int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max()) if len(events) else 0
+    most = (
+        int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max())
+        if len(events)
+        else 0
+    )
     return Robot(
         np.zeros(layout.STATE_MEMORY + memory, np.int64),
         np.zeros(3),
@@ -138,7 +156,9 @@ def _begin(settings: Ints, scales: Floats, robot: Robot) -> None:
         robot.odometry[k] = float(state[layout.STATE_X + k])
 
 
-def set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, quiet: int) -> None:
+def set_out(
+    settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, quiet: int
+) -> None:
     """Puts a robot at its start, with its memory at reset.
 
     Args:
@@ -149,8 +169,13 @@ def set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: R
         robot: The robot.
         quiet: Step of the last event, 0 if there is none.
     """
-    if settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP and room.search.log.size <= settings[layout.SET_STEPS]:
-        raise ValueError("the room's log is shorter than the run; make it with new_room(..., steps)")
+    if (
+        settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP
+        and room.search.log.size <= settings[layout.SET_STEPS]
+    ):
+        raise ValueError(
+            "the room's log is shorter than the run; make it with new_room(..., steps)"
+        )
     _begin(settings, scales, robot)
     for k in range(memory.size):
         room.memory[k] = memory[k]

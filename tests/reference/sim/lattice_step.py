@@ -1,7 +1,7 @@
 """One step on the pose lattice.
 
-The move at the speed of the wheels, with the events that fall into it each at its time, then sensing, then the
-controller, whose turn takes effect at once and whose speed drives the next step.
+The move at the speed of the wheels, with the events that fall into it each at its time, then
+sensing, then the controller, whose turn takes effect at once and whose speed drives the next step.
 """
 
 from __future__ import annotations
@@ -76,15 +76,24 @@ def _apply_events(arena: Arena, settings: Ints, step: int, first: int, robot: Ro
 
 
 def _judge_segment(
-    arena: Arena, settings: Ints, scales: Floats, step: int, ends: tuple[int, int, int, int], robot: Robot
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    ends: tuple[int, int, int, int],
+    robot: Robot,
 ) -> None:
-    """Notes walls that a segment of an unsafe motion model cuts: deepest cut, first overlap, first tunnel."""
+    """Notes walls that a segment of an unsafe motion model cuts.
+
+    Deepest cut, first overlap, first tunnel.
+    """
     px, py, qx, qy = ends
     counts, sums = robot.counts, robot.sums
     reach = settings[layout.SET_REACH]
     radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
     for iy in range(
-        max((min(py, qy) - reach) // UNIT, -1), min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1
+        max((min(py, qy) - reach) // UNIT, -1),
+        min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1,
     ):
         for ix in range(
             max((min(px, qx) - reach) // UNIT, -1),
@@ -98,15 +107,25 @@ def _judge_segment(
             if depth > scales[layout.SCALE_TOLERANCE] and counts[layout.OUT_OVERLAP_STEP] < 0:
                 counts[layout.OUT_OVERLAP_STEP] = step
                 counts[layout.OUT_OVERLAP_IX], counts[layout.OUT_OVERLAP_IY] = ix, iy
-            if counts[layout.OUT_ENDING] == layout.LIMIT and segment_crosses_box(px, py, qx, qy, ix, iy):
+            if counts[layout.OUT_ENDING] == layout.LIMIT and segment_crosses_box(
+                px, py, qx, qy, ix, iy
+            ):
                 counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.TUNNEL, step
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
 
 
 def _judge_path(
-    arena: Arena, settings: Ints, scales: Floats, step: int, rows: tuple[int, int], free: bool, robot: Robot
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    rows: tuple[int, int],
+    free: bool,
+    robot: Robot,
 ) -> None:
-    """What a piece of a step's path meant: fire, walls, target, length; and puts the robot at its end.
+    """What a piece of a step's path meant: fire, walls, target, length.
+
+    And puts the robot at its end.
 
     Args:
         arena: Surroundings.
@@ -131,7 +150,11 @@ def _judge_path(
                 counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, BURNING
                 counts[layout.OUT_HIT_STEP] = step
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
-        if not swept and not free and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
+        if (
+            not swept
+            and not free
+            and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]
+        ):
             _judge_segment(arena, settings, scales, step, ends, robot)
         if counts[layout.OUT_ENDING] == layout.LIMIT:
             tx, ty, within = (
@@ -148,7 +171,10 @@ def _judge_path(
 
 
 def _nothing_near(arena: Arena, reach: int, ends: tuple[int, int, int, int], distance: int) -> bool:
-    """Whether the tables show that no cell that is not free is within reach of a step; if not, a closer look is due."""
+    """Whether the tables show that no cell that is not free is within reach of a step.
+
+    If not, a closer look is due.
+    """
     if arena.clearance.shape[0] == 0:
         return window_is_free(arena.near, reach, ends)
     x, y = ends[0], ends[1]
@@ -186,11 +212,18 @@ def _move(
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
     nx, ny, before = 0.0, 0.0, count
     free = _nothing_near(
-        arena, reach, (ends[0], ends[1], ends[0] + dx, ends[1] + dy), abs(_drive(state[layout.STATE_SPEED]))
+        arena,
+        reach,
+        (ends[0], ends[1], ends[0] + dx, ends[1] + dy),
+        abs(_drive(state[layout.STATE_SPEED])),
     )
     if free:
         if dx != 0 or dy != 0:
-            chain[count, 0], chain[count, 1], chain[count, 2] = ends[0] + dx, ends[1] + dy, during[1]
+            chain[count, 0], chain[count, 1], chain[count, 2] = (
+                ends[0] + dx,
+                ends[1] + dy,
+                during[1],
+            )
             count += 1
     elif settings[layout.SET_MOTION] == SWEPT:
         span = (float(during[0]) / TIME_UNIT, float(during[1]) / TIME_UNIT)
@@ -208,14 +241,21 @@ def _share(whole: int, time: int) -> int:
 
 
 def _move_through_events(
-    arena: Arena, settings: Ints, scales: Floats, step: int, way: tuple[int, int], event: int, robot: Robot
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    way: tuple[int, int],
+    event: int,
+    robot: Robot,
 ) -> tuple[int, int, float, float]:
     """Moves the robot by a step's displacement, the events of the step each at its time.
 
     ``endpoint`` looks at the world where a step ends only: there all events come first.
 
     Returns:
-        Index of the next event, rows of the chain that are filled, and the normal of the last contact.
+        Index of the next event, rows of the chain that are filled, and the normal of the last
+        contact.
     """
     events, counts, exact = arena.events, robot.counts, settings[layout.SET_MOTION] == SWEPT
     count, now, gone = 0, 0, (0, 0)
@@ -227,8 +267,13 @@ def _move_through_events(
             there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
             part = (there[0] - gone[0], there[1] - gone[1])
             count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
-            if until < TIME_UNIT and (count == 0 or robot.chain[count - 1, 2] < until):  # it waits for what comes
-                robot.chain[count, 0], robot.chain[count, 1] = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
+            if until < TIME_UNIT and (
+                count == 0 or robot.chain[count - 1, 2] < until
+            ):  # it waits for what comes
+                robot.chain[count, 0], robot.chain[count, 1] = (
+                    robot.state[layout.STATE_X],
+                    robot.state[layout.STATE_Y],
+                )
                 robot.chain[count, 2] = until
                 count += 1
             if px != 0.0 or py != 0.0:
@@ -241,7 +286,9 @@ def _move_through_events(
     return event, count, nx, ny
 
 
-def _round_pose(arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot) -> int:
+def _round_pose(
+    arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot
+) -> int:
     """Moves the robot on to the nearest point of the coarser lattice to which a clear way leads, if there is one.
 
     Of points that are equally near the first counts, from the lower left.
@@ -269,11 +316,19 @@ def _round_pose(arena: Arena, settings: Ints, scales: Floats, step: int, count: 
     return count
 
 
-def _measure(settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot) -> None:
-    """Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too."""
+def _measure(
+    settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot
+) -> None:
+    """Adds a displacement to the odometry as the robot measures it.
+
+    Its length a little wrong, its direction too.
+    """
     noise = scales[layout.SCALE_ODOMETRY_NOISE]
     turned = math.floor(robot.odometry[2] + 0.5) - robot.state[layout.STATE_HEADING]
-    along, across = float(headings[turned % TURN]) / (1 << 30), float(headings[(turned - TURN // 4) % TURN]) / (1 << 30)
+    along, across = (
+        float(headings[turned % TURN]) / (1 << 30),
+        float(headings[(turned - TURN // 4) % TURN]) / (1 << 30),
+    )
     wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_WAY)) - 1.0)
     robot.odometry[0] += wrong * (along * way[0] - across * way[1])
     robot.odometry[1] += wrong * (across * way[0] + along * way[1])
@@ -285,7 +340,8 @@ def _advance(
     """Moves the robot for one step, with the events that fall into it, and judges the path.
 
     Returns:
-        Index of the next event, rows of the chain that are filled, and the normal of the contact (0, 0 for none).
+        Index of the next event, rows of the chain that are filled, and the normal of the contact
+        (0, 0 for none).
     """
     state, counts = robot.state, robot.counts
     x, y, drive = state[layout.STATE_X], state[layout.STATE_Y], _drive(state[layout.STATE_SPEED])
@@ -295,7 +351,9 @@ def _advance(
         drive = whole_speed(float(drive) * (1.0 - lost))
     way = displacement(arena.headings, state[layout.STATE_HEADING], drive)
     if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
-        event, count, nx, ny = _move_through_events(arena, settings, scales, step, way, event, robot)
+        event, count, nx, ny = _move_through_events(
+            arena, settings, scales, step, way, event, robot
+        )
     else:
         whole = (0, TIME_UNIT)
         count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
@@ -306,7 +364,11 @@ def _advance(
         _measure(settings, scales, arena.headings, step, moved, robot)
     counts[layout.OUT_POINTS] += count
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
-    if 0 <= jx < arena.visited.shape[1] and 0 <= jy < arena.visited.shape[0] and arena.visited[jy, jx] == 0:
+    if (
+        0 <= jx < arena.visited.shape[1]
+        and 0 <= jy < arena.visited.shape[0]
+        and arena.visited[jy, jx] == 0
+    ):
         arena.visited[jy, jx] = 1
         counts[layout.OUT_LAST_NEW_CELL] = step
     return event, count, nx, ny
@@ -325,7 +387,9 @@ def move_and_sense(
     robot.counts[layout.OUT_STEPS] = step
     event, count, nx, ny = _advance(arena, settings, scales, step, event, robot)
     if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
-        for k in range(room.observation.size):  # what a controller wrote there would be memory that no state holds
+        for k in range(
+            room.observation.size
+        ):  # what a controller wrote there would be memory that no state holds
             room.observation[k] = math.nan
         sense(
             arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
@@ -351,7 +415,10 @@ def _next_speed(now: int, wanted: int, scales: Floats) -> int:
 
 
 def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
-    """Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities."""
+    """Applies a command: the turn now, the speed in the next step.
+
+    Clamps both, refuses nan and infinities.
+    """
     state = robot.state
     speed, rate = command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE]
     if not (math.isfinite(speed) and math.isfinite(rate)):
@@ -379,7 +446,14 @@ def remember(room: Room, robot: Robot) -> None:
 
 
 def one_step(
-    arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    act: Any,
+    room: Room,
+    robot: Robot,
+    step: int,
+    event: int,
 ) -> tuple[int, int, bool]:
     """One step: move, sense, act.
 

@@ -16,11 +16,12 @@ Observation (float64), the same for every controller:
 ``OBS_TOP_SPEED``     the robot's speed limit, m/s
 ``OBS_RADIUS``        the robot's radius, m
 ``OBS_TIME``          time since the start, s
-``OBS_ODOMETRY_X``, ``OBS_ODOMETRY_Y``, ``OBS_ODOMETRY_HEADING``  own pose as the wheels say, m and rad
-from ``OBS_SIZE`` on  range beams: distance to the first wall, m
+``OBS_ODOMETRY_X``, ``OBS_ODOMETRY_Y``, ``OBS_ODOMETRY_HEADING``  own pose as the wheels say, m and
+rad from ``OBS_SIZE`` on  range beams: distance to the first wall, m
 ====================  =====================================================================
 
-Command (float64): ``CMD_SPEED`` m/s (negative: backwards), ``CMD_TURN_RATE`` rad/s (counter-clockwise),
+Command (float64): ``CMD_SPEED`` m/s (negative: backwards), ``CMD_TURN_RATE`` rad/s
+    (counter-clockwise),
 ``CMD_DRAW`` 1 if ``OBS_RANDOM`` was used.
 """
 
@@ -94,7 +95,9 @@ SCALE_SENSOR_RANGE = 14  # lattice units; inf: none
 SCALE_SENSOR_FIELD = 15  # half the angle that the signal sensor looks into, heading units
 SCALE_SENSOR_NOISE = 16  # largest share by which a reading is wrong
 SCALE_BEAM_RANGE = 17  # lattice units
-SCALE_BEAM_FIELD = 18  # angle between the first and the last beam, heading units; a whole turn: evenly all round
+SCALE_BEAM_FIELD = (
+    18  # angle between the first and the last beam, heading units; a whole turn: evenly all round
+)
 SCALE_BEAM_NOISE = 19  # largest share by which a distance is wrong
 SCALE_BEAM_DROPOUT = 20  # probability that a beam returns nothing
 SCALE_RADIUS = 21  # m, of the robot
@@ -106,7 +109,11 @@ OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 
 OUT_POINTS = 5  # points of the path after the start
 OUT_DIGEST = 6  # rolling FNV-1a hash of every state, as the bits of a uint64
 OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY = 7, 8, 9  # of TUNNEL and BURNED
-OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = 10, 11, 12  # first cut deeper than the tolerance; -1
+OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
+    10,
+    11,
+    12,
+)  # first cut deeper than the tolerance; -1
 OUT_HIT_STATE = 13  # SOLID (debris) or BURNING of the cell that ended the run as BURNED
 OUT_SIZE = 14
 
@@ -132,7 +139,8 @@ POINT_X, POINT_Y = 2, 3
 POINT_SIZE = 4
 TIME_UNIT = 1 << 32
 
-# One event (int64): the step in which it falls, its time in it (TIME_UNITths), the cell, what that becomes.
+# One event (int64): the step in which it falls, its time in it (TIME_UNITths), the cell, what that
+# becomes.
 EVENT_STEP, EVENT_TIME, EVENT_IX, EVENT_IY, EVENT_STATE = 0, 1, 2, 3, 4
 EVENT_SIZE = 5
 

@@ -1,6 +1,7 @@
 """Random numbers that are a function of a seed and an index: SplitMix64.
 
-Source: Guy Steele, Doug Lea, Christine Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
+Source: Guy Steele, Doug Lea, Christine Flood, "Fast splittable pseudorandom number generators",
+    OOPSLA 2014.
 """
 
 from __future__ import annotations

@@ -1,12 +1,13 @@
 """Finds the step in which a run's complete state comes back, whatever the motion model.
 
-While a run goes on, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier one is followed by
-the same states, so once any state has come back, every later one has been there before. It is therefore enough to look
-up the last state of the budget: if it is new, nothing in the run has come back. To stop early, states are looked up
+While a run goes on, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier
+one is followed by the same states, so once any state has come back, every later one has been there
+before. It is therefore enough to look up the last state of the budget: if it is new, nothing in the
+    run has come back. To stop early, states are looked up
 before that too, each twice as far along as the one before.
 
-Equal fingerprints are only a claim. It is proved by a second run, up to the end of the first period, that compares the
-complete states at both ends (``PROVE_LOOP``).
+Equal fingerprints are only a claim. It is proved by a second run, up to the end of the first
+period, that compares the complete states at both ends (``PROVE_LOOP``).
 """
 
 from __future__ import annotations
@@ -33,8 +34,13 @@ __all__ = [
 Ints = npt.NDArray[np.int64]
 Words = npt.NDArray[np.uint64]
 
-BLOCK = 8  # words of a state that share a fingerprint, which is worked out again only when one of them changes
-NEXT, TOUCHED = 0, 1  # marks: the step whose state is looked up next; whether the last step touched a wall
+# Words of a state that share a fingerprint, which is worked out again only when one of them
+# changes.
+BLOCK = 8
+NEXT, TOUCHED = (
+    0,
+    1,
+)  # marks: the step whose state is looked up next; whether the last step touched a wall
 MARKS = 2
 
 _FEW = 32  # words of a state that has no blocks
@@ -73,10 +79,11 @@ class Search(NamedTuple):
     """What the search for a recurrence works with.
 
     Args:
-        known: (words,) int64, the state whose fingerprint was taken last; while a loop is proved, the state at its
-            entry.
+        known: (words,) int64, the state whose fingerprint was taken last; while a loop is proved,
+            the state at its entry.
         prints: (blocks + 1,) uint64, the fingerprint of each block of ``known``, then their sum.
-        log: (steps + 1,) uint64, the fingerprint of the state after each step; of one entry where nothing is searched.
+        log: (steps + 1,) uint64, the fingerprint of the state after each step; of one entry where
+            nothing is searched.
         marks: (MARKS,) int64, ``NEXT`` and ``TOUCHED``.
     """
 
@@ -87,7 +94,10 @@ class Search(NamedTuple):
 
 
 def new_search(words: int, steps: int) -> Search:
-    """Arrays for states of so many words and a run of so many steps; the log takes memory only as the run goes on."""
+    """Arrays for states of so many words and a run of so many steps.
+
+    The log takes memory only as the run goes on.
+    """
     blocks = -(-words // BLOCK)
     return Search(
         np.zeros(words, np.int64),
@@ -98,7 +108,10 @@ def new_search(words: int, steps: int) -> Search:
 
 
 def _fingerprint_of_block(state: Ints, block: int) -> Any:
-    """A word's upper half is folded into its lower one: of floats that are small whole numbers only that one varies."""
+    """A word's upper half is folded into its lower one.
+
+    Of floats that are small whole numbers only that one varies.
+    """
     first = block * BLOCK
     mixed = np.uint64(block + 1) * _STRIDE
     for k in range(first, min(first + BLOCK, state.size)):
@@ -117,7 +130,10 @@ def _fingerprint_of_few(state: Ints) -> Any:
 
 
 def _fingerprint(search: Search, state: Ints) -> Any:
-    """The sum of the blocks' fingerprints; blocks that have not changed since the last call keep theirs."""
+    """The sum of the blocks' fingerprints.
+
+    Blocks that have not changed since the last call keep theirs.
+    """
     if state.size <= _FEW:
         return _fingerprint_of_few(state)
     known, prints = search.known, search.prints
@@ -164,7 +180,10 @@ def keep(search: Search, state: Ints) -> None:
 
 
 def _look_up(log: Words, quiet: int, step: int) -> int:
-    """The last step before ``step``, and not before ``quiet``, with its fingerprint; -1 if there is none."""
+    """The last step before ``step``, and not before ``quiet``, with its fingerprint.
+
+    -1 if there is none.
+    """
     wanted, earlier = log[step], step - 1
     while earlier >= quiet and log[earlier] != wanted:
         earlier -= 1
@@ -201,7 +220,10 @@ def entry_of_loop(log: Words, quiet: int, step: int, period: int) -> int:
 
 
 def is_proved(search: Search, state: Ints, step: int, entry: int, end: int) -> bool:
-    """Keeps the state of step ``entry``; at step ``end``, returns whether it is there again, word by word."""
+    """Keeps the state of step ``entry``.
+
+    At step ``end``, returns whether it is there again, word by word.
+    """
     if step == entry:
         keep(search, state)
     if step != end:

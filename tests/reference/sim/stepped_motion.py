@@ -1,11 +1,12 @@
 """The thesis's motion: forward in steps of one pixel until something is touched, with its three faults.
 
-It slides along a wall after looking at one cell only, backs off without looking, and goes on where only the
-corner of a cell is touched; so a robot that turns often works itself into walls and through them. Each fault
-can be repaired; with all three repaired the disc only ever stands where it was found clear. Any controller can
-be moved by it.
+It slides along a wall after looking at one cell only, backs off without looking, and goes on where
+only the corner of a cell is touched; so a robot that turns often works itself into walls and
+through them. Each fault can be repaired; with all three repaired the disc only ever stands where it
+was found clear. Any controller can be moved by it.
 
-Source: the thesis's listing, ``simGuiExp.checkCollision`` and ``advanceRobot``; the disc test is Java's
+Source: the thesis's listing, ``simGuiExp.checkCollision`` and ``advanceRobot``; the disc test is
+    Java's
 ``Ellipse2D.intersects``.
 """
 
@@ -33,12 +34,12 @@ __all__ = [
 
 Cells = npt.NDArray[np.int32]
 
-# What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both, would touch;
-# or only the corner of a cell.
+# What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both,
+# would touch; or only the corner of a cell.
 _FREE, _TOUCH_X, _TOUCH_Y, _TOUCH_BOTH, _TOUCH_CORNER = 0, 1, 2, 3, 4
 
-# How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired; and, instead
-# of STRAIGHT, having gone on past a corner that it touched.
+# How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired;
+# and, instead of STRAIGHT, having gone on past a corner that it touched.
 STRAIGHT, SLIDE, BACK_OFF, CORNER = 0, 1, 2, 3
 
 # Bits of `repairs`.
@@ -63,21 +64,30 @@ def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: in
     return near_x * near_x + near_y * near_y < 0.25
 
 
-def _contact(cells: Cells, x: float, y: float, previous_x: float, previous_y: float, radius: float) -> int:
-    """What one pixel's step meets, ``_FREE`` to ``_TOUCH_CORNER``: the first wall that a single-axis part touches.
+def _contact(
+    cells: Cells, x: float, y: float, previous_x: float, previous_y: float, radius: float
+) -> int:
+    """What one pixel's step meets, ``_FREE`` to ``_TOUCH_CORNER``.
 
-    Rows outside the grid are skipped, where the listing leaves its loop: the same inside a border of walls.
+    The first wall that a single-axis part touches. Rows outside the grid are skipped, where the
+    listing leaves its loop: the same inside a border of walls.
     """
     beyond = x >= cells.shape[0] * CELL - radius or y >= cells.shape[1] * CELL - radius
     centre_x, centre_y = int(x / CELL), int(y / CELL)
     reach = math.ceil(radius / CELL)
     found = _FREE
-    for cell_y in range(min(centre_y + reach, cells.shape[1] - 1), max(centre_y - reach, 0) - 1, -1):
-        for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
+    for cell_y in range(
+        min(centre_y + reach, cells.shape[1] - 1), max(centre_y - reach, 0) - 1, -1
+    ):
+        for cell_x in range(
+            max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1
+        ):
             wall = cells[cell_x, cell_y] == WALL and disc_touches_cell(x, y, radius, cell_x, cell_y)
             if not (beyond or wall):
                 continue
-            touched = _TOUCH_X if disc_touches_cell(x, previous_y, radius, cell_x, cell_y) else _FREE
+            touched = (
+                _TOUCH_X if disc_touches_cell(x, previous_y, radius, cell_x, cell_y) else _FREE
+            )
             if disc_touches_cell(previous_x, y, radius, cell_x, cell_y):
                 touched += _TOUCH_Y
             if touched != _FREE:
@@ -92,7 +102,9 @@ def _is_clear(cells: Cells, x: float, y: float, radius: float) -> bool:
     centre_x, centre_y = int(x / CELL), int(y / CELL)
     reach = math.ceil(radius / CELL)
     for cell_y in range(max(centre_y - reach, 0), min(centre_y + reach, cells.shape[1] - 1) + 1):
-        for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
+        for cell_x in range(
+            max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1
+        ):
             if cells[cell_x, cell_y] == WALL and disc_touches_cell(x, y, radius, cell_x, cell_y):
                 return False
     return True
@@ -107,7 +119,14 @@ def clamp_inside(cells: Cells, x: float, y: float, radius: float) -> tuple[float
 
 
 def advance(
-    cells: Cells, x: float, y: float, goal_x: float, goal_y: float, radius: float, repairs: int, wall_friction: float
+    cells: Cells,
+    x: float,
+    y: float,
+    goal_x: float,
+    goal_y: float,
+    radius: float,
+    repairs: int,
+    wall_friction: float,
 ) -> tuple[float, float, bool, int, float, float]:
     """Moves the disc towards a goal, px by px, as the thesis does.
 
@@ -118,12 +137,14 @@ def advance(
         goal_x: Where the tick's motion would lead, px; finite, a few cells away at most.
         goal_y: Likewise.
         radius: px.
-        repairs: Which faults are repaired, bits ``REPAIR_SLIDE``, ``REPAIR_BACK_OFF``, ``REPAIR_CORNER``.
+        repairs: Which faults are repaired, bits ``REPAIR_SLIDE``, ``REPAIR_BACK_OFF``,
+            ``REPAIR_CORNER``.
         wall_friction: Share of a slide that friction takes, 0 to 1.
 
     Returns:
-        The centre afterwards; whether the listing's collision flag is up; how the move ended, ``STRAIGHT`` to
-        ``CORNER``; and the centre before the wall changed the move, which is the first again if none did.
+        The centre afterwards; whether the listing's collision flag is up; how the move ended,
+        ``STRAIGHT`` to ``CORNER``; and the centre before the wall changed the move, which is the
+        first again if none did.
     """
     way_x, way_y = goal_x - x, goal_y - y
     length = math.sqrt(way_x * way_x + way_y * way_y)
@@ -144,7 +165,17 @@ def advance(
         if touched in (_TOUCH_X, _TOUCH_Y, _TOUCH_BOTH):
             before_x, before_y = here_x, here_y
             here_x, here_y, ending = _meet_wall(
-                cells, here_x, here_y, next_x, next_y, unit_x, unit_y, radius, touched, repairs, wall_friction
+                cells,
+                here_x,
+                here_y,
+                next_x,
+                next_y,
+                unit_x,
+                unit_y,
+                radius,
+                touched,
+                repairs,
+                wall_friction,
             )
             here_x, here_y = clamp_inside(cells, here_x, here_y, radius)
             return here_x, here_y, True, ending, before_x, before_y

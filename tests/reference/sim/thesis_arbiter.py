@@ -1,15 +1,17 @@
-"""Who is in charge of the thesis's robot, and what it then does: a state machine without any geometry.
+"""Who is in charge of the thesis's robot, and what it then does.
 
-:func:`select_behaviour` lets somebody take control; the caller then sets the new target heading if collide has
-just come in, and looks whether the robot already points there. :func:`run_behaviour` lets the one in charge act,
-and says what the wheels do.
+A state machine without any geometry. :func:`select_behaviour` lets somebody take control; the
+caller then sets the new target heading if collide has just come in, and looks whether the robot
+already points there. :func:`run_behaviour` lets the one in charge act, and says what the wheels do.
 
-The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever took control
-keeps it until it gives it up, and acts in the very tick in which it took over. A1 does not act in that tick; A2
-acts first and then selects; A3 acts, selects and acts. A4 asks the one in charge again in every tick whether it
-would take control, and so begins it afresh; A6 does that for collide alone. In A5 nobody is ever in charge for
-longer than a tick. ``INTERRUPTIBLE`` is what the thesis asks for as further work: every tick decides anew, and a
-collision begins the escape afresh whoever is in charge; until then an escape, or a drive, goes on where it stood.
+The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever
+took control keeps it until it gives it up, and acts in the very tick in which it took over. A1 does
+not act in that tick; A2 acts first and then selects; A3 acts, selects and acts. A4 asks the one in
+charge again in every tick whether it would take control, and so begins it afresh; A6 does that for
+collide alone. In A5 nobody is ever in charge for longer than a tick. ``INTERRUPTIBLE`` is what the
+    thesis asks for as further work: every tick decides anew, and a
+collision begins the escape afresh whoever is in charge; until then an escape, or a drive, goes on
+where it stood.
 """
 
 from __future__ import annotations
@@ -42,8 +44,8 @@ IDLE, COLLIDE, SEEK, DRIVE = -1, 0, 1, 2
 # Readings of the arbiter.
 A0, A1, A2, A3, A4, A5, A6, INTERRUPTIBLE = 0, 1, 2, 3, 4, 5, 6, 7
 
-# What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive at the
-# speed before the collision; stand; keep the speed, whatever it is.
+# What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive
+# at the speed before the collision; stand; keep the speed, whatever it is.
 TURN, GO, RESUME, HALT, COAST = 0, 1, 2, 3, 4
 
 
@@ -68,8 +70,8 @@ def select_behaviour(
         drive_ticks: Counter that drive starts with.
 
     Returns:
-        Who is in charge now, its counter, and whether it took control just now. When that is collide, the
-        caller remembers the speed, stops, and sets the target heading by its rule.
+        Who is in charge now, its counter, and whether it took control just now. When that is
+        collide, the caller remembers the speed, stops, and sets the target heading by its rule.
     """
     if reading == INTERRUPTIBLE:
         if collision:
@@ -89,11 +91,14 @@ def select_behaviour(
     return SEEK, 0, True
 
 
-def run_behaviour(behaviour: int, ticks: int, collision: bool, turned: bool) -> tuple[int, int, int]:
+def run_behaviour(
+    behaviour: int, ticks: int, collision: bool, turned: bool
+) -> tuple[int, int, int]:
     """Lets the behaviour in charge act.
 
     Args:
-        behaviour: ``COLLIDE``, ``SEEK`` (the caller has made the signal's direction its target) or ``DRIVE``.
+        behaviour: ``COLLIDE``, ``SEEK`` (the caller has made the signal's direction its target) or
+            ``DRIVE``.
         ticks: Its counter.
         collision: Whether the last move met a wall.
         turned: Whether the robot points along its target heading.

@@ -1,9 +1,11 @@
 """Whole runs of the thesis's robot: a tick, and an episode.
 
-A tick: events that are due, then the move at the present speed, then the arbiter, whose turn takes effect at
+A tick: events that are due, then the move at the present speed, then the arbiter, whose turn takes
+    effect at
 once and whose speed drives the next tick.
 
-Source: the thesis's listing, ``simGuiExp.actionPerformed``, ``robot.update`` and the three behaviours.
+Source: the thesis's listing, ``simGuiExp.actionPerformed``, ``robot.update`` and the three
+    behaviours.
 """
 
 from __future__ import annotations
@@ -57,7 +59,9 @@ _MASK = 2**64 - 1
 _HASH_PRIME = 1099511628211
 _FIRST_STEPS = 16  # before the first look-up
 _SLIP = 2**16 - 1  # of the random numbers of a tick, the one that the sensor does not use
-_LEAST_CROSSING = 1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
+_LEAST_CROSSING = (
+    1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
+)
 
 
 def thesis_tick(
@@ -74,8 +78,8 @@ def thesis_tick(
         step: Number of the tick, from 1.
 
     Returns:
-        False if the tick needs a draw and none is left, then nothing has changed; and the centre before a wall
-        changed the move.
+        False if the tick needs a draw and none is left, then nothing has changed; and the centre
+        before a wall changed the move.
     """
     x, y, collision, move, before_x, before_y, rolling = _move(cells, setup, state, step)
     old = mode[at.BEHAVIOUR]
@@ -101,7 +105,8 @@ def thesis_tick(
         if setup.rule == 3 and draws_used >= draws.shape[0]:
             return False, x, y
         if speed > 0.0 or (setup.friction == 0.0 and reading != INTERRUPTIBLE):
-            old_speed = speed  # who rolls out, or is interrupted while it turns, still wants its speed before that
+            # Who rolls out, or is interrupted while it turns, still wants its speed before that.
+            old_speed = speed
         speed = 0.0
         if setup.rule == 1:
             target = np.fmod(heading + setup.turn_angle, _TWO_PI)
@@ -124,7 +129,9 @@ def thesis_tick(
     return True, before_x, before_y
 
 
-def _move(cells: Cells, setup: Setup, state: Floats, step: int) -> tuple[float, float, bool, int, float, float, float]:
+def _move(
+    cells: Cells, setup: Setup, state: Floats, step: int
+) -> tuple[float, float, bool, int, float, float, float]:
     """The tick's move: what :func:`tests.reference.sim.stepped_motion.advance` returns, and the rolling speed then."""
     x, y, wanted, rolling = state[at.X], state[at.Y], state[at.SPEED], state[at.ROLLING]
     if rolling < wanted:
@@ -161,7 +168,10 @@ def _act(
     signal: float,
     top_speed: float,
 ) -> tuple[float, float, float, int, int]:
-    """Lets the behaviour in charge act: heading, target heading, speed, who is in charge then, its counter."""
+    """Lets the behaviour in charge act.
+
+    Heading, target heading, speed, who is in charge then, its counter.
+    """
     if behaviour == SEEK:
         target = signal
     wheels, behaviour, ticks = run_behaviour(behaviour, ticks, collision, heading == target)
@@ -186,16 +196,29 @@ def _gap(x: float, y: float, cell_x: int, cell_y: int) -> float:
 def _overlaps(cells: Cells, x: float, y: float, radius: float) -> bool:
     """Whether the disc cuts a wall by more than rounding."""
     reach = math.ceil(radius / CELL)
-    for cell_y in range(max(int(y / CELL) - reach, 0), min(int(y / CELL) + reach, cells.shape[1] - 1) + 1):
-        for cell_x in range(max(int(x / CELL) - reach, 0), min(int(x / CELL) + reach, cells.shape[0] - 1) + 1):
-            if cells[cell_x, cell_y] == WALL and radius - _gap(x, y, cell_x, cell_y) > _LEAST_CROSSING:
+    for cell_y in range(
+        max(int(y / CELL) - reach, 0), min(int(y / CELL) + reach, cells.shape[1] - 1) + 1
+    ):
+        for cell_x in range(
+            max(int(x / CELL) - reach, 0), min(int(x / CELL) + reach, cells.shape[0] - 1) + 1
+        ):
+            if (
+                cells[cell_x, cell_y] == WALL
+                and radius - _gap(x, y, cell_x, cell_y) > _LEAST_CROSSING
+            ):
                 return True
     return False
 
 
 def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints) -> None:
-    """Applies the events due at ``step``; one that falls on the robot ends the run as ``BURNED``."""
-    while counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
+    """Applies the events due at ``step``.
+
+    One that falls on the robot ends the run as ``BURNED``.
+    """
+    while (
+        counts[at.NEXT_EVENT] < arena.events.shape[0]
+        and arena.events[counts[at.NEXT_EVENT], 0] <= step
+    ):
         event = counts[at.NEXT_EVENT]
         x, y, new = arena.events[event, 1], arena.events[event, 2], arena.events[event, 3]
         counts[at.NEXT_EVENT] += 1
@@ -207,10 +230,13 @@ def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: 
             counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, x, y
 
 
-def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, float], run: Progress) -> None:
-    """Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in.
+def _judge_place(
+    arena: Arena, setup: Setup, step: int, before: tuple[float, float], run: Progress
+) -> None:
+    """Notes what the robot touches where the tick ends.
 
-    ``before`` is the centre before a wall changed the tick's move: what overlaps there already, a corner let in.
+    Walls, flames, cells that it had not been in. ``before`` is the centre before a wall changed the
+    tick's move: what overlaps there already, a corner let in.
     """
     state, counts, sums = run.state, run.counts, run.sums
     x, y = state[at.X], state[at.Y]
@@ -218,7 +244,9 @@ def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, flo
     reach = math.ceil(setup.radius / CELL)
     deepest, deepest_x, deepest_y = 0.0, -1, -1
     for cell_y in range(max(own_y - reach, 0), min(own_y + reach, arena.cells.shape[1] - 1) + 1):
-        for cell_x in range(max(own_x - reach, 0), min(own_x + reach, arena.cells.shape[0] - 1) + 1):
+        for cell_x in range(
+            max(own_x - reach, 0), min(own_x + reach, arena.cells.shape[0] - 1) + 1
+        ):
             if arena.cells[cell_x, cell_y] >= 0:
                 continue
             depth = setup.radius - _gap(x, y, cell_x, cell_y)
@@ -227,7 +255,11 @@ def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, flo
                     deepest, deepest_x, deepest_y = depth, cell_x, cell_y
             elif depth > 0.0 and counts[at.OUT_ENDING] == at.LIMIT:
                 counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, BURNING
-                counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, cell_x, cell_y
+                counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = (
+                    step,
+                    cell_x,
+                    cell_y,
+                )
     sums[at.SUM_OVERLAP] = max(sums[at.SUM_OVERLAP], deepest)
     if deepest <= _LEAST_CROSSING:
         counts[at.OVERLAP_BEGAN] = -1
@@ -267,7 +299,14 @@ def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: i
 
 
 def _judge_way(
-    arena: Arena, setup: Setup, step: int, x: float, y: float, state: Floats, counts: Ints, sums: Floats
+    arena: Arena,
+    setup: Setup,
+    step: int,
+    x: float,
+    y: float,
+    state: Floats,
+    counts: Ints,
+    sums: Floats,
 ) -> None:
     """Adds the way from (x, y) to the path, and notes the first wall that its straight line enters."""
     dx, dy = state[at.X] - x, state[at.Y] - y
@@ -286,7 +325,11 @@ def _judge_way(
                 counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = cell_x, cell_y
                 counts[at.OUT_TUNNEL_BEGAN] = counts[at.OVERLAP_BEGAN]
                 counts[at.OUT_TUNNEL_CAUSE] = counts[at.OVERLAP_CAUSE]
-    if setup.stop_at_tunnel == 1 and counts[at.OUT_TUNNEL_STEP] >= 0 and counts[at.OUT_ENDING] == at.LIMIT:
+    if (
+        setup.stop_at_tunnel == 1
+        and counts[at.OUT_TUNNEL_STEP] >= 0
+        and counts[at.OUT_ENDING] == at.LIMIT
+    ):
         counts[at.OUT_ENDING] = at.TUNNEL
 
 
@@ -319,9 +362,10 @@ def _complete_state(run: Progress) -> bytes:
 
 
 def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
-    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0.
+    """Steps since the state was there before, if a recurrence is looked for and ends the run here.
 
-    The last state of the budget is looked up, and before it some that are each twice as far along as the one before.
+    Else 0. The last state of the budget is looked up, and before it some that are each twice as far
+    along as the one before.
     """
     if step < quiet:
         return 0
@@ -342,17 +386,19 @@ def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
 def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, trace: Floats) -> None:
     """Runs until something is decided, or ``setup.steps`` ticks are done.
 
-    A run that ended as ``LIMIT`` or ``NEEDS_DRAWS`` goes on where it stopped, if called again with the same
-    arena and more steps or draws (the earlier draws stay in front).
+    A run that ended as ``LIMIT`` or ``NEEDS_DRAWS`` goes on where it stopped, if called again with
+    the same arena and more steps or draws (the earlier draws stay in front).
 
     Args:
         arena: Surroundings, changed in place.
         setup: The robot, and what is asked.
-        run: A fresh or a stopped run; see :mod:`tests.reference.sim.thesis_layout`, ``OUT_`` and ``SUM_``.
+        run: A fresh or a stopped run; see :mod:`tests.reference.sim.thesis_layout`, ``OUT_`` and
+            ``SUM_``.
         draws: Random numbers in [0, 1) for rule 3, in order.
         trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
-    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``. A recurrence of the
+    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``.
+        A recurrence of the
     complete state after the last event is found when it is looked up.
     """
     cells, state, mode, counts = arena.cells, run.state, run.mode, run.counts
@@ -364,7 +410,10 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
     _record(state, mode, counts[at.OUT_STEPS] - counts[at.TRACE_START], trace)
     for step in range(counts[at.OUT_STEPS] + 1, setup.steps + 1):
         changed = step == 1
-        if counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
+        if (
+            counts[at.NEXT_EVENT] < arena.events.shape[0]
+            and arena.events[counts[at.NEXT_EVENT], 0] <= step
+        ):
             _apply_events(arena, setup, step, state, counts)
             changed = True
         x, y, touched = state[at.X], state[at.Y], mode[at.COLLISION]
@@ -378,7 +427,10 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
             if changed or state[at.X] != x or state[at.Y] != y:
                 _judge_place(arena, setup, step, (before_x, before_y), run)
                 _judge_way(arena, setup, step, x, y, state, counts, run.sums)
-            if counts[at.OUT_ENDING] == at.LIMIT and cells[int(state[at.X] / CELL), int(state[at.Y] / CELL)] == 0:
+            if (
+                counts[at.OUT_ENDING] == at.LIMIT
+                and cells[int(state[at.X] / CELL), int(state[at.Y] / CELL)] == 0
+            ):
                 counts[at.OUT_ENDING] = at.REACHED
         counts[at.OUT_STEPS] = step
         if setup.digest == 1:

@@ -1,11 +1,11 @@
 """What is where in the arrays of the thesis's simulator, and the numbers that its robot is made of.
 
-The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is -y
-(up), growing clockwise on the screen; milliseconds.
+The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is
+-y (up), growing clockwise on the screen; milliseconds.
 
-``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there), changed by
-the noise filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop the robot. The border
-must be ``WALL``.
+``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there),
+changed by the noise filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop
+the robot. The border must be ``WALL``.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ __all__ = [
 # How an episode ends.
 LIMIT, REACHED, LOOP, TUNNEL, BURNED = 0, 1, 2, 3, 4
 
-# How a recurrence of the complete state ends it: not at all; when it is found; in the last step of the budget, if its
-# state is that of step ``Setup.loop_entry``.
+# How a recurrence of the complete state ends it: not at all; when it is found; in the last step of
+# the budget, if its state is that of step ``Setup.loop_entry``.
 NO_LOOP, SEEK_LOOP, PROVE_LOOP = 0, 1, 2
 
 # What a cell becomes.
@@ -62,11 +62,13 @@ OPEN, WEAKENED, BLOCKED = 0, 1, 2  # what walls do to the signal
 NEEDS_DRAWS = 6
 
 # state (float64)
-# ROLLING is the speed at which the robot really moves; with neither inertia nor friction it is SPEED.
+# ROLLING is the speed at which the robot really moves; with neither inertia nor friction it is
+# SPEED.
 X, Y, HEADING, TARGET_HEADING, SPEED, OLD_SPEED, ROLLING = 0, 1, 2, 3, 4, 5, 6
 STATE_SIZE = 7
 
-# mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive is.
+# mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive
+# is.
 COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
 MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
 ACTIVE = 4  # behaviour that acted in the last tick
@@ -78,14 +80,39 @@ MODE_SIZE = 7
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
 OUT_DIGEST = 5  # rolling FNV-1a hash of seven words a tick, as the bits of a uint64
 OUT_ACTIVATIONS = 6  # times that the collide behaviour took control
-OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY, OUT_HIT_STATE = 7, 8, 9, 10  # of BURNED; SOLID is falling debris
-OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = 11, 12, 13  # first tick that ends deeper than tolerated
-OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = 14, 15, 16  # first tick whose straight way enters a wall
-OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = 17, 18, 19  # first tick that ends with the centre in one
+OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY, OUT_HIT_STATE = (
+    7,
+    8,
+    9,
+    10,
+)  # of BURNED; SOLID is falling debris
+OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
+    11,
+    12,
+    13,
+)  # first tick that ends deeper than tolerated
+OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = (
+    14,
+    15,
+    16,
+)  # first tick whose straight way enters a wall
+OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = (
+    17,
+    18,
+    19,
+)  # first tick that ends with the centre in one
 NEXT_EVENT = 20
 TRACE_START = 21  # step before the first row of the trace, for recordings in pieces
-OVERLAP_BEGAN, OVERLAP_CAUSE = 22, 23  # of the overlap that lasts now: its first step (-1: none), its move
-OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = 24, 25, 26, 27  # as they were then
+OVERLAP_BEGAN, OVERLAP_CAUSE = (
+    22,
+    23,
+)  # of the overlap that lasts now: its first step (-1: none), its move
+OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = (
+    24,
+    25,
+    26,
+    27,
+)  # as they were then
 COUNTS_SIZE = 28
 
 # sums (float64), px: driven length; deepest overlap at the end of a tick
@@ -100,7 +127,9 @@ HASH_START = 1469598103934665603
 
 
 class Setup(NamedTuple):
-    """The robot and what is asked of the run. Give ints as ints and floats as floats: types select code.
+    """The robot and what is asked of the run.
+
+    Give ints as ints and floats as floats: types select code.
 
     Args:
         rule: Turn after a collision: 1 heading + turn_angle, 2 heading - turn_angle, 3 random.
@@ -113,11 +142,13 @@ class Setup(NamedTuple):
         speed: px per ms.
         tolerance: Overlap with a wall that is not reported, px.
         steps: Ticks at most.
-        find_loop: How a recurrence of the complete state, after the last event, ends the run: ``NO_LOOP``, ...
+        find_loop: How a recurrence of the complete state, after the last event, ends the run:
+            ``NO_LOOP``, ...
         digest: 1 to work out the digest of the trace; else 0.
         stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
         reading: Of the arbiter, see :mod:`tests.reference.sim.thesis_arbiter`.
-        repairs: Bits of the faults of the motion that are repaired, see :mod:`tests.reference.sim.stepped_motion`.
+        repairs: Bits of the faults of the motion that are repaired, see
+            :mod:`tests.reference.sim.stepped_motion`.
         acceleration: px per ms gained in a ms at most; 0 for at once.
         friction: px per ms lost in a ms by a robot that rolls out; 0 for at once.
         wall_friction: Share of a slide that friction takes.
@@ -167,7 +198,8 @@ class Arena(NamedTuple):
     Args:
         cells: (width, height) int32, the signal now.
         light: (width, height) int32, the signal that comes back where a cell becomes free.
-        events: (n, 4) int64, rows (step, x, y, state), sorted by step; applied before that step moves.
+        events: (n, 4) int64, rows (step, x, y, state), sorted by step; applied before that step
+            moves.
         visited: (width, height) uint8, cells that the centre has been in at the end of a tick.
     """
 
@@ -211,15 +243,23 @@ class Progress(NamedTuple):
 
 
 def new_arena(
-    cells: npt.NDArray[np.int32], light: npt.NDArray[np.int32], events: npt.NDArray[np.int64] | None = None
+    cells: npt.NDArray[np.int32],
+    light: npt.NDArray[np.int32],
+    events: npt.NDArray[np.int64] | None = None,
 ) -> Arena:
     """Return surroundings for one episode, with copies of what it changes."""
-    rows = np.zeros((0, 4), np.int64) if events is None else np.array(events, np.int64).reshape(-1, 4)
-    return Arena(np.array(cells, np.int32), np.array(light, np.int32), rows, np.zeros(cells.shape, np.uint8))
+    rows = (
+        np.zeros((0, 4), np.int64) if events is None else np.array(events, np.int64).reshape(-1, 4)
+    )
+    return Arena(
+        np.array(cells, np.int32), np.array(light, np.int32), rows, np.zeros(cells.shape, np.uint8)
+    )
 
 
 def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
-    """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's.
+    """A run before its first tick.
+
+    Driving already, aiming at heading 0, nobody in charge, as the thesis's.
 
     Args:
         x: px.

@@ -1,6 +1,7 @@
 """The thesis's light: the map of its strength, the noise filter, and how the robot reads and follows it.
 
-What its author left to be done is here too: a sensor that looks one way only, or errs; walls that weaken or end
+What its author left to be done is here too: a sensor that looks one way only, or errs; walls that
+    weaken or end
 the light behind them; a robot whose own map is coarser than the world.
 
 Source: the thesis's listing, ``Grid.lightGridGenrtr``, ``simWorldCreator.noiseMapGen``,
@@ -40,7 +41,10 @@ _NOISE_REACH = 2  # cells round a wall whose signal the filter changes
 
 
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
-    """(width, height) int32: squared distance in cells to the target's cell; the border is ``WALL``."""
+    """(width, height) int32: squared distance in cells to the target's cell.
+
+    The border is ``WALL``.
+    """
     light = np.full((width, height), WALL, np.int32)
     for y in range(1, height - 1):
         for x in range(1, width - 1):
@@ -49,7 +53,9 @@ def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
 
 
 def add_noise(cells: Cells, light: Cells) -> None:
-    """Weakens or strengthens the signal of cells near inner walls, in place; what the order does stays.
+    """Weakens or strengthens the signal of cells near inner walls, in place.
+
+    What the order does stays.
 
     Args:
         cells: The signal with every wall drawn.
@@ -59,8 +65,13 @@ def add_noise(cells: Cells, light: Cells) -> None:
         for wall_x in range(1, cells.shape[0] - 1):
             if cells[wall_x, wall_y] != WALL:
                 continue
-            for y in range(max(wall_y - _NOISE_REACH, 1), min(wall_y + _NOISE_REACH, cells.shape[1] - 2) + 1):
-                for x in range(max(wall_x - _NOISE_REACH, 1), min(wall_x + _NOISE_REACH, cells.shape[0] - 2) + 1):
+            for y in range(
+                max(wall_y - _NOISE_REACH, 1), min(wall_y + _NOISE_REACH, cells.shape[1] - 2) + 1
+            ):
+                for x in range(
+                    max(wall_x - _NOISE_REACH, 1),
+                    min(wall_x + _NOISE_REACH, cells.shape[0] - 2) + 1,
+                ):
                     if cells[x, y] <= 0:
                         continue
                     if cells[x, y] > light[wall_x, wall_y]:
@@ -82,9 +93,10 @@ def bearing(dx: float, dy: float) -> float:
 
 
 def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
-    """Heading to the centre of the cell with the best signal within ``sense`` cells; the first of equals.
+    """Heading to the centre of the cell with the best signal within ``sense`` cells.
 
-    In a wall the own value is the lowest, so the robot then seeks the middle of that wall.
+    The first of equals. In a wall the own value is the lowest, so the robot then seeks the middle
+    of that wall.
     """
     own_x, own_y = int(x / CELL), int(y / CELL)
     lowest, best_x, best_y = cells[own_x, own_y], own_x, own_y
@@ -101,14 +113,17 @@ def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
 
     A line exactly through a corner crosses none of the two cells beside it.
 
-    Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987;
+    Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
+        Eurographics 1987;
     here in whole numbers.
     """
     way_x, way_y = abs(to_x - x), abs(to_y - y)
     step_x, step_y = (1 if to_x > x else -1), (1 if to_y > y else -1)
     gone_x, gone_y, walls = 0, 0, 0
     while gone_x < way_x or gone_y < way_y:
-        ahead = (1 + 2 * gone_x) * way_y - (1 + 2 * gone_y) * way_x  # below 0: the next edge crossed is vertical
+        ahead = (1 + 2 * gone_x) * way_y - (
+            1 + 2 * gone_y
+        ) * way_x  # below 0: the next edge crossed is vertical
         if ahead <= 0:
             gone_x += 1
         if ahead >= 0:
@@ -127,14 +142,22 @@ def _reading(cells: Cells, x: int, y: int, setup: Setup) -> float:
     walls = walls_between(cells, x, y, setup.target_x, setup.target_y)
     if walls == 0:
         return value
-    return _DARK if setup.signal == BLOCKED or walls > _MOST_HALVINGS else min(value * 2.0**walls, _DARK)
+    return (
+        _DARK
+        if setup.signal == BLOCKED or walls > _MOST_HALVINGS
+        else min(value * 2.0**walls, _DARK)
+    )
 
 
 def _block_reading(cells: Cells, block_x: int, block_y: int, setup: Setup) -> float:
     """Best signal in a block of the robot's map; -1 if it has none, as in a block of walls."""
     best = -1.0
-    for y in range(block_y * setup.map_scale, min((block_y + 1) * setup.map_scale, cells.shape[1] - 1)):
-        for x in range(block_x * setup.map_scale, min((block_x + 1) * setup.map_scale, cells.shape[0] - 1)):
+    for y in range(
+        block_y * setup.map_scale, min((block_y + 1) * setup.map_scale, cells.shape[1] - 1)
+    ):
+        for x in range(
+            block_x * setup.map_scale, min((block_x + 1) * setup.map_scale, cells.shape[0] - 1)
+        ):
             value = _reading(cells, x, y, setup)
             if value >= 0.0 and (best < 0.0 or value < best):
                 best = value
@@ -158,11 +181,13 @@ def _in_field(x: float, y: float, to_x: float, to_y: float, heading: float, fiel
     return min(off, _TWO_PI - off) <= field / 2.0
 
 
-def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int) -> float:
-    """Heading to the best signal by the sensor that ``setup`` describes; the thesis's is :func:`signal_direction`.
+def sensed_direction(
+    cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int
+) -> float:
+    """Heading to the best signal by the sensor that ``setup`` describes.
 
-    The robot reads its own cell, or block of its map, whatever way it looks. In the block that is best already
-    it goes by single cells.
+    The thesis's is :func:`signal_direction`. The robot reads its own cell, or block of its map,
+    whatever way it looks. In the block that is best already it goes by single cells.
 
     Args:
         cells: The signal with every wall drawn.
@@ -172,7 +197,12 @@ def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Se
         setup: Its sensor.
         step: Number of the tick, which picks the sensor's errors.
     """
-    if setup.signal == OPEN and setup.sensor_field == 0.0 and setup.sensor_noise == 0.0 and setup.map_scale == 1:
+    if (
+        setup.signal == OPEN
+        and setup.sensor_field == 0.0
+        and setup.sensor_noise == 0.0
+        and setup.map_scale == 1
+    ):
         return signal_direction(cells, x, y, setup.sense)
     if setup.map_scale > 1:
         best_x, best_y = _best_of(cells, x, y, heading, setup, step, setup.map_scale)
@@ -183,8 +213,13 @@ def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Se
     return bearing((best_x + 0.5) * CELL - x, (best_y + 0.5) * CELL - y)
 
 
-def _best_of(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int, scale: int) -> tuple[int, int]:
-    """Cell, or block of ``scale`` cells, with the best reading in reach; the first of equals, the own one before."""
+def _best_of(
+    cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int, scale: int
+) -> tuple[int, int]:
+    """Cell, or block of ``scale`` cells, with the best reading in reach.
+
+    The first of equals, the own one before.
+    """
     side = CELL * scale
     own_x, own_y = int(x / side), int(y / side)
     last_x, last_y = (cells.shape[0] - 2) // scale, (cells.shape[1] - 2) // scale
@@ -198,7 +233,9 @@ def _best_of(cells: Cells, x: float, y: float, heading: float, setup: Setup, ste
             middle_x, middle_y = (cell_x + 0.5) * side, (cell_y + 0.5) * side
             if not _in_field(x, y, middle_x, middle_y, heading, setup.sensor_field):
                 continue
-            value = _noisy_reading(cells, cell_x, cell_y, setup, scale, step * _READINGS + count % (_READINGS - 1))
+            value = _noisy_reading(
+                cells, cell_x, cell_y, setup, scale, step * _READINGS + count % (_READINGS - 1)
+            )
             if 0.0 <= value < lowest:
                 lowest, best_x, best_y = value, cell_x, cell_y
     return best_x, best_y

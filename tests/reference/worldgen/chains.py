@@ -37,7 +37,8 @@ def find_chain(
         solid: (height, width) bool.
         radius: cells.
         start: A clear pose, 1/1024 cell.
-        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
+        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the
+            start.
 
     Returns:
         Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
@@ -54,7 +55,9 @@ def linked_offsets(radius: Fraction) -> list[Cell]:
 
     The first half has no two offsets that are each other's reverse.
     """
-    limit = math.ceil((2 * radius) ** 2)  # gap squared is whole: gap < 2 r means gap squared < limit
+    limit = math.ceil(
+        (2 * radius) ** 2
+    )  # gap squared is whole: gap < 2 r means gap squared < limit
     reach = math.isqrt(limit - 1) + 1
     span = range(-reach, reach + 1)
     found = [
@@ -70,10 +73,13 @@ class _Links:
     """The cells of the rim, their links, and the bits of those.
 
     Attributes:
-        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside included; by rows.
-        rank: How many cells lie before a place of the flat raster, which is wide enough for every offset.
+        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside
+            included; by rows.
+        rank: How many cells lie before a place of the flat raster, which is wide enough for every
+            offset.
         place: (n,) where in that raster a cell is.
-        rows: (m, 2) what to add to a place for the row of an offset, and how far to either side that row is linked.
+        rows: (m, 2) what to add to a place for the row of an offset, and how far to either side
+            that row is linked.
         bits: How many targets there are.
         slot: (n,) number of each cell that has a link across a ray, else -1.
         begins: (k + 1,) where in ``ends`` the links of such a cell begin.
@@ -88,9 +94,15 @@ class _Links:
         start: ExactPoint,
         targets: Sequence[ExactPoint],
     ) -> None:
-        fine = 1 if all(value == int(value) for point in (start, *targets) for value in point) else _fineness(radius)
+        fine = (
+            1
+            if all(value == int(value) for point in (start, *targets) for value in point)
+            else _fineness(radius)
+        )
         self.unit, self.bits = UNIT * fine, len(targets)
-        self.points: list[Point] = [(round(x * fine), round(y * fine)) for x, y in (start, *targets)]
+        self.points: list[Point] = [
+            (round(x * fine), round(y * fine)) for x, y in (start, *targets)
+        ]
         self.offsets = np.array(linked_offsets(radius), np.int64)
         reach = int(self.offsets.max())
         rim = np.pad(rim_cells(solid), reach)
@@ -109,7 +121,10 @@ class _Links:
         """Sets ``slot``, ``begins``, ``ends`` and ``odd``."""
         near = np.zeros(len(self.cells), np.bool_)
         for x, y in self.points:
-            beside, above = np.abs(self.cells[:, 0] - x // self.unit), self.cells[:, 1] - y // self.unit
+            beside, above = (
+                np.abs(self.cells[:, 0] - x // self.unit),
+                self.cells[:, 1] - y // self.unit,
+            )
             near |= (beside <= reach + 1) & (above >= -reach - 1)
         chosen = np.flatnonzero(near)
         row = self.place[chosen, None] + self.rows[:, 0]
@@ -124,12 +139,15 @@ class _Links:
         kept = crossing[begins]
         self.ends, self.odd = ends[kept], odd[kept]
         self.slot: Ints = np.where(crossing, np.cumsum(crossing) - 1, -1)
-        self.begins = np.searchsorted(begins[kept], [*np.flatnonzero(crossing).tolist(), len(self.cells)])
+        self.begins = np.searchsorted(
+            begins[kept], [*np.flatnonzero(crossing).tolist(), len(self.cells)]
+        )
 
     def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
         """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
 
-        A thorough search goes on to all that it can reach, and leaves ``before`` and the rows as they are.
+        A thorough search goes on to all that it can reach, and leaves ``before`` and the rows as
+        they are.
         """
         graph, work = self._work
         found, looked = odd_walk(*graph, *work, self.bits, source, limit, thorough)
@@ -140,7 +158,15 @@ class _Links:
         """What the walk searches on."""
         states = len(self.cells) << self.bits
         layer = len(self.cells) + 1
-        arrays = (self.rank, self.place, self.rows.ravel(), self.slot, self.begins, self.ends, self.odd)
+        arrays = (
+            self.rank,
+            self.place,
+            self.rows.ravel(),
+            self.slot,
+            self.begins,
+            self.ends,
+            self.odd,
+        )
         self.before = [-1] * states
         work = (self.before, [0] * states, list(range(layer << self.bits)), [0] * states)
         return tuple(array.tolist() for array in arrays), work
@@ -186,7 +212,9 @@ class _Links:
         together = np.zeros(x.shape, np.uint8)
         all_bits = (1 << self.bits) - 1
         for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
-            for point, bit in zip(self.points, (all_bits, *(1 << k for k in range(self.bits))), strict=True):
+            for point, bit in zip(
+                self.points, (all_bits, *(1 << k for k in range(self.bits))), strict=True
+            ):
                 together ^= _crosses(px, py, qx, qy, *point) * np.uint8(bit)
         return together
 
@@ -202,10 +230,15 @@ def _fineness(radius: Fraction) -> int:
 
 
 def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.NDArray[np.uint8]:
-    """1 where segment pq crosses the ray from s upwards; points level with s count as left of it."""
+    """1 where segment pq crosses the ray from s upwards.
+
+    Points level with s count as left of it.
+    """
     astride = (px <= sx) != (qx <= sx)
     above = (py - sy) * (qx - px) + (qy - py) * (sx - px)
-    crossing: npt.NDArray[np.uint8] = (astride & (np.sign(above) == np.sign(qx - px))).astype(np.uint8)
+    crossing: npt.NDArray[np.uint8] = (astride & (np.sign(above) == np.sign(qx - px))).astype(
+        np.uint8
+    )
     return crossing
 
 
@@ -213,10 +246,15 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | 
     """The shortest odd cycle through one of a few cells at the rays."""
     sources = np.nonzero(has_odd & (links.slot >= 0))[0]
     x, y = (UNIT * links.cells[sources] + UNIT // 2).T
-    near = [(x - px * UNIT // links.unit) ** 2 + (y - py * UNIT // links.unit) ** 2 for px, py in links.points]
+    near = [
+        (x - px * UNIT // links.unit) ** 2 + (y - py * UNIT // links.unit) ** 2
+        for px, py in links.points
+    ]
     sources = sources[np.argsort(np.min(near, axis=0), kind="stable")]
     few = np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))
-    chosen = sources[few] if links.bits == 1 else np.concatenate([sources[few], np.delete(sources, few)])
+    chosen = (
+        sources[few] if links.bits == 1 else np.concatenate([sources[few], np.delete(sources, few)])
+    )
     size = len(links.cells) << links.bits
     work = (10 if links.bits > 1 else 1) * _WORK
     best: list[int] = []

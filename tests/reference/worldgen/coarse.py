@@ -17,7 +17,8 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
         heights: (width,) int32 zeros.
 
     Returns:
-        (n,) squares from source to goal, without those in the middle of a straight line; none if there is no way.
+        (n,) squares from source to goal, without those in the middle of a straight line; none if
+        there is no way.
     """
     height, width = solid.shape
     stride = width + 2
@@ -39,7 +40,9 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
         for i in range(count):
             at = np.int64(now[i])
             for step in range(4):
-                there = at + (1 if step == 0 else stride if step == 1 else -1 if step == 2 else -stride)
+                there = at + (
+                    1 if step == 0 else stride if step == 1 else -1 if step == 2 else -stride
+                )
                 if state[there] == 1:
                     state[there] = 2 + step
                     after[found] = there
@@ -50,7 +53,17 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
         while step != 6:
             corners += state[at] != step
             step = int(state[at])
-            at -= 1 if step == 2 else stride if step == 3 else -1 if step == 4 else -stride if step == 5 else 0
+            at -= (
+                1
+                if step == 2
+                else stride
+                if step == 3
+                else -1
+                if step == 4
+                else -stride
+                if step == 5
+                else 0
+            )
     way = np.empty(corners, np.int64)
     at, step = goal, 0
     while corners > 0:
@@ -58,5 +71,15 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
             corners -= 1
             way[corners] = at
             step = int(state[at])
-        at -= 1 if step == 2 else stride if step == 3 else -1 if step == 4 else -stride if step == 5 else 0
+        at -= (
+            1
+            if step == 2
+            else stride
+            if step == 3
+            else -1
+            if step == 4
+            else -stride
+            if step == 5
+            else 0
+        )
     return way

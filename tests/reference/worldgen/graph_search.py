@@ -1,4 +1,7 @@
-"""A* over the eight neighbours with a heap, and a flood: the specification of ``search.c`` and ``flood.c``."""
+"""A* over the eight neighbours with a heap, and a flood.
+
+The specification of ``search.c`` and ``flood.c``.
+"""
 
 import heapq
 import itertools
@@ -21,7 +24,10 @@ def find_path(
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
-    """Return a path over the graph from a source to an end, or else to a spare end; as the package's does."""
+    """Return a path over the graph from a source to an end, or else to a spare end.
+
+    As the package's does.
+    """
     size = graph.clear.size
     shifts, middles = neighbour_shifts(graph.stride)
     goal = np.zeros(size, np.uint8)
@@ -46,7 +52,11 @@ def find_path(
 def corners(path: Sequence[int]) -> list[int]:
     """A path without the nodes in the middle of a straight line."""
     steps = [b - a for a, b in itertools.pairwise(path)]
-    return [*path[:1], *(path[i + 1] for i in range(len(steps) - 1) if steps[i] != steps[i + 1]), *path[1:][-1:]]
+    return [
+        *path[:1],
+        *(path[i + 1] for i in range(len(steps) - 1) if steps[i] != steps[i + 1]),
+        *path[1:][-1:],
+    ]
 
 
 def _trace(node: int, came: Any, shifts: list[int], by_bridge: dict[int, int]) -> list[int]:
@@ -63,9 +73,9 @@ def _search(
 ) -> int:  # fmt: skip
     """A* over the eight neighbours.
 
-    ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction (1 to 8)
-    by which a node is reached, 0 at a source; ``cost`` is negative once a node is done with. Returns the
-    end, the cheapest spare end, or -1.
+    ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction
+    (1 to 8) by which a node is reached, 0 at a source; ``cost`` is negative once a node is done
+    with. Returns the end, the cheapest spare end, or -1.
 
     Source: Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost
     Paths", 1968.
@@ -91,7 +101,8 @@ def _search(
         cost[node] = -1 - here
         for direction in range(8):
             other = node + shifts[direction]
-            # Nodes on the rim of the grid are never clear, so a clear node has all eight neighbours.
+            # Nodes on the rim of the grid are never clear, so a clear node has all eight
+            # neighbours.
             if clear[other] == 0 or (direction > 3 and middle[node + corners[direction]] == 0):
                 continue
             onward = here + (70 if direction < 4 else 99)
@@ -131,14 +142,17 @@ def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None
             right += 1
         for i in range(left, right + 1):
             seen[i] = 1
-        while count + right - left + 8 > len(stack):  # at most every second node begins a run, on either side
+        while count + right - left + 8 > len(
+            stack
+        ):  # at most every second node begins a run, on either side
             longer = np.empty(2 * len(stack), np.int64)
             for i in range(count):
                 longer[i] = stack[i]
             stack = longer
         for side in range(2):
             shift = stride if side == 0 else -stride
-            # The whole run is joined to what lies beside it; one step beyond its ends, only by a clear diagonal.
+            # The whole run is joined to what lies beside it; one step beyond its ends, only by a
+            # clear diagonal.
             low = left if middle[left - 1 + min(shift, 0)] == 0 else left - 1
             high = right if middle[right + min(shift, 0)] == 0 else right + 1
             for i in range(low + shift, high + shift + 1):

@@ -1,4 +1,7 @@
-"""Searches over open ground in plain Python: what worldgen/core/making/ground.c does, in the same order."""
+"""Searches over open ground in plain Python.
+
+What worldgen/core/making/ground.c does, in the same order.
+"""
 
 
 def breadth_first(windows, came, queue, start, goal, stride):

@@ -15,12 +15,26 @@ def ring_of(size):
 
 
 def count_openings(  # noqa: PLR0912 - it is one kernel
-    clear, middle, stride, shifts, corners, places, sizes, kind, begins, ring_x, ring_y, mark, queue, found
+    clear,
+    middle,
+    stride,
+    shifts,
+    corners,
+    places,
+    sizes,
+    kind,
+    begins,
+    ring_x,
+    ring_y,
+    mark,
+    queue,
+    found,
 ):
     """Counts the parts of each place's ring; the same text runs plain and compiled.
 
-    First all parts of the ring, which takes little and decides most places; where there are three or more, those
-    that a flood from the place comes to. ``mark`` numbers floods: a multiple of 4 and 1 for the disc, 2 for the ring,
+    First all parts of the ring, which takes little and decides most places; where there are three
+    or more, those that a flood from the place comes to. ``mark`` numbers floods: a multiple of 4
+        and 1 for the disc, 2 for the ring,
     3 for its parts.
     """
     for k in range(len(places)):
@@ -82,7 +96,9 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
                         leads_on = 1
                     for direction in range(8):
                         other = node + shifts[direction]
-                        if mark[other] != stamp + 2 or (direction > 3 and middle[node + corners[direction]] == 0):
+                        if mark[other] != stamp + 2 or (
+                            direction > 3 and middle[node + corners[direction]] == 0
+                        ):
                             continue
                         mark[other] = stamp + 3
                         queue[tail] = other

@@ -4,8 +4,9 @@
 def flood(places, squared, middle, rank, shifts, corners, at_start, parent, bottom, mark, joined):
     """Unites the points in the order of their distance; the same text runs plain and compiled.
 
-    ``mark`` of a root has bit 1 if its set holds the target, bit 2 if the robot can step into it from the start. Stops
-    beyond the pass of the start. Returns it, squared, or -1; and how many pairs stand in ``joined``.
+    ``mark`` of a root has bit 1 if its set holds the target, bit 2 if the robot can step into it
+    from the start. Stops beyond the pass of the start. Returns it, squared, or -1; and how many
+    pairs stand in ``joined``.
     """
     top, count = -1, 0
     for r in range(len(places)):
@@ -17,14 +18,20 @@ def flood(places, squared, middle, rank, shifts, corners, at_start, parent, bott
         place = places[r]
         for direction in range(8):
             other = rank[place + shifts[direction]]
-            if other < 0 or other >= r or (direction > 3 and middle[place + corners[direction]] == 0):
+            if (
+                other < 0
+                or other >= r
+                or (direction > 3 and middle[place + corners[direction]] == 0)
+            ):
                 continue
             while parent[other] != other:
                 parent[other] = parent[parent[other]]
                 other = parent[other]
             if other == root:
                 continue
-            if (mark[other] ^ mark[root]) & 1:  # what is not the target's is a pocket, with its bottom
+            if (
+                mark[other] ^ mark[root]
+            ) & 1:  # what is not the target's is a pocket, with its bottom
                 low = bottom[other] if mark[root] & 1 else bottom[root]
                 if squared[low] < level:
                     joined[2 * count] = level

@@ -1,4 +1,7 @@
-"""Where a disc is clear, point by point of a graph: windows of cells, doubled; the specification of ``rasters.c``."""
+"""Where a disc is clear, point by point of a graph: windows of cells, doubled.
+
+The specification of ``rasters.c``.
+"""
 
 import math
 from fractions import Fraction
@@ -19,8 +22,12 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
     window = _Windows(solid, math.ceil(radius) + 1)
     for b in range(k):
         for a in range(k):
-            clear[b::k, a::k] = clear_raster(window, 2 * a, 2 * b, 2 * k, radius, clear[b::k, a::k].shape)
-            middle[b:-1:k, a:-1:k] = clear_raster(window, 2 * a + 1, 2 * b + 1, 2 * k, radius, (height, width))
+            clear[b::k, a::k] = clear_raster(
+                window, 2 * a, 2 * b, 2 * k, radius, clear[b::k, a::k].shape
+            )
+            middle[b:-1:k, a:-1:k] = clear_raster(
+                window, 2 * a + 1, 2 * b + 1, 2 * k, radius, (height, width)
+            )
     return Graph(k, clear, middle)
 
 
@@ -48,8 +55,8 @@ def clear_raster(
 ) -> npt.NDArray[np.bool_]:
     """Whether the disc is clear at the points (i + a/m, j + b/m), for j, i below ``shape``.
 
-    The distance from such a point to a cell is the root of a whole number of 1/m cells squared, so the
-    comparison with the radius is exact.
+    The distance from such a point to a cell is the root of a whole number of 1/m cells squared, so
+    the comparison with the radius is exact.
     """
     limit = math.ceil((m * radius) ** 2)  # clear means: squared distance >= limit
     blocked = np.zeros(shape, np.bool_)

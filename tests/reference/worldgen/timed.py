@@ -1,4 +1,6 @@
-"""Safe intervals, the search over them and the spread of a robot: the specification of ``intervals.c``, ``timed.c`` and
+"""Safe intervals, the search over them and the spread of a robot.
+
+The specification of ``intervals.c``, ``timed.c`` and
 ``confine.c``.
 """
 
@@ -15,7 +17,9 @@ from worldgen.reach.timed.intervals import Blocked, Intervals
 from worldgen.reach.timed.spans import FOREVER
 
 
-def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Intervals:
+def safe_intervals(
+    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
+) -> Intervals:
     """Return when the points of a raster are safe; as the package's does."""
     inputs, most = _points_and_spans(clear, spans, classes)
     lists = [array.tolist() for array in inputs]
@@ -41,11 +45,15 @@ def _points_and_spans(
     number[cells.ravel()] = np.diff(spans.first)[spans.changing.ravel()]
     span_first = np.concatenate([[0], np.cumsum(number)])
     steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
-    class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
+    class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(
+        np.int64
+    )
     rows, columns = clear.shape
     y = np.arange(rows, dtype=np.int32)[:, None]
     x = np.arange(columns, dtype=np.int32)[None, :]
-    place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
+    place = (
+        (y // k + pad) * cells.shape[1] + x // k + pad
+    )  # 32 bits: there are tens of millions of points
     kind = y % k * k + x % k
     points = [clear.view(np.uint8).ravel(), place.ravel(), kind.ravel()]
     most = int(number.max(initial=0)) * max(len(found) for found in classes)
@@ -87,14 +95,21 @@ def _safe_intervals(
             first[p + 1] = found
 
 
-def search(nodes: Any, middles: Any, stride: int, begun: Any, goal: Any, lean: Any, ticks: Any) -> tuple[Any, ...]:
-    """Return the final state, and of the states their node, cost, predecessor and departure; as the package's does."""
+def search(
+    nodes: Any, middles: Any, stride: int, begun: Any, goal: Any, lean: Any, ticks: Any
+) -> tuple[Any, ...]:
+    """Return the final state, and of the states their node, cost, predecessor and departure.
+
+    As the package's does.
+    """
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(len(nodes.first) - 1), np.diff(nodes.first)).tolist()
     cost = [FOREVER] * count
     came = [-1] * count
     depart = [0] * count
-    lists = [array.tolist() for part in (nodes, middles) for array in (part.first, part.begin, part.end)]
+    lists = [
+        array.tolist() for part in (nodes, middles) for array in (part.first, part.begin, part.end)
+    ]
     final = _safe_search(
         *lists,
         node_of,
@@ -144,7 +159,9 @@ def _safe_search(
                 if direction > 3:
                     found, corner = -1, node + corners[direction]
                     for middle in range(mid_first[corner], mid_first[corner + 1]):
-                        if found < 0 and max(leave, mid_begin[middle]) + takes <= min(close, mid_end[middle]):
+                        if found < 0 and max(leave, mid_begin[middle]) + takes <= min(
+                            close, mid_end[middle]
+                        ):
                             found = max(leave, mid_begin[middle])
                     if found < 0 or found + takes >= cost[onto]:
                         continue
@@ -158,9 +175,20 @@ def _safe_search(
 
 
 def spread_out(
-    first: Any, tile: Any, low: Any, high: Any, goal: Any, columns: Any, rows: Any, sources: Any, came: Any
+    first: Any,
+    tile: Any,
+    low: Any,
+    high: Any,
+    goal: Any,
+    columns: Any,
+    rows: Any,
+    sources: Any,
+    came: Any,
 ) -> Any:
-    """Fills ``came``, state by state in order of slabs; returns the slab in which the goal is reached, or -1."""
+    """Fills ``came``, state by state in order of slabs.
+
+    Returns the slab in which the goal is reached, or -1.
+    """
     queue = [(0, 0)]
     heapq.heappop(queue)
     for i in range(len(sources)):

@@ -19,10 +19,15 @@ __all__ = ["cave"]
 
 Shape: TypeAlias = Literal["caverns", "columns", "galleries"]
 
-_ROCK: dict[Shape, tuple[int, int]] = {"caverns": (47, 52), "columns": (38, 44), "galleries": (54, 58)}  # percent
+_ROCK: dict[Shape, tuple[int, int]] = {
+    "caverns": (47, 52),
+    "columns": (38, 44),
+    "galleries": (54, 58),
+}  # percent
 MOST_ROUNDS = 50  # the automaton has come to rest long before
 _ROUNDS = (3, 6)  # rounds drawn
-_SMOOTHEST = 10  # grain from which corners are rounded no further: each round costs as much as the automaton's
+# Grain from which corners are rounded no further: each round costs as much as the automaton's.
+_SMOOTHEST = 10
 _HOLLOW = 2  # a hollow stays from so many widths of the robot a side on; smaller ones are filled in
 _HARDEST = 3  # rounds of digging that a place takes at most; tunnels bend round what is hard
 _OPENED_UP = 3  # rounds in which columns rise in wide halls
@@ -43,8 +48,9 @@ def cave(
 ) -> World:
     """A cave of irregular halls and passages, the start at one end, the target at another.
 
-    No wall is straight, and hollows of every size catch a robot that follows a signal or a wall. Whatever
-    is free can be reached by the robot: hollows that hang apart are joined by tunnels, crannies too narrow
+    No wall is straight, and hollows of every size catch a robot that follows a signal or a wall.
+    Whatever is free can be reached by the robot: hollows that hang apart are joined by tunnels,
+        crannies too narrow
     for the robot are filled in.
 
     Args:
@@ -55,8 +61,8 @@ def cave(
         rock: Rock before the automaton's first round, in percent; the more, the narrower the
             cave; if omitted, drawn from what suits the shape.
         rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; if omitted, drawn.
-        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; if omitted, what suits the
-            robot.
+        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; if
+            omitted, what suits the robot.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -64,9 +70,10 @@ def cave(
     Raises:
         InvalidParameter: If a number is out of range, or the square is less than three robots wide.
 
-    Source: Johnson, Yannakakis, Togelius, "Cellular automata for real-time generation of infinite cave
-    levels", PCGames 2010; the rule of the columns from "Cellular Automata Method for Generating Random
-    Cave-Like Levels", RogueBasin.
+    Source: Johnson, Yannakakis, Togelius, "Cellular automata for real-time generation of infinite
+        cave
+    levels", PCGames 2010; the rule of the columns from "Cellular Automata Method for Generating
+    Random Cave-Like Levels", RogueBasin.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     check_between("grain", grain, CHOSEN, arena.inside, "cells")
@@ -74,7 +81,8 @@ def cave(
     if arena.inside < 3 * side:
         raise InvalidParameter(
             "no-room",
-            "size={size} is too small for a cave, {least} cells for a robot {robot_width} cells wide",
+            "size={size} is too small for a cave, {least} cells for a robot {robot_width} cells "
+            "wide",
             "give a larger size or a smaller robot_radius",
             size=size,
             least=3 * side + 2,
@@ -128,13 +136,17 @@ def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uin
 
 
 def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> None:
-    """Digs one chamber each into two opposite corners, in place, so that the cave spans the square."""
+    """Digs one chamber each into two opposite corners, in place.
+
+    So that the cave spans the square.
+    """
     side = arena.narrowest
     spare = arena.inside - side
     flip = rng.below(2)
     for far in (0, 1):
         x, y = (rng.between(0, spare // 4) for _ in range(2))
-        column, row = 1 + (spare - x if far else x), 1 + (spare - y if far ^ flip else y)
+        column = 1 + (spare - x if far else x)
+        row = 1 + (spare - y if far ^ flip else y)
         walls[row : row + side, column : column + side] = False
 
 
@@ -146,13 +158,18 @@ def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> np
     sizes = np.bincount(owner[owner >= 0], minlength=count)
     kept = sizes >= min((_HOLLOW * side) ** 2, int(sizes.max()))
     free = np.flatnonzero(windows)
-    ends = [int(free[0]), int(free[-1])]  # the chambers in the corners lie outermost, or what hangs with them
+    ends = [
+        int(free[0]),
+        int(free[-1]),
+    ]  # the chambers in the corners lie outermost, or what hangs with them
     for end in ends:
         kept[int(owner[end])] = True
     owner[~kept[owner] & (owner >= 0)] = -1
     hard = np.zeros(walls.shape, dtype=np.uint8)
     inner = arena.inside - side + 1
-    hard[1 : 1 + inner, 1 : 1 + inner] = (rng.bits(inner * inner) % np.uint64(_HARDEST) + 1).reshape(inner, inner)
+    hard[1 : 1 + inner, 1 : 1 + inner] = (
+        rng.bits(inner * inner) % np.uint64(_HARDEST) + 1
+    ).reshape(inner, inner)
     dug = dig_from(owner, hard)
     windows = (owner >= 0).reshape(walls.shape)
     for one, other in easiest_joints(dug, arena.size, count):

@@ -45,14 +45,20 @@ __all__ = ["corridor"]
 
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
-# Lattices tried until one holds the bends and side ways asked for. Measured with the most that are allowed of
-# one or of both, over 20,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at worst.
+# Lattices tried until one holds the bends and side ways asked for. Measured with the most that are
+# allowed of one or of both, over 20,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at
+# worst.
 MAX_DRAFTS = 100
 TRIES_PER_ORIGIN = 4  # random side ways tried, per node from which one can start
-BRANCH_STEPS = (2, 4)  # lattice steps of a side way where there is room: with two or more, others can branch off
+BRANCH_STEPS = (
+    2,
+    4,
+)  # lattice steps of a side way where there is room: with two or more, others can branch off
 MOST_TUNNEL = 400  # lines of a tunnel's lattice: its longest way is found in Python, in 2 s
 MOST_WIDE = 1000.0  # widths of the robot
-MOST_BENDS, MOST_BRANCHES = 1000, 500  # beyond, drafts take long and often fail
+# beyond, drafts take long and often fail
+MOST_BENDS = 1000
+MOST_BRANCHES = 500
 
 
 @family("corridor", version=1)
@@ -75,26 +81,27 @@ def corridor(
 ) -> World:
     """A corridor from the start, at one end, to the target, at the other, through solid rock.
 
-    Right angles and side ways are where a robot that reverses or turns by rote loses its direction. The
-    corridor is reachable by construction and spans the square.
+    Right angles and side ways are where a robot that reverses or turns by rote loses its direction.
+    The corridor is reachable by construction and spans the square.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side ways that
-            lead back, so that there is more than one way; S: to and fro in long stretches; T: T junctions,
-            one arm of each blind; X: corridors across corridors; tunnel: one long way that fills the
-            square.
-        bends: Right angles of the corridor from start to target, without side ways, of bends, dead-ends,
-            junctions and S; if omitted, drawn.
-        branches: Side ways of dead-ends and junctions, off the corridor or off each other; junctions of T;
-            corridors each way of X; if omitted, drawn.
+        shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side
+            ways that lead back, so that there is more than one way; S: to and fro in long
+            stretches; T: T junctions, one arm of each blind; X: corridors across corridors; tunnel:
+            one long way that fills the square.
+        bends: Right angles of the corridor from start to target, without side ways, of bends,
+            dead-ends, junctions and S; if omitted, drawn.
+        branches: Side ways of dead-ends and junctions, off the corridor or off each other;
+            junctions of T; corridors each way of X; if omitted, drawn.
         width: Width of the corridor, cells; if omitted, the narrowest that lets the robot through.
-        robot_widths: The corridor's width in widths of the robot instead, at least 1, rounded up to whole
-            cells; 0: as ``width`` says.
+        robot_widths: The corridor's width in widths of the robot instead, at least 1, rounded up to
+            whole cells; 0: as ``width`` says.
         necks: Narrow places on straight stretches from start to target; None (-1 at the
             command line): as many as there is room for.
-        neck: Width of the narrow places, cells; if omitted, the narrowest that lets the robot through.
+        neck: Width of the narrow places, cells; if omitted, the narrowest that lets the robot
+            through.
         neck_length: Their length along the corridor, cells; 1: a door.
         wall: Least thickness of the rock between two stretches, cells.
         cell_size: Side of a cell, m.
@@ -102,7 +109,8 @@ def corridor(
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or the square has no room for so many bends or branches.
+        InvalidParameter: If a number is out of range, or the square has no room for so many bends
+            or branches.
         GenerationFailed: If no draft of the corridor has that many bends and branches.
 
     Source: the corridor is a stretch of the longest way through a backtracker's maze.
@@ -117,15 +125,20 @@ def corridor(
         way, side_edges = _wound(rng, shape, lines, bends, branches)
     edges = [*pairwise(way), *side_edges]
     columns, rows = (
-        _place_lines(rng.child("lines", axis), edges, axis, arena.inside, width, wall) for axis in range(2)
+        _place_lines(rng.child("lines", axis), edges, axis, arena.inside, width, wall)
+        for axis in range(2)
     )
 
     centres = [_centre(node, columns, rows, width) for node in way]
-    first = next(k for k, centre in enumerate(centres) if centre != centres[0])  # a line may have been dropped
+    first = next(
+        k for k, centre in enumerate(centres) if centre != centres[0]
+    )  # a line may have been dropped
     walls = _cut(arena.solid(), edges, columns, rows, width)
     if necks:
         slots = neck_slots(way, _corners(edges), columns, rows, width, neck_length)
-        place_necks(rng.child("necks"), walls, _chosen_slots(rng, slots, necks), width, neck_length, neck)
+        place_necks(
+            rng.child("necks"), walls, _chosen_slots(rng, slots, necks), width, neck_length, neck
+        )
     return arena.world(
         walls,
         start=centres[0],
@@ -151,7 +164,8 @@ def _lines(arena: Arena, width: int, wall: int) -> int:
     if lines < 2:
         raise InvalidParameter(
             "no-room",
-            "width={width} and wall={wall} leave no room for two stretches side by side in size={size} cells",
+            "width={width} and wall={wall} leave no room for two stretches side by side in "
+            "size={size} cells",
             "give a size of at least {least}, or a narrower corridor",
             width=width,
             wall=wall,
@@ -189,7 +203,8 @@ def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot
     if necks > len(slots):
         raise GenerationFailed(
             "no-room",
-            "corridor: its straight stretches have room for {most} narrow places, not for necks={necks}",
+            "corridor: its straight stretches have room for {most} narrow places, not for "
+            "necks={necks}",
             "give fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends",
             most=len(slots),
             necks=necks,
@@ -199,9 +214,13 @@ def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot
     return slots[:necks]
 
 
-def _wound(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int) -> tuple[list[Node], list[Edge]]:
+def _wound(
+    rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int
+) -> tuple[list[Node], list[Edge]]:
     """A winding way and the edges of its side ways."""
-    bends = _count(rng.child("bends"), "bends", bends, low=3, high=12, most=min(lines * lines // 4, MOST_BENDS))
+    bends = _count(
+        rng.child("bends"), "bends", bends, low=3, high=12, most=min(lines * lines // 4, MOST_BENDS)
+    )
     if shape == "bends":
         branches = without_effect("branches", branches, "shape=bends")
     else:
@@ -210,7 +229,9 @@ def _wound(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: in
     return _draft(rng.child("way"), lines, bends, branches, leads_back=shape == "junctions")
 
 
-def _planned(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int) -> tuple[list[Node], list[Edge]]:
+def _planned(
+    rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int
+) -> tuple[list[Node], list[Edge]]:
     """A way with a plan and the edges of its side ways.
 
     Raises:
@@ -221,7 +242,7 @@ def _planned(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: 
     if shape in ("S", "tunnel"):
         without_effect("branches", branches, f"shape={shape}")
     if shape == "tunnel":
-        return _longest_way(rng, min(lines, MOST_TUNNEL)), []
+        return _longest_path(rng, min(lines, MOST_TUNNEL)), []
     if shape == "S":
         most = min(2 * lines - 3, MOST_BENDS)
         way, edges = serpentine(_count(rng, "bends", bends, low=min(4, most), high=16, most=most))
@@ -260,7 +281,7 @@ def _draft(
     """A way with exactly ``bends`` bends and the edges of its side ways, on a lattice that grows as needed."""
     lattice = min(lines, 2 + math.isqrt(3 * (bends + branches)))
     for draft in range(MAX_DRAFTS):
-        way = _stretch(rng, _longest_way(rng, lattice), bends, least_steps=2 if branches else 1)
+        way = _stretch(rng, _longest_path(rng, lattice), bends, least_steps=2 if branches else 1)
         if way is not None:
             side_edges = _side_ways(rng, way, branches, lattice, leads_back=leads_back)
             if side_edges is not None:
@@ -268,7 +289,8 @@ def _draft(
         lattice = min(lines, lattice + draft % 2)
     raise GenerationFailed(
         "no-room",
-        "corridor: none of {drafts} drafts has bends={bends} and branches={branches} on {lines} x {lines} lines",
+        "corridor: none of {drafts} drafts has bends={bends} and branches={branches} on {lines} x "
+        "{lines} lines",
         "give fewer, or a larger size",
         drafts=MAX_DRAFTS,
         bends=bends,
@@ -277,7 +299,7 @@ def _draft(
     )
 
 
-def _longest_way(rng: RandomStream, lattice: int) -> list[Node]:
+def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
     """The way from the farthest room of a backtracker's maze to its root."""
     tree = spanning_tree(rng, lattice, lattice, "backtracker").tolist()
     children: dict[Node, list[Node]] = {}
@@ -306,10 +328,18 @@ def _longest_way(rng: RandomStream, lattice: int) -> list[Node]:
 def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -> list[Node] | None:
     """A stretch of the way with exactly so many bends and whole runs at its ends, if it has as many."""
     corners = [0]
-    corners += [k for k in range(1, len(way) - 1) if _direction(way[k - 1], way[k]) != _direction(way[k], way[k + 1])]
+    corners += [
+        k
+        for k in range(1, len(way) - 1)
+        if _direction(way[k - 1], way[k]) != _direction(way[k], way[k + 1])
+    ]
     corners.append(len(way) - 1)
     runs = bends + 1
-    bounds = [(low, high) for low, high in zip(corners, corners[runs:], strict=False) if high - low >= least_steps]
+    bounds = [
+        (low, high)
+        for low, high in zip(corners, corners[runs:], strict=False)
+        if high - low >= least_steps
+    ]
     if not bounds:
         return None
     low, high = rng.choice(bounds)
@@ -324,8 +354,11 @@ def _side_ways(
 
     Blind ones end at a node of their own; those that lead back close one loop each.
     """
-    used, joined = set(way), {frozenset(edge) for edge in pairwise(way)}
-    origins = list(way) if leads_back else way[1:-1]  # only a side way that leads back may leave from an end
+    used = set(way)
+    joined = {frozenset(edge) for edge in pairwise(way)}
+    origins = (
+        list(way) if leads_back else way[1:-1]
+    )  # only a side way that leads back may leave from an end
     edges: list[Edge] = []
     for _ in range(branches):
         for _ in range(TRIES_PER_ORIGIN * len(origins)):
@@ -352,7 +385,11 @@ def _wander(rng: RandomStream, node: Node, used: set[Node], lattice: int) -> lis
     """A few random steps from a node over unused ones."""
     branch = [node]
     for _ in range(rng.between(*BRANCH_STEPS)):
-        free = [other for other in _neighbours(branch[-1], lattice) if other not in used and other not in branch]
+        free = [
+            other
+            for other in _neighbours(branch[-1], lattice)
+            if other not in used and other not in branch
+        ]
         if not free:
             break
         branch.append(rng.choice(free))
@@ -360,9 +397,16 @@ def _wander(rng: RandomStream, node: Node, used: set[Node], lattice: int) -> lis
 
 
 def _lead_back(
-    rng: RandomStream, branch: list[Node], used: set[Node], joined: set[frozenset[Node]], lattice: int
+    rng: RandomStream,
+    branch: list[Node],
+    used: set[Node],
+    joined: set[frozenset[Node]],
+    lattice: int,
 ) -> list[Node]:
-    """The branch with a last step onto a used node; nothing if it touches none that it is not joined to."""
+    """The branch with a last step onto a used node.
+
+    Nothing if it touches none that it is not joined to.
+    """
     tip = branch[-1]
     back = [
         other
@@ -372,10 +416,13 @@ def _lead_back(
     return [*branch, rng.choice(back)] if back else []
 
 
-def _place_lines(rng: RandomStream, edges: list[Edge], axis: int, inside: int, width: int, wall: int) -> dict[int, int]:
-    """First cell, in x or y, of each lattice line; lines on which nothing turns or ends take no room.
+def _place_lines(
+    rng: RandomStream, edges: list[Edge], axis: int, inside: int, width: int, wall: int
+) -> dict[int, int]:
+    """First cell, in x or y, of each lattice line.
 
-    Dropping such a line and moving the others apart keeps their order, so nothing new touches.
+    Lines on which nothing turns or ends take no room. Dropping such a line and moving the others
+    apart keeps their order, so nothing new touches.
     """
     straight = {edge[0][axis] for edge in edges} | {edge[1][axis] for edge in edges}
     kept = sorted({node[axis] for node in _corners(edges)})
@@ -401,14 +448,21 @@ def _corners(edges: list[Edge]) -> set[Node]:
 
 
 def _cut(
-    walls: npt.NDArray[np.bool_], edges: list[Edge], columns: dict[int, int], rows: dict[int, int], width: int
+    walls: npt.NDArray[np.bool_],
+    edges: list[Edge],
+    columns: dict[int, int],
+    rows: dict[int, int],
+    width: int,
 ) -> npt.NDArray[np.bool_]:
     for (ax, ay), (bx, by) in edges:
-        x, y = sorted((columns[ax], columns[bx])), sorted((rows[ay], rows[by]))
+        x = sorted((columns[ax], columns[bx]))
+        y = sorted((rows[ay], rows[by]))
         walls[y[0] : y[1] + width, x[0] : x[1] + width] = False
     return walls
 
 
-def _centre(node: Node, columns: dict[int, int], rows: dict[int, int], width: int) -> tuple[int, int]:
+def _centre(
+    node: Node, columns: dict[int, int], rows: dict[int, int], width: int
+) -> tuple[int, int]:
     """The middle of the corridor at a node, in half cells."""
     return 2 * columns[node[0]] + width, 2 * rows[node[1]] + width

@@ -46,10 +46,12 @@ def forest(
 ) -> World:
     """A forest of round trunks, with the start on one side and the target on the other.
 
-    There is a way between any two trunks, so a robot that goes round what it meets arrives; one that turns
-    by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk and the border, are
-    closer than the gap, which is exact between their cells: every target is reachable, whatever is drawn.
-    A trunk of random thickness is tried at each cell, in random order, and stands if it keeps the gap.
+    There is a way between any two trunks, so a robot that goes round what it meets arrives; one
+    that turns by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk
+    and the border, are closer than the gap, which is exact between their cells: every target is
+        reachable, whatever is drawn.
+    A trunk of random thickness is tried at each cell, in random order, and stands if it keeps the
+    gap.
 
     Args:
         rng: The only source of chance; equal state, equal world.
@@ -67,13 +69,16 @@ def forest(
     Raises:
         InvalidParameter: If a number is out of range, or not one trunk fits.
 
-    Source: Poisson-disc sampling; Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH
+    Source: Poisson-disc sampling; Bridson, "Fast Poisson disk sampling in arbitrary dimensions",
+        SIGGRAPH
     2007, gives what this does cell by cell: darts until none fits, Cook 1986.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     clear = 2 * arena.radius * exact(gap)
     free = _clear_of_border(arena, clear)
-    thickest = _thickest(rng.child("thickest"), arena, int(free.any(axis=0).sum()), clear, thinnest, thickest)
+    thickest = _thickest(
+        rng.child("thickest"), arena, int(free.any(axis=0).sum()), clear, thinnest, thickest
+    )
 
     diameters = range(thinnest, thickest + 1)
     places = _places(rng.child("places"), arena, growth, math.ceil(thickest + clear))
@@ -87,7 +92,9 @@ def forest(
     return arena.world(walls, poses.start, poses.target, poses.quarter)
 
 
-def _thickest(rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinnest: int, thickest: int) -> int:
+def _thickest(
+    rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinnest: int, thickest: int
+) -> int:
     """The largest diameter, drawn if it is to be, of at most ``most`` cells.
 
     Raises:
@@ -96,7 +103,8 @@ def _thickest(rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinn
     if most < thinnest:
         raise InvalidParameter(
             "no-room",
-            "size={size} has no room for a trunk of {thinnest} cells and a gap of {clear:g} cells round it",
+            "size={size} has no room for a trunk of {thinnest} cells and a gap of {clear:g} cells "
+            "round it",
             "give a larger size, thinner trunks, or a smaller gap or robot_radius",
             size=arena.size,
             thinnest=thinnest,
@@ -113,7 +121,9 @@ def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
     """Cells with a gap to the border."""
     margin = 1 + math.ceil(clear)
     free = np.zeros((arena.size, arena.size), dtype=np.bool_)
-    free[margin : max(margin, arena.size - margin), margin : max(margin, arena.size - margin)] = True
+    free[margin : max(margin, arena.size - margin), margin : max(margin, arena.size - margin)] = (
+        True
+    )
     return free
 
 
@@ -124,9 +134,15 @@ def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> npt.
         return np.stack([order % arena.size, order // arena.size], axis=1)
     shake = 1 + pitch // 4
     columns, rows = np.meshgrid(*[np.arange(pitch // 2, arena.size + pitch, pitch + shake - 1)] * 2)
-    columns = columns - (np.arange(len(columns)) % 2 * (pitch // 2))[:, np.newaxis] - rng.below(pitch // 2 + 1)
+    columns = (
+        columns
+        - (np.arange(len(columns)) % 2 * (pitch // 2))[:, np.newaxis]
+        - rng.below(pitch // 2 + 1)
+    )
     shaken = (rng.bits(2 * columns.size) % np.uint64(shake)).astype(np.int64).reshape(2, -1)
-    places = np.stack([columns.ravel() + shaken[0], rows.ravel() + shaken[1] - rng.below(pitch // 2 + 1)], axis=1)
+    places = np.stack(
+        [columns.ravel() + shaken[0], rows.ravel() + shaken[1] - rng.below(pitch // 2 + 1)], axis=1
+    )
     inside = ((places > 0) & (places < arena.size - 1)).all(axis=1)
     return np.asarray(places[inside] if not rng.below(2) else places[inside][:, ::-1])
 

@@ -71,28 +71,32 @@ def maze(
 ) -> World:
     """A maze from one corner of the square to the opposite one.
 
-    Dead ends and long ways round defeat a robot that only turns away from what it bumps into. A maze is a
-    lattice of chambers, each a passage wide. Every chamber is reachable by construction; cells left over by
-    the division into chambers widen some passages.
+    Dead ends and long ways round defeat a robot that only turns away from what it bumps into. A
+    maze is a lattice of chambers, each a passage wide. Every chamber is reachable by construction;
+    cells left over by the division into chambers widen some passages.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
         algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
-            kruskal, prim: the lightest tree of random weights; for the others see the documentation.
-        newest: Share of a growing tree's steps that go on from the newest chamber; if omitted, half.
+            kruskal, prim: the lightest tree of random weights; for the others see the
+                documentation.
+        newest: Share of a growing tree's steps that go on from the newest chamber; if omitted,
+            half.
         oldest: Share that go on from the oldest; if omitted, none. The rest go on from any.
         mask: Shape of the maze; the rest of the square is rock.
         braid: Share of the dead ends that get a second way out; 1 leaves none.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.
-        passage: Width of the passages, cells; if omitted, the narrowest that lets the robot through.
+        passage: Width of the passages, cells; if omitted, the narrowest that lets the robot
+            through.
         wall: Thickness of the walls, cells.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, has no effect with the algorithm, or does not fit.
+        InvalidParameter: If a number is out of range, has no effect with the algorithm, or does not
+            fit.
 
     Source: each algorithm names its own, in worldgen/families/_mazes.
     """
@@ -139,7 +143,9 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
     Raises:
         InvalidParameter: If one is out of range, or given for another algorithm.
     """
-    given = {name: share for name, share in (("newest", newest), ("oldest", oldest)) if share != CHOSEN}
+    given = {
+        name: share for name, share in (("newest", newest), ("oldest", oldest)) if share != CHOSEN
+    }
     for name, share in given.items():
         if algorithm != "growing-tree":
             raise InvalidParameter(

@@ -46,17 +46,18 @@ def rooms(
 ) -> World:
     """One floor of an office: rooms, corridors and doors, the start in one room, the target in a far one.
 
-    A robot that is drawn to the target ends up behind the wall of the room next door, and must find a door
-    that it may have to go away for. Every room can be reached by construction, unless doors are shut.
+    A robot that is drawn to the target ends up behind the wall of the room next door, and must find
+    a door that it may have to go away for. Every room can be reached by construction, unless doors
+    are shut.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor, rooms
-            lead to rooms.
+        plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor,
+            rooms lead to rooms.
         room: Least inner side of a room, cells; if omitted, drawn.
-        corridor: Width of the corridors, cells; if omitted, the narrowest that lets the robot and a door's width
-            through.
+        corridor: Width of the corridors, cells; if omitted, the narrowest that lets the robot and a
+            door's width through.
         door: Width of the doors, cells; if omitted, the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
         shared: Share of the walls without need of a door that have one too: between two rooms, or a
@@ -69,7 +70,8 @@ def rooms(
     Raises:
         InvalidParameter: If a number is out of range, or two rooms and their corridor do not fit.
 
-    Source: the square is cut in two again and again, as in binary space partitioning; doors are Kruskal's
+    Source: the square is cut in two again and again, as in binary space partitioning; doors are
+        Kruskal's
     spanning tree in random order, corridors before rooms.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
@@ -80,9 +82,18 @@ def rooms(
     floor = divide(rng.child("floor"), arena, plan, sizes)
     joints = joined(floor, sizes)
     doors = hang_doors(rng.child("doors"), floor, joints, sizes, shared)
-    in_rooms = free_windows(floor.owner < floor.corridors, arena.narrowest, arena.narrowest)  # not in a doorway
+    in_rooms = free_windows(
+        floor.owner < floor.corridors, arena.narrowest, arena.narrowest
+    )  # not in a doorway
     begin = int(np.flatnonzero(in_rooms)[0])
-    poses = far_poses(rng.child("poses"), doors.walls, arena.narrowest, begin, start_in=in_rooms, target_in=in_rooms)
+    poses = far_poses(
+        rng.child("poses"),
+        doors.walls,
+        arena.narrowest,
+        begin,
+        start_in=in_rooms,
+        target_in=in_rooms,
+    )
     ends = tuple(int(floor.owner[y // 2, x // 2]) for x, y in (poses.start, poses.target))
     shut_doors(rng.child("shut"), floor, joints, doors, closed, (ends[0], ends[1]))
 

@@ -58,15 +58,16 @@ def rubble(
 ) -> World:
     """A collapsed building: the robot comes in where it still stands, and looks for a survivor in a pocket.
 
-    Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they stood and
-    bars ways that the plan has. The survivor, the target, lies in a pocket that debris closes but for one
-    way in. That way is cleared from the start on, over as little debris as possible and never through a wall
-    that still stands: every world can be solved, whatever falls.
+    Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they
+    stood and bars ways that the plan has. The survivor, the target, lies in a pocket that debris
+    closes but for one way in. That way is cleared from the start on, over as little debris as
+    possible and never through a wall that still stands: every world can be solved, whatever falls.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on one side.
+        collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on
+            one side.
         damage: Share of the building that is ruined.
         debris: Share of the ruined floor that debris covers; it is thickest where walls fell.
         room: Least inner side of a room, cells; if omitted, drawn.
@@ -79,7 +80,8 @@ def rubble(
     Raises:
         InvalidParameter: If a number is out of range, or two rooms do not fit.
 
-    Source: the rescue robot of the thesis that this program descends from; voids left in a collapse, as in
+    Source: the rescue robot of the thesis that this program descends from; voids left in a
+        collapse, as in
     Murphy, "Disaster Robotics", 2014.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
@@ -100,7 +102,9 @@ def rubble(
 
     windows = free_windows(walls, side, side)
     ways = [way for way, (dx, dy) in enumerate(STEPS) if windows.flat[ends.start + dx + dy * size]]
-    return arena.world(walls, ends.middle(ends.start), ends.middle(ends.target), rng.choice(ways or [0, 1, 2, 3]))
+    return arena.world(
+        walls, ends.middle(ends.start), ends.middle(ends.target), rng.choice(ways or [0, 1, 2, 3])
+    )
 
 
 @dataclass(frozen=True)
@@ -148,15 +152,19 @@ def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
 
 def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) -> Grid:
     """The part of the building that is ruined, its edge ragged."""
-    size, pitch = arena.size, max(4, arena.size // 6)
+    size = arena.size
+    pitch = max(4, arena.size // 6)
     noise = smooth_noise(rng, size, pitch)
     highest = 1024 * pitch * pitch
-    x, y = np.arange(size)[np.newaxis, :], np.arange(size)[:, np.newaxis]
+    x = np.arange(size)[np.newaxis, :]
+    y = np.arange(size)[:, np.newaxis]
     if collapse == "blast":
-        cx, cy = rng.between(1, size - 2), rng.between(1, size - 2)
+        cx = rng.between(1, size - 2)
+        cy = rng.between(1, size - 2)
         noise = noise * size**2 - 8 * highest * ((x - cx) ** 2 + (y - cy) ** 2)
     elif collapse == "wing":
-        a, b = rng.between(1, 8) * (2 * rng.below(2) - 1), rng.between(0, 8) * (2 * rng.below(2) - 1)
+        a = rng.between(1, 8) * (2 * rng.below(2) - 1)
+        b = rng.between(0, 8) * (2 * rng.below(2) - 1)
         if rng.below(2):
             a, b = b, a
         noise = noise * size * (abs(a) + abs(b)) + 4 * highest * (a * x + b * y)
@@ -185,7 +193,9 @@ def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side:
     order = order[open_before.ravel()[order]]
     far = order[np.searchsorted(steps[order], int(steps[order[-1]]) * FAR[0] // FAR[1]) :]
     safe = far[~ruined.ravel()[far]]
-    return _Ends(int(rng.choice((safe if len(safe) else far).tolist())), target, len(standing), side)
+    return _Ends(
+        int(rng.choice((safe if len(safe) else far).tolist())), target, len(standing), side
+    )
 
 
 def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Grid:

@@ -10,7 +10,15 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.parts.ground import lay_ground
-from worldgen.families.parts.layout import Arena, CellSize, Margin, RobotRadius, RobotSpeed, Share, Size
+from worldgen.families.parts.layout import (
+    Arena,
+    CellSize,
+    Margin,
+    RobotRadius,
+    RobotSpeed,
+    Share,
+    Size,
+)
 from worldgen.family import Bounds, family
 from worldgen.lattice import exact, in_cells
 from worldgen.random_streams import RandomStream
@@ -34,19 +42,20 @@ def shift(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A world of another family whose cells change places, as the thesis's world shifter moves them.
+    """A world of another family whose cells change places.
 
-    Again and again, with some chance, a cell drawn from the whole square is swapped with its mirror image
-    along the diagonal from the upper left to the lower right: a wall goes from one side of it to the other.
-    Two equal cells change nothing. Unlike in the thesis's program, which moves the target and every cell's
-    signal too, only walls move, a swap of a cell that the target lies in is left out, and the first draw
-    comes after one interval, not at once.
+    As the thesis's world shifter moves them. Again and again, with some chance, a cell drawn from
+    the whole square is swapped with its mirror image along the diagonal from the upper left to the
+        lower right: a wall goes from one side of it to the other.
+    Two equal cells change nothing. Unlike in the thesis's program, which moves the target and every
+    cell's signal too, only walls move, a swap of a cell that the target lies in is left out, and
+    the first draw comes after one interval, not at once.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        over: Family whose world moves, with its own parameters: trap, rooms, trap+shape=U+depth=9. Words that are not
-            given are drawn.
+        over: Family whose world moves, with its own parameters: trap, rooms, trap+shape=U+depth=9.
+            Words that are not given are drawn.
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
         duration: Time after which all stays as it is, s.
@@ -58,7 +67,8 @@ def shift(
     Raises:
         InvalidParameter: If a number is out of range.
 
-    Source: the thesis's listing, ``simGuiExp.worldShifter``, called every 500 ms, one chance in ten.
+    Source: the thesis's listing, ``simGuiExp.worldShifter``, called every 500 ms, one chance in
+        ten.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
 
@@ -75,8 +85,12 @@ def shift(
     return replace(ground, timeline=_swaps(rng.child("swaps"), ground, interval, chance, duration))
 
 
-def shifted(world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0) -> World:
-    """A given world whose cells change places from now on, as in :func:`shift`; without proof, whatever it had.
+def shifted(
+    world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0
+) -> World:
+    """A given world whose cells change places from now on, as in :func:`shift`.
+
+    Without proof, whatever it had.
 
     Args:
         world: A square world that stands still.
@@ -86,18 +100,22 @@ def shifted(world: World, seed: int, *, interval: float = 0.5, chance: float = 0
         duration: Time after which all stays as it is, s.
 
     Raises:
-        InvalidParameter: If the world is not square or changes already, or if nothing comes to change.
+        InvalidParameter: If the world is not square or changes already, or if nothing comes to
+            change.
     """
     if world.width != world.height:
         raise InvalidParameter(
             "not-square",
-            "{width} x {height} cells have no mirror image; only a square world's walls can change places",
+            "{width} x {height} cells have no mirror image; only a square world's walls can change "
+            "places",
             width=world.width,
             height=world.height,
         )
     if world.is_dynamic:
         raise InvalidParameter(
-            "world-changes", "the world changes already", "clear its changes, or take one that stands still"
+            "world-changes",
+            "the world changes already",
+            "clear its changes, or take one that stands still",
         )
     swaps = _swaps(RandomStream(seed).child("swaps"), world, interval, chance, duration)
     if len(swaps) == 0:
@@ -110,7 +128,9 @@ def shifted(world: World, seed: int, *, interval: float = 0.5, chance: float = 0
     return replace(world, timeline=swaps, certificate=None, provenance=None, failure=None)
 
 
-def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, duration: float) -> Timeline:
+def _swaps(
+    rng: RandomStream, ground: World, interval: float, chance: float, duration: float
+) -> Timeline:
     """Two changes for every swap of a wall and a free cell."""
     walls = ground.walls.copy()
     last = ground.height - 1
@@ -119,8 +139,11 @@ def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, dur
     for draw in range(1, math.floor(exact(duration) / exact(interval)) + 1):
         if rng.random() >= chance:
             continue
-        column, row = rng.below(ground.width), rng.below(ground.height)  # the row from the top, as in the thesis
-        here, there = (last - row, column), (last - column, row)
+        # the row from the top, as in the thesis
+        column = rng.below(ground.width)
+        row = rng.below(ground.height)
+        here = (last - row, column)
+        there = (last - column, row)
         if walls[here] == walls[there] or here in kept or there in kept:
             continue
         walls[here], walls[there] = walls[there], walls[here]
@@ -133,7 +156,8 @@ def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, dur
 def _target_cells(ground: World) -> set[tuple[int, int]]:
     """Cells, row and column, that the inside of the target's disc meets."""
     x, y, radius = (
-        float(in_cells(value, ground.cell_size)) for value in (ground.target.x, ground.target.y, ground.target.radius)
+        float(in_cells(value, ground.cell_size))
+        for value in (ground.target.x, ground.target.y, ground.target.radius)
     )
     index = np.arange(ground.width)
     dx = np.maximum(np.maximum(index - x, x - index - 1), 0.0)

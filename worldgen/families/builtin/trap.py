@@ -22,7 +22,7 @@ from worldgen.families.parts.layout import (
 )
 from worldgen.families.parts.raster import box
 from worldgen.families.parts.turned_trap import (
-    Figure,
+    TrapShape,
     chevron,
     comb,
     draw_up_to,
@@ -43,7 +43,12 @@ Box: TypeAlias = tuple[int, int, int, int]
 Ranges: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
 
 MOST_TURNS = 8  # quarter turns drawn for a spiral; more can be given
-_LATER: tuple[Shape, ...] = ("V", "comb", "nested", "pair")  # shapes that always have a passage all round
+_LATER: tuple[Shape, ...] = (
+    "V",
+    "comb",
+    "nested",
+    "pair",
+)  # shapes that always have a passage all round
 _COUNTED: dict[Shape, tuple[int, int]] = {"comb": (2, 6), "nested": (2, 4)}  # how many are drawn
 SLANTED_SPARE = 2  # cells by which raster and thickening can narrow what lies between slanted walls
 
@@ -69,25 +74,26 @@ def trap(
 ) -> World:
     """An open arena with a concave obstacle on the straight line from start to target.
 
-    A robot that is drawn to the target runs into the hollow and must first go away from the target to get
-    round. There is a way round on both sides where the square has room for it, else on one.
+    A robot that is drawn to the target runs into the hollow and must first go away from the target
+    to get round. There is a way round on both sides where the square has room for it, else on one.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included.
-        shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm winds on
-            round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in each other's hollows;
-            pair: a U, and another behind it, set off aside.
-        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of nested
-            ones, of the innermost; if omitted, drawn.
-        mouth: Clear width of the opening, between the arms or along the back wall, cells; of a spiral, of its
-            whole winding corridor; between teeth, and between one U and the next; if omitted, drawn.
+        shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm
+            winds on round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in
+            each other's hollows; pair: a U, and another behind it, set off aside.
+        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of
+            nested ones, of the innermost; if omitted, drawn.
+        mouth: Clear width of the opening, between the arms or along the back wall, cells; of a
+            spiral, of its whole winding corridor; between teeth, and between one U and the next; if
+            omitted, drawn.
         thickness: Thickness of the obstacle's walls, cells.
         turn: Where the mouth opens: quarter turns counter-clockwise from +x; if omitted, drawn.
         turns: Quarter turns by which a spiral winds on beyond the U; if omitted, drawn.
         parts: Teeth of a comb, or U's that are nested; if omitted, drawn.
-        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; None (-1 at the command
-            line): drawn.
+        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; None (-1
+            at the command line): drawn.
         faces: What lies before the mouth: the start, the target, or neither.
         inside: Start in the hollow instead of before it.
         cell_size: Side of a cell, m.
@@ -95,13 +101,17 @@ def trap(
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or the square has no room for obstacle and ways round.
+        InvalidParameter: If a number is out of range, or the square has no room for obstacle and
+            ways round.
 
-    Source: local minima of potential fields; Koren and Borenstein, "Potential field methods and their
+    Source: local minima of potential fields; Koren and Borenstein, "Potential field methods and
+        their
     inherent limitations for mobile robot navigation", ICRA 1991.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    request = _checked(arena, _Request(shape, depth, mouth, thickness, turns, parts), faces, inside=inside)
+    request = _checked(
+        arena, _Request(shape, depth, mouth, thickness, turns, parts), faces, inside=inside
+    )
     angle = rng.child("angle").below(90) if angle == CHOSEN else angle
     if angle or shape in _LATER:
         return _slanted(rng, arena, request, turn, angle, faces, inside=inside)
@@ -136,12 +146,16 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
     """
     if inside and faces == "target":
         raise InvalidParameter(
-            "no-effect", "inside with faces=target leaves nothing in the way", "give faces=start or faces=side"
+            "no-effect",
+            "inside with faces=target leaves nothing in the way",
+            "give faces=start or faces=side",
         )
     least_depth = arena.narrowest if inside else 1
     if faces == "side":  # an arm shorter than the robot would not be in its way
         least_depth = max(least_depth, arena.narrowest - asked.thickness)
-    mouth, turns, parts = asked.mouth, asked.turns, asked.parts
+    mouth = asked.mouth
+    turns = asked.turns
+    parts = asked.parts
     if asked.depth != CHOSEN:
         check_at_least("depth", asked.depth, least_depth, "cells")
     if mouth != CHOSEN:
@@ -158,11 +172,19 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
 
 
 def _slanted(
-    rng: RandomStream, arena: Arena, request: _Request, turn: int, angle: int, faces: Faces, *, inside: bool
+    rng: RandomStream,
+    arena: Arena,
+    request: _Request,
+    turn: int,
+    angle: int,
+    faces: Faces,
+    *,
+    inside: bool,
 ) -> World:
     """The world with an obstacle that may be slanted, a passage all round it.
 
-    Between slanted walls the plan has two cells more than was asked for: raster and thickening take up to as
+    Between slanted walls the plan has two cells more than was asked for: raster and thickening take
+        up to as
     much, so what is clear is never less.
     """
     draw = rng.child("slanted")
@@ -172,7 +194,9 @@ def _slanted(
     return arena.world(scene.walls, scene.start, scene.target, scene.quarter)
 
 
-def _draw_figure(rng: RandomStream, arena: Arena, request: _Request, degrees: int, *, inside: bool) -> Figure:
+def _draw_figure(
+    rng: RandomStream, arena: Arena, request: _Request, degrees: int, *, inside: bool
+) -> TrapShape:
     """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
 
     Raises:
@@ -184,7 +208,7 @@ def _draw_figure(rng: RandomStream, arena: Arena, request: _Request, degrees: in
     mirrored = rng.below(2) == 1
     least = arena.narrowest * (3 if inside and request.shape == "V" else 1)
 
-    def figure(number: int, mouth: int, depth: int) -> Figure:
+    def figure(number: int, mouth: int, depth: int) -> TrapShape:
         spare = SLANTED_SPARE if degrees % 90 or request.shape == "V" else 0
         made = _figure(request.shape, depth + spare, mouth + spare, request.thickness, number)
         return made.mirrored() if mirrored else made
@@ -213,17 +237,23 @@ def _draw_figure(rng: RandomStream, arena: Arena, request: _Request, degrees: in
         )
     if asked == CHOSEN:
         first = counts[0] if fits(counts[0], mouth, depth) else 1
-        number = draw_up_to(rng, range(first, counts[1] + 1), lambda value: fits(value, mouth, depth))
+        number = draw_up_to(
+            rng, range(first, counts[1] + 1), lambda value: fits(value, mouth, depth)
+        )
     if request.mouth == CHOSEN:
-        mouth = draw_up_to(rng, range(mouth, arena.inside), lambda value: fits(number, value, depth))
+        mouth = draw_up_to(
+            rng, range(mouth, arena.inside), lambda value: fits(number, value, depth)
+        )
     if request.depth == CHOSEN:
         if request.shape == "V" and fits(number, mouth, max(depth, mouth // 2)):
             depth = max(depth, mouth // 2)  # or it is hardly hollow
-        depth = draw_up_to(rng, range(depth, arena.inside), lambda value: fits(number, mouth, value))
+        depth = draw_up_to(
+            rng, range(depth, arena.inside), lambda value: fits(number, mouth, value)
+        )
     return figure(number, mouth, depth)
 
 
-def _figure(shape: Shape, depth: int, mouth: int, thickness: int, number: int) -> Figure:
+def _figure(shape: Shape, depth: int, mouth: int, thickness: int, number: int) -> TrapShape:
     if shape == "V":
         return chevron(depth, mouth, thickness)
     if shape == "comb":
@@ -234,8 +264,19 @@ def _figure(shape: Shape, depth: int, mouth: int, thickness: int, number: int) -
         return pair(depth, mouth, thickness)
     obstacle = _obstacle(shape, depth, mouth, thickness, number if shape == "spiral" else 0)
     pieces = tuple(box(*piece) for piece in obstacle.boxes)
-    rows, columns, hollow = obstacle.opening, (0, obstacle.width), box(*obstacle.hollow)
-    return Figure(pieces, obstacle.width, obstacle.height, rows, rows, columns, (0, obstacle.height), (hollow,))
+    rows = obstacle.opening
+    columns = (0, obstacle.width)
+    hollow = box(*obstacle.hollow)
+    return TrapShape(
+        pieces,
+        obstacle.width,
+        obstacle.height,
+        rows,
+        rows,
+        columns,
+        (0, obstacle.height),
+        (hollow,),
+    )
 
 
 @dataclass(frozen=True)
@@ -259,7 +300,8 @@ class _Obstacle:
 
 def _extents(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> tuple[int, int]:
     """Width and height of an obstacle in cells, the mouth opening to +x."""
-    width, height = thickness + depth, mouth + (1 if shape == "L" else 2) * thickness
+    width = thickness + depth
+    height = mouth + (1 if shape == "L" else 2) * thickness
     for _ in range(turns):
         width, height = height, width + mouth + thickness
     return width, height
@@ -282,14 +324,18 @@ def _obstacle(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) 
 def _wind_on(
     boxes: list[Box], hollow: Box, width: int, height: int, mouth: int, thickness: int
 ) -> tuple[list[Box], Box]:
-    """Leads the wall that ends at the upper right on, across the right side; then turns the new mouth to +x.
+    """Leads the wall that ends at the upper right on, across the right side.
 
-    The wall goes on to +x, then to -y along the whole right side, ``mouth`` away from what is there. The new
-    mouth, at the lower right, opens to -y; a quarter turn makes that +x, and puts the wall's end at the upper
-    right again.
+    Then turns the new mouth to +x. The wall goes on to +x, then to -y along the whole right side,
+    ``mouth`` away from what is there. The new mouth, at the lower right, opens to -y; a quarter
+    turn makes that +x, and puts the wall's end at the upper right again.
     """
     reach = width + mouth + thickness
-    longer = [*boxes, (width, height - thickness, reach, height), (reach - thickness, 0, reach, height)]
+    longer = [
+        *boxes,
+        (width, height - thickness, reach, height),
+        (reach - thickness, 0, reach, height),
+    ]
     return [_quarter_turn(box, height) for box in longer], _quarter_turn(hollow, height)
 
 
@@ -298,13 +344,17 @@ def _quarter_turn(box: Box, height: int) -> Box:
     return height - box[3], box[0], height - box[1], box[2]
 
 
-def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Faces) -> tuple[Shape, int, int, int, int]:
+def _draw_to_fit(
+    rng: RandomStream, arena: Arena, request: _Request, faces: Faces
+) -> tuple[Shape, int, int, int, int]:
     """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
 
     Raises:
         InvalidParameter: If nothing fits, or what was given does not.
     """
-    shape, thickness, low = request.shape, request.thickness, arena.narrowest
+    shape = request.shape
+    thickness = request.thickness
+    low = arena.narrowest
 
     def fits(turns: int, mouth: int, depth: int) -> bool:
         return _room(arena, _extents(shape, depth, mouth, thickness, turns), faces) is None
@@ -317,7 +367,8 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
         turns_said = ", turns={turns}" if shape == "spiral" else ""
         raise InvalidParameter(
             "no-room",
-            "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, thickness={thickness}"
+            "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
+            "thickness={thickness}"
             f"{turns_said}: {{problem}}",
             "give a larger size, or a smaller obstacle or robot_radius",
             size=arena.size,
@@ -328,11 +379,17 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
             turns=least_turns,
             problem=problem,
         )
-    turns, mouth, depth = request.turns, request.mouth, request.depth
+    turns = request.turns
+    mouth = request.mouth
+    depth = request.depth
     if turns == CHOSEN:
-        turns = draw_up_to(rng, range(1, MOST_TURNS + 1), lambda value: fits(value, least_mouth, least_depth))
+        turns = draw_up_to(
+            rng, range(1, MOST_TURNS + 1), lambda value: fits(value, least_mouth, least_depth)
+        )
     if mouth == CHOSEN:
-        mouth = draw_up_to(rng, range(low, arena.inside), lambda value: fits(turns, value, least_depth))
+        mouth = draw_up_to(
+            rng, range(low, arena.inside), lambda value: fits(turns, value, least_depth)
+        )
     if depth == CHOSEN:
         depth = draw_up_to(rng, range(low, arena.inside), lambda value: fits(turns, mouth, value))
     return shape, depth, mouth, thickness, turns
@@ -341,16 +398,22 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
 def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:
     """Why an obstacle of these extents finds no room, or ``None``.
 
-    Robot and target need a passage each, before and behind on the way from start to target; across it, one
-    passage is enough to get round.
+    Robot and target need a passage each, before and behind on the way from start to target; across
+    it, one passage is enough to get round.
     """
     along, across = extents
     if faces == "side":
         along, across = across, along
     if along + 2 * arena.narrowest > arena.inside:
-        return f"{along} cells and a passage of {arena.narrowest} on both sides are more than the {arena.inside} inside"
+        return (
+            f"{along} cells and a passage of {arena.narrowest} on both sides are more than the "
+            f"{arena.inside} inside"
+        )
     if across + arena.narrowest > arena.inside:
-        return f"{across} cells and a passage of {arena.narrowest} beside them are more than the {arena.inside} inside"
+        return (
+            f"{across} cells and a passage of {arena.narrowest} beside them are more than the "
+            f"{arena.inside} inside"
+        )
     return None
 
 
@@ -370,7 +433,7 @@ def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, i
 
 
 @dataclass(frozen=True)
-class _Scene:
+class _TrapLayout:
     """Walls and, in half cells, start and target; the heading in quarter turns."""
 
     walls: npt.NDArray[np.bool_]
@@ -378,21 +441,21 @@ class _Scene:
     target: tuple[int, int]
     quarter: int
 
-    def turned(self, quarters: int) -> _Scene:
+    def turned(self, quarters: int) -> _TrapLayout:
         """The scene turned counter-clockwise by quarter turns."""
         side = 2 * len(self.walls)
         scene = self
         for _ in range(quarters):
             (sx, sy), (tx, ty) = scene.start, scene.target
             walls = scene.walls.T[:, ::-1]  # (x, y) goes to (side - y, x)
-            scene = _Scene(walls, (side - sy, sx), (side - ty, tx), (scene.quarter + 1) % 4)
+            scene = _TrapLayout(walls, (side - sy, sx), (side - ty, tx), (scene.quarter + 1) % 4)
         return scene
 
-    def mirrored(self) -> _Scene:
+    def mirrored(self) -> _TrapLayout:
         """The scene with y upside down; a mouth to +x stays one."""
         side = 2 * len(self.walls)
         (sx, sy), (tx, ty) = self.start, self.target
-        return _Scene(self.walls[::-1], (sx, side - sy), (tx, side - ty), -self.quarter % 4)
+        return _TrapLayout(self.walls[::-1], (sx, side - sy), (tx, side - ty), -self.quarter % 4)
 
 
 def _scene(
@@ -403,7 +466,7 @@ def _scene(
     faces: Faces,
     *,
     inside: bool,
-) -> _Scene:
+) -> _TrapLayout:
     """Obstacle, start and target in the arena, the mouth to +x."""
     x, y = corner
     walls = arena.solid()
@@ -412,10 +475,12 @@ def _scene(
         walls[y + y0 : y + y1, x + x0 : x + x1] = True
 
     end = arena.size - 1
-    front, behind = (x + obstacle.width, end), (1, x)
+    front = (x + obstacle.width, end)
+    behind = (1, x)
     rows = (y + obstacle.opening[0], y + obstacle.opening[1])
     columns = (x, x + obstacle.width)
-    above, below = (y + obstacle.height, end), (1, y)
+    above = (y + obstacle.height, end)
+    below = (1, y)
     start, target, quarter = {
         "start": ((front, rows), (behind, rows), 2),
         "target": ((behind, rows), (front, rows), 0),
@@ -424,7 +489,7 @@ def _scene(
     if inside:
         x0, y0, x1, y1 = obstacle.hollow
         start = ((x + x0, x + x1), (y + y0, y + y1))
-    return _Scene(walls, _spot(rng, arena, start), _spot(rng, arena, target), quarter)
+    return _TrapLayout(walls, _spot(rng, arena, start), _spot(rng, arena, target), quarter)
 
 
 def _spot(rng: RandomStream, arena: Arena, box: Ranges) -> tuple[int, int]:

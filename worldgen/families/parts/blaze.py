@@ -1,4 +1,7 @@
-"""How fire goes over a ground: where it breaks out, when each cell catches, which ways it has to leave open."""
+"""How fire goes over a ground: where it breaks out, when each cell catches.
+
+It ways it has to leave open.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ import numpy.typing as npt
 from worldgen.families.parts.noise import smooth_noise
 from worldgen.lattice import exact, in_cells, radius_in_cells
 from worldgen.random_streams import RandomStream
-from worldgen.support.grid_search import free_windows, shortest_way, window_at
+from worldgen.support.grid_search import free_windows, shortest_path, window_at
 from worldgen.world import World
 
 __all__ = [
@@ -35,7 +38,8 @@ __all__ = [
 
 FIREBREAK = 2  # cells round the robot at its start that never burn: there it can wait
 THICKEST = 6  # cells of wall that fire eats through
-RIM = 2  # cells farther from the border than the floor nearest to it, up to which floor counts as the rim
+# Cells farther from the border than the floor nearest to it, up to which floor counts as the rim.
+RIM = 2
 SLACK = 4  # cells that the robot may be behind a square as wide as it that goes from cell to cell
 
 NEVER = 2**60  # ms
@@ -69,7 +73,8 @@ class Plan:
         walls[[0, -1]] = walls[:, [0, -1]] = True
         radius = radius_in_cells(ground)
         side = max(1, math.ceil(2 * radius))
-        x, y = ground.start.x / ground.cell_size, ground.start.y / ground.cell_size
+        x = ground.start.x / ground.cell_size
+        y = ground.start.y / ground.cell_size
         reach = float(radius) + FIREBREAK
         dx, dy = (
             np.maximum(np.maximum(index - centre, centre - index - 1), 0.0)
@@ -107,10 +112,13 @@ class Plan:
         walls = self.walls.copy()
         walls.ravel()[list(opened)] = False
         walls.ravel()[list(shut)] = True
-        return shortest_way(free_windows(walls, self.side, self.side), self.start, self.goal)
+        return shortest_path(free_windows(walls, self.side, self.side), self.start, self.goal)
 
     def kept(self, way: Iterable[int]) -> set[int]:
-        """Cells of the windows of a way, and of those round the target, which may lie between two."""
+        """Cells of the windows of a way, and of those round the target.
+
+        It may lie between two.
+        """
         goal = self.goal
         round_target = (goal + 1, goal + self.stride, goal + self.stride + 1)
         return {cell for first in (*way, *round_target) for cell in self.window(first)}
@@ -125,13 +133,16 @@ class Plan:
 
     def window(self, first: int) -> list[int]:
         """Cells of the window at ``first`` that lie in the grid."""
-        cells = [first + dy * self.stride + dx for dy in range(self.side) for dx in range(self.side)]
+        cells = [
+            first + dy * self.stride + dx for dy in range(self.side) for dx in range(self.side)
+        ]
         return [cell for cell in cells if cell < self.walls.size]
 
 
 def _window(walls: npt.NDArray[np.bool_], side: int, x: float, y: float, ground: World) -> int:
     """The free window nearest to a place in m: the one round it, where start and target stand on halves of cells."""
-    height, width = ground.height, ground.width
+    height = ground.height
+    width = ground.width
     first = [
         min(max(window_at(round(2 * value / ground.cell_size), side), 0), most)
         for value, most in ((x, max(width - side, 0)), (y, max(height - side, 0)))
@@ -146,18 +157,22 @@ def _window(walls: npt.NDArray[np.bool_], side: int, x: float, y: float, ground:
 
 def delay(rng: RandomStream, mean: float, scatter: float = 0.5) -> int:
     """A time in ms that differs from the mean, in s, by up to ``scatter`` of it; at least 1."""
-    return max(1, rng.between(round(1000 * (1 - scatter) * mean), round(1000 * (1 + scatter) * mean)))
+    return max(
+        1, rng.between(round(1000 * (1 - scatter) * mean), round(1000 * (1 + scatter) * mean))
+    )
 
 
-def ignite(rng: RandomStream, plan: Plan, count: int, place: str, apart: float, scatter: float) -> Times:
+def ignite(
+    rng: RandomStream, plan: Plan, count: int, place: str, apart: float, scatter: float
+) -> Times:
     """Cells where fire breaks out, and when, as the word ``place`` has it.
 
     Args:
         rng: The only source of chance.
         plan: The ground.
         count: How many.
-        place: ``way``: in the middle part of the shortest way; ``rim``: near the border; ``anywhere``; ``mixed``: the
-            first on the way, the others anywhere.
+        place: ``way``: in the middle part of the shortest way; ``rim``: near the border;
+            ``anywhere``; ``mixed``: the first on the way, the others anywhere.
         apart: Mean time from one to the next, s.
         scatter: Share by which that differs.
     """
@@ -300,13 +315,16 @@ def _slots(
     near = touched[:, side - 1 :][:, :columns] | touched[:, reach:]
     for y, x in np.argwhere(free[:, :columns] & solid & free[:, reach:] & near).tolist():
         first = (x + side) * strides[0] + y * strides[1]
-        yield [first + i * strides[0] + j * strides[1] for i in range(thickness) for j in range(side)]
+        yield [
+            first + i * strides[0] + j * strides[1] for i in range(thickness) for j in range(side)
+        ]
 
 
 def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mean: float) -> Times:
     """When the cells of the slots catch from the floor beside them, and from each other."""
     embers = {
-        cell: min(floor[there] for there in plan.neighbours(cell) if there in floor) + delay(rng, mean)
+        cell: min(floor[there] for there in plan.neighbours(cell) if there in floor)
+        + delay(rng, mean)
         for cell in sorted(slots)
         if any(there in floor for there in plan.neighbours(cell))
     }
@@ -316,7 +334,8 @@ def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mea
 def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
     """Whether a square as wide as the robot, ``margin`` seconds late, gets to the target ahead of the fire.
 
-    What burns stays shut for ever here, so to be earlier is never worse, and a breadth-first search decides.
+    What burns stays shut for ever here, so to be earlier is never worse, and a breadth-first search
+    decides.
     """
     catches = np.full(plan.walls.shape, NEVER, np.int64)
     catches.ravel()[list(floor)] = list(floor.values())
@@ -325,16 +344,22 @@ def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
     inner = first[: rows - plan.side + 1, : columns - plan.side + 1]
     for dy in range(plan.side):
         for dx in range(plan.side):
-            np.minimum(inner, catches[dy : dy + inner.shape[0], dx : dx + inner.shape[1]], out=inner)
+            np.minimum(
+                inner, catches[dy : dy + inner.shape[0], dx : dx + inner.shape[1]], out=inner
+            )
     late = math.ceil(1000 * exact(margin)) + SLACK * plan.step
-    latest = np.where(free_windows(plan.walls, plan.side, plan.side), (first - late) // plan.step, -1).ravel()
+    latest = np.where(
+        free_windows(plan.walls, plan.side, plan.side), (first - late) // plan.step, -1
+    ).ravel()
     number: list[int] = latest.tolist()  # of steps after which the window is still free
     steps = {plan.start: 0}
     queue = deque([plan.start])
     while queue:
         cell = queue.popleft()
         if cell == plan.goal:
-            return all(catches.flat[there] > late + steps[cell] * plan.step for there in plan.kept([cell]))
+            return all(
+                catches.flat[there] > late + steps[cell] * plan.step for there in plan.kept([cell])
+            )
         for there in plan.neighbours(cell):
             if there not in steps and steps[cell] + 1 < number[there]:
                 steps[there] = steps[cell] + 1
@@ -345,7 +370,8 @@ def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
 def hold_back(plan: Plan, embers: Iterable[int], margin: float) -> Times:
     """When, at the earliest, the cells of one way may catch if a robot ``margin`` seconds late is to get by.
 
-    It is the shortest way round the places where fire breaks out, or through them if there is none round.
+    It is the shortest way round the places where fire breaks out, or through them if there is none
+    round.
     """
     way = plan.way(shut=embers) or plan.way()
     late = math.ceil(1000 * exact(margin))

@@ -20,7 +20,8 @@ class _Sets:
 
     def join(self, one: int, other: int) -> bool:
         """Whether they were apart."""
-        one, other = self.find(one), self.find(other)
+        one = self.find(one)
+        other = self.find(other)
         self._above[one] = other
         return one != other
 

@@ -20,7 +20,8 @@ class Doors:
 
     Args:
         walls: (size, size) bool, doors open.
-        joints: Where each opening is, a number of the plan's joints; junctions of corridors are among them.
+        joints: Where each opening is, a number of the plan's joints; junctions of corridors are
+            among them.
         openings: Rows and columns of each.
     """
 
@@ -34,11 +35,13 @@ def _shuffled(rng: RandomStream, rank: npt.NDArray[np.int64]) -> npt.NDArray[np.
     return np.lexsort((rng.bits(len(rank)), rank))
 
 
-def hang_doors(rng: RandomStream, plan: FloorPlan, joints: Joints, sizes: Sizes, shared: float) -> Doors:
+def hang_doors(
+    rng: RandomStream, plan: FloorPlan, joints: Joints, sizes: Sizes, shared: float
+) -> Doors:
     """Opens doors until all boxes are joined, then a share of the other walls between two of them.
 
-    Corridors are joined first, over their whole width, then rooms to corridors, rooms to rooms where they
-    must be.
+    Corridors are joined first, over their whole width, then rooms to corridors, rooms to rooms
+    where they must be.
     """
     ranks = (joints.pairs >= plan.corridors).sum(axis=1)  # 0: two corridors, 2: two rooms
     order = _shuffled(rng.child("order"), ranks)
@@ -58,11 +61,17 @@ def hang_doors(rng: RandomStream, plan: FloorPlan, joints: Joints, sizes: Sizes,
 
 
 def shut_doors(
-    rng: RandomStream, plan: FloorPlan, joints: Joints, doors: Doors, share: float, ends: tuple[int, int]
+    rng: RandomStream,
+    plan: FloorPlan,
+    joints: Joints,
+    doors: Doors,
+    share: float,
+    ends: tuple[int, int],
 ) -> int:
     """Shuts a share of the doors, in place, but none on one way between two boxes; how many.
 
-    The way is the one in a random spanning tree, rarely the shortest. Junctions of corridors are no doors.
+    The way is the one in a random spanning tree, rarely the shortest. Junctions of corridors are no
+    doors.
     """
     pairs = [(int(a), int(b)) for a, b in joints.pairs[doors.joints]]
     order = _shuffled(rng.child("way"), np.zeros(len(pairs), dtype=np.int64)).tolist()

@@ -72,7 +72,9 @@ class Joints:
         return (through, along) if self.across[joint] else (along, through)
 
 
-def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, spacious: int = 0) -> Sizes:
+def fit_sizes(
+    rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, spacious: int = 0
+) -> Sizes:
     """The sizes, a room's drawn if it is to be, such that two rooms and their corridor fit.
 
     Args:
@@ -80,7 +82,8 @@ def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, sp
         arena: The square.
         style: Whether there are corridors.
         sizes: What is asked for; a room's side may be ``CHOSEN``.
-        spacious: Cells by which a drawn side is at least larger than it must be, where there is room.
+        spacious: Cells by which a drawn side is at least larger than it must be, where there is
+            room.
 
     Raises:
         InvalidParameter: If they do not, or a door is wider than a room.
@@ -120,15 +123,19 @@ def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, sp
 def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> FloorPlan:
     """Cuts the square into corridors and rooms.
 
-    ``wings``: corridors branch off corridors until every room is near one; ``spine``: one corridor across;
-    ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they share at least a
+    ``wings``: corridors branch off corridors until every room is near one; ``spine``: one corridor
+        across;
+    ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they share at
+        least a
     room's least side: every box can be joined to the rest.
     """
     whole = (1, 1, arena.size - 1, arena.size - 1)
     corridors: list[Box] = []
     blocks = [whole]
     if style != "suite":
-        blocks, corridors = _corridors(rng.child("corridors"), whole, sizes, most=1 if style == "spine" else None)
+        blocks, corridors = _corridors(
+            rng.child("corridors"), whole, sizes, most=1 if style == "spine" else None
+        )
     rooms = _rooms(rng.child("rooms"), blocks, sizes)
     boxes = np.array([*corridors, *rooms], dtype=np.int64)
     owner = np.full((arena.size, arena.size), -1, dtype=np.int32)
@@ -137,7 +144,9 @@ def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> Floor
     return FloorPlan(boxes, len(corridors), owner)
 
 
-def _corridors(rng: RandomStream, whole: Box, sizes: Sizes, most: int | None) -> tuple[list[Box], list[Box]]:
+def _corridors(
+    rng: RandomStream, whole: Box, sizes: Sizes, most: int | None
+) -> tuple[list[Box], list[Box]]:
     """Blocks, and the corridors between them, each of which ends at another."""
     least = sizes.corridor + 2 * sizes.wall + 2 * sizes.room
     enough = max(least, sizes.corridor + 2 * sizes.wall + rng.between(2, 2 * ROOMY) * sizes.room)
@@ -148,8 +157,12 @@ def _corridors(rng: RandomStream, whole: Box, sizes: Sizes, most: int | None) ->
     while pending:
         box, level = pending.pop()
         sides = (box[2] - box[0], box[3] - box[1])
-        axis = (first_axis + level) % 2 if level < 2 else int(sides[1] > sides[0])  # the first two cross
-        if sides[axis] < (least if not corridors else enough) or (most is not None and len(corridors) >= most):
+        axis = (
+            (first_axis + level) % 2 if level < 2 else int(sides[1] > sides[0])
+        )  # the first two cross
+        if sides[axis] < (least if not corridors else enough) or (
+            most is not None and len(corridors) >= most
+        ):
             blocks.append(box)
             continue
         spare = sides[axis] - least
@@ -203,14 +216,19 @@ def joined(plan: FloorPlan, sizes: Sizes) -> Joints:
     across = np.repeat([0, 1], [len(rows) for rows in found])
     table = np.concatenate(found)
     kept = table[:, 4] >= sizes.door
-    table, across = table[kept], across[kept]
+    table = table[kept]
+    across = across[kept]
     return Joints(table[:, :2], across, table[:, 2], table[:, 3], table[:, 4])
 
 
 def _side_by_side(owner: npt.NDArray[np.int32], wall: int) -> npt.NDArray[np.int64]:
     """Rows (box, box, first column of the wall, first row shared, rows shared), the left box first."""
-    left, right = owner[:, : -wall - 1].astype(np.int64), owner[:, wall + 1 :].astype(np.int64)
-    rows, columns = np.nonzero((left >= 0) & (right >= 0) & (left != right))  # a box's rows in ascending order
-    a, b = left[rows, columns], right[rows, columns]
+    left = owner[:, : -wall - 1].astype(np.int64)
+    right = owner[:, wall + 1 :].astype(np.int64)
+    rows, columns = np.nonzero(
+        (left >= 0) & (right >= 0) & (left != right)
+    )  # a box's rows in ascending order
+    a = left[rows, columns]
+    b = right[rows, columns]
     _, first, count = np.unique(a * (owner.max() + 1) + b, return_index=True, return_counts=True)
     return np.stack([a[first], b[first], columns[first] + 1, rows[first], count], axis=1)

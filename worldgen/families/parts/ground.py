@@ -15,7 +15,8 @@ __all__ = ["lay_ground"]
 
 MAZE_BRAID = 0.3  # in a maze without loops, a change could only delay
 
-# Words that are drawn, where not all are: those that came later would move every seed to another world.
+# Words that are drawn, where not all are: those that came later would move every seed to another
+# world.
 DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "maze": {"algorithm": ("wilson", "backtracker"), "mask": ("square",)},
     "corridor": {"shape": ("bends", "dead-ends", "junctions")},
@@ -28,11 +29,14 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
 
     Args:
         rng: The only source of chance.
-        over: Name of a family whose worlds stand still, then ``+parameter=value`` as often as wanted.
-        arena: What both families share; a family that lacks one of these parameters keeps its own way.
+        over: Name of a family whose worlds stand still, then ``+parameter=value`` as often as
+            wanted.
+        arena: What both families share; a family that lacks one of these parameters keeps its own
+            way.
 
     Raises:
-        InvalidParameter: If there is no such family, it changes by itself, a setting is wrong, or no word fits.
+        InvalidParameter: If there is no such family, it changes by itself, a setting is wrong, or
+            no word fits.
     """
     below, given = _parse(over)
     shared: dict[str, Value] = {
@@ -59,7 +63,8 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
         for known in below.parameters
         if known.choices and known.name not in given
     }
-    names, shapes = list(words_of), list(product(*words_of.values()))
+    names = list(words_of)
+    shapes = list(product(*words_of.values()))
     rng.shuffle(shapes)
     refusals: list[InvalidParameter] = []
     for words in shapes:
@@ -103,7 +108,8 @@ def _still(ground: World, over: str) -> World:
         raise InvalidParameter(
             "world-changes",
             "over={over}: its worlds change by themselves",
-            "give a family whose worlds stand still, and say changes=True where this one is declared",
+            "give a family whose worlds stand still, and say changes=True where this one is "
+            "declared",
             over=over,
         )
     return ground

@@ -15,7 +15,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.family import Bounds
 from worldgen.lattice import TURN, UNIT, exact, heading_from_lattice, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
-from worldgen.support.frozen import hand_over
+from worldgen.support.frozen import freeze
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
@@ -39,7 +39,9 @@ __all__ = [
     "without_effect",
 ]
 
-MIN_SIZE, MAX_SIZE = 10, 2000  # cells a side
+# cells a side
+MIN_SIZE = 10
+MAX_SIZE = 2000
 CHOSEN = -1  # how files write ``None``, which has the family choose
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))  # (dx, dy) of a heading in quarter turns
 
@@ -163,7 +165,7 @@ class Arena:
         """
         heading = heading_from_lattice(quarter * TURN // 4)
         return World(
-            walls=hand_over(walls),
+            walls=freeze(walls),
             start=Pose(self.metres(start[0]), self.metres(start[1]), heading),
             target=Target(self.metres(target[0]), self.metres(target[1]), self.metres(1)),
             cell_size=self.cell_size,

@@ -23,8 +23,12 @@ def smooth_noise(rng: RandomStream, size: int, pitch: int) -> npt.NDArray[np.int
     Source: value noise; only sums and products of whole numbers, so no rounding.
     """
     points = size // pitch + 2
-    heights = (rng.bits(points * points) % np.uint64(_LEVELS)).astype(np.int64).reshape(points, points)
+    heights = (
+        (rng.bits(points * points) % np.uint64(_LEVELS)).astype(np.int64).reshape(points, points)
+    )
     cell, within = np.divmod(np.arange(size), pitch)
-    rows = heights[cell] * (pitch - within)[:, np.newaxis] + heights[cell + 1] * within[:, np.newaxis]
+    rows = (
+        heights[cell] * (pitch - within)[:, np.newaxis] + heights[cell + 1] * within[:, np.newaxis]
+    )
     smooth: npt.NDArray[np.int64] = rows[:, cell] * (pitch - within) + rows[:, cell + 1] * within
     return smooth

@@ -1,7 +1,8 @@
 """Open ground: which places hang together, which lie far apart, and what must be dug to join them.
 
-A place is the first cell of a square window that holds the robot; a step moves the window by one cell. It
-is coarse, but where the window fits, the disc does. The searches are in C (worldgen/core/making/ground.c).
+A place is the first cell of a square window that holds the robot; a step moves the window by one
+cell. It is coarse, but where the window fits, the disc does. The searches are in C
+(worldgen/core/making/ground.c).
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ __all__ = [
 Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 
-FAR, LESS_FAR = (4, 5), (1, 2)  # start and target are at least this share of the longest way from the start apart
+# start and target are at least this share of the longest way from the start apart
+FAR = (4, 5)
+LESS_FAR = (1, 2)
 _TRIES = 24  # targets drawn until one is out of sight, then as many less far
 
 
@@ -66,7 +69,8 @@ def dig_from(owner: Numbers, hard: npt.NDArray[np.uint8]) -> Dug:
         owner: (n,) whose a place is, -1 for nobody's.
         hard: Rounds that a place takes, shaped like the grid; 0 where none may be, as on the rim.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     owner = owner.copy()
     came = np.empty(owner.size, dtype=np.int32)
     depth = np.empty(owner.size, dtype=np.int32)
@@ -82,7 +86,8 @@ def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
     pairs = []
     for step in (1, stride):
         one = np.arange(dug.owner.size - step)
-        a, b = dug.owner[:-step], dug.owner[step:]
+        a = dug.owner[:-step]
+        b = dug.owner[step:]
         met = (a >= 0) & (b >= 0) & (a != b)
         pairs.append(np.stack([one[met], one[met] + step], axis=1))
     table = np.concatenate(pairs)
@@ -135,13 +140,17 @@ def far_poses(
     start = _far(rng, windows, begin, start_in, [FAR])[0]
     candidates = _far(rng, windows, start, target_in, [FAR] * _TRIES + [LESS_FAR] * _TRIES)
     middle = _middle(start, columns, side)
-    hidden = (place for place in candidates if not in_sight(walls, middle, _middle(place, columns, side)))
+    hidden = (
+        place for place in candidates if not in_sight(walls, middle, _middle(place, columns, side))
+    )
     target = next(hidden, candidates[0])
     ways = [way for way, (dx, dy) in enumerate(STEPS) if windows.ravel()[start + dx + dy * columns]]
     return Poses(middle, _middle(target, columns, side), rng.choice(ways or [0, 1, 2, 3]))
 
 
-def _far(rng: RandomStream, windows: Grid, begin: int, within: Grid | None, shares: list[tuple[int, int]]) -> list[int]:
+def _far(
+    rng: RandomStream, windows: Grid, begin: int, within: Grid | None, shares: list[tuple[int, int]]
+) -> list[int]:
     """Places drawn from those at least a share of the longest way from one, a place for each share."""
     steps, order = steps_from(windows, begin)
     if within is not None:
@@ -166,11 +175,16 @@ def in_sight(walls: Grid, here: tuple[int, int], there: tuple[int, int]) -> bool
     (ax, ay), (bx, by) = sorted((here, there))
     if ax == bx:
         return True
-    rise, run = by - ay, bx - ax
+    rise = by - ay
+    run = bx - ax
     for column in range(ax // 2, -(-bx // 2)):
-        left, right = max(2 * column, ax), min(2 * column + 2, bx)
-        ends = sorted(ay * run + (x - ax) * rise for x in (left, right))  # y, times run, in half cells
-        low, high = ends[0] // (2 * run), -(-ends[1] // (2 * run))
+        left = max(2 * column, ax)
+        right = min(2 * column + 2, bx)
+        ends = sorted(
+            ay * run + (x - ax) * rise for x in (left, right)
+        )  # y, times run, in half cells
+        low = ends[0] // (2 * run)
+        high = -(-ends[1] // (2 * run))
         if low == high:  # along the border of two rows of cells: only both together are in the way
             if walls[low - 1 : low + 1, column].all():
                 return False

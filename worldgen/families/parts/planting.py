@@ -28,14 +28,24 @@ def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
 
 
 def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
-    """Return the cells less than a gap from one of a disc's, those themselves included, rows (dx, dy)."""
+    """Return the cells less than a gap from one of a disc's, those themselves included, rows.
+
+    Dx, dy.
+    """
     limit = math.ceil(gap * gap) - 1  # squares of whole numbers below gap * gap are at most this
     reach = math.isqrt(limit) + 1
-    rows = {int(dy): (int(dx.min()), int(dx.max())) for dy in set(cells[:, 1]) for dx in [cells[cells[:, 1] == dy, 0]]}
+    rows = {
+        int(dy): (int(dx.min()), int(dx.max()))
+        for dy in set(cells[:, 1])
+        for dx in [cells[cells[:, 1] == dy, 0]]
+    }
     pieces = []
     for y in range(min(rows) - reach, max(rows) + reach + 1):
         spans = []
-        for dy, (low, high) in rows.items():  # a disc's rows are whole, and all spans hold its middle
+        for dy, (
+            low,
+            high,
+        ) in rows.items():  # a disc's rows are whole, and all spans hold its middle
             above = max(abs(y - dy) - 1, 0)
             if above * above <= limit:
                 beside = 1 + math.isqrt(limit - above * above)
@@ -61,7 +71,8 @@ def plant(
         diameters: Cells; all are odd or even discs as :func:`disc_cells` says.
         gap: Least distance between two discs' cells, in cells.
 
-    Source: dart throwing until nothing fits, Cook, "Stochastic sampling in computer graphics", 1986; that
+    Source: dart throwing until nothing fits, Cook, "Stochastic sampling in computer graphics",
+        1986; that
     every place is tried once, in random order, is what makes it stop.
     """
     shapes = [disc_cells(diameter) for diameter in diameters]
@@ -93,7 +104,8 @@ def put_down(
     Returns:
         (m,) where the thing of that turn stands.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     turns = [pointer(ffi, np.ascontiguousarray(numbers), np.int64) for numbers in (places, kinds)]
     tables = []
     for offsets in (cells, halos):
@@ -101,5 +113,9 @@ def put_down(
         tables += [pointer(ffi, np.concatenate(offsets), np.int64), pointer(ffi, ends, np.int64)]
     stands = np.zeros(len(places), dtype=np.bool_)
     grid = (writable(ffi, barred, np.uint8), barred.size)
-    check(lib.wg_plant(*grid, *turns, len(places), *tables, len(cells), writable(ffi, stands, np.bool_)))
+    check(
+        lib.wg_plant(
+            *grid, *turns, len(places), *tables, len(cells), writable(ffi, stands, np.bool_)
+        )
+    )
     return stands

@@ -17,7 +17,9 @@ Point: TypeAlias = tuple[int, int]
 Polygon: TypeAlias = tuple[Point, ...]
 
 FINE = 64  # units a cell
-_THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted strip of one cell then has no hole, corners too
+# units, more than (sqrt(2) - 1) / 2 cells: a slanted strip of one cell then has no hole, corners
+# too.
+_THICKER = 14
 
 
 def box(x0: int, y0: int, x1: int, y1: int) -> Polygon:
@@ -29,7 +31,10 @@ def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
     """A polygon turned counter-clockwise about the origin."""
     cos, sin = direction(degrees)
     half = SCALE // 2
-    return tuple(((x * cos - y * sin + half) // SCALE, (x * sin + y * cos + half) // SCALE) for x, y in polygon)
+    return tuple(
+        ((x * cos - y * sin + half) // SCALE, (x * sin + y * cos + half) // SCALE)
+        for x, y in polygon
+    )
 
 
 def to_frame(
@@ -55,7 +60,9 @@ def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
     if all(_is_straight(polygon) for polygon in polygons):
         return x1 - x0, y1 - y0
     xs, ys = zip(*(point for polygon in polygons for point in polygon), strict=True)
-    columns, rows = (-(-(max(values) - min(values) + 2 * _THICKER) // FINE) + 1 for values in (xs, ys))
+    columns, rows = (
+        -(-(max(values) - min(values) + 2 * _THICKER) // FINE) + 1 for values in (xs, ys)
+    )
     return columns, rows
 
 
@@ -72,7 +79,8 @@ def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
     for polygon in polygons:
         inside = np.ones_like(cells)
         for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
-            ux, uy = bx - ax, by - ay
+            ux = bx - ax
+            uy = by - ay
             inside &= ux * (y - ay) - uy * (x - ax) >= -thicker * math.isqrt(ux * ux + uy * uy)
         cells |= inside
     return cells
@@ -80,4 +88,7 @@ def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
 
 def _is_straight(polygon: Polygon) -> bool:
     """Whether all sides are parallel to the axes."""
-    return all(ax == bx or ay == by for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True))
+    return all(
+        ax == bx or ay == by
+        for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
+    )

@@ -36,10 +36,12 @@ def read_world(path: str | PathLike[str]) -> World:
     """The world in a file; names ending in ``.gz`` are decompressed.
 
     Args:
-        path: The file; one in an archive has the archive's path and then its own name, ``set.zip/maze-7.grid``.
+        path: The file; one in an archive has the archive's path and then its own name,
+            ``set.zip/maze-7.grid``.
 
     Raises:
-        FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there is one.
+        FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there
+            is one.
     """
     source = str(path)
     try:
@@ -48,21 +50,35 @@ def read_world(path: str | PathLike[str]) -> World:
     except (NotADirectoryError, FileNotFoundError) as error:  # the latter is Windows's for both
         place = archive_in(Path(path))
         if place is None:
-            raise FormatError("no-such-file", "there is no such file", "check the name", source=source) from error
+            raise FormatError(
+                "no-such-file", "there is no such file", "check the name", source=source
+            ) from error
         return _read_archived(*place, source)
     except IsADirectoryError as error:
-        raise FormatError("is-a-folder", "this is a folder", "name a .grid file in it", source=source) from error
+        raise FormatError(
+            "is-a-folder", "this is a folder", "name a .grid file in it", source=source
+        ) from error
     except OSError as error:
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=source
+            "unreadable",
+            "cannot be read: {reason}",
+            reason=error.strerror or str(error),
+            source=source,
         ) from error
     except ValueError as error:  # a name with a NUL
         raise FormatError(
-            "unreadable", "cannot be read: {reason}", "check the name", reason=str(error), source=repr(source)
+            "unreadable",
+            "cannot be read: {reason}",
+            "check the name",
+            reason=str(error),
+            source=repr(source),
         ) from error
     if data is None:
         raise FormatError(
-            "too-large", "longer than {most} bytes, the limit of a .grid file", most=MAX_FILE_BYTES, source=source
+            "too-large",
+            "longer than {most} bytes, the limit of a .grid file",
+            most=MAX_FILE_BYTES,
+            source=source,
         )
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
 
@@ -92,10 +108,16 @@ def unpack_world(member: Member, source: str) -> World:
 
 def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
-        if PurePosixPath(member.name).as_posix() == name:  # tar writes ./w.grid for a folder that is packed as .
+        if (
+            PurePosixPath(member.name).as_posix() == name
+        ):  # tar writes ./w.grid for a folder that is packed as .
             return unpack_world(member, source)
     raise FormatError(
-        "no-such-file", "holds no file {name!r}", "list its files to find the name", name=name, source=str(archive)
+        "no-such-file",
+        "holds no file {name!r}",
+        "list its files to find the name",
+        name=name,
+        source=str(archive),
     )
 
 
@@ -109,7 +131,8 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
 
     Raises:
         InvalidWorld: If the world holds what the format cannot.
-        OutputError: If the file is there already, or cannot be written; nothing is left half written.
+        OutputError: If the file is there already, or cannot be written; nothing is left half
+            written.
     """
     if _is_compressed(str(path)):
         data, length = _compress(pieces(world))
@@ -146,9 +169,15 @@ def _is_compressed(name: str) -> bool:
 
 
 def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
-    """Gzip data without name or time, so that equal worlds are equal files; and the length of what is in it."""
-    packed, length = io.BytesIO(), 0
-    with gzip.GzipFile(filename="", mode="wb", compresslevel=_COMPRESSION, fileobj=packed, mtime=0) as stream:
+    """Gzip data without name or time, so that equal worlds are equal files.
+
+    And the length of what is in it.
+    """
+    packed = io.BytesIO()
+    length = 0
+    with gzip.GzipFile(
+        filename="", mode="wb", compresslevel=_COMPRESSION, fileobj=packed, mtime=0
+    ) as stream:
         for piece in text:
             length += stream.write(piece)
     return packed.getvalue(), length
@@ -160,7 +189,9 @@ def _expand(data: bytes, source: str) -> bytes:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
             expanded = _read_up_to(stream, limit)
     except EOFError as error:
-        message = Message("cut-short", "the gzip data ends too early; the file was cut off", "copy it again")
+        message = Message(
+            "cut-short", "the gzip data ends too early; the file was cut off", "copy it again"
+        )
         raise FormatError.of(message, source=source) from error
     except (OSError, zlib.error) as error:
         message = Message(

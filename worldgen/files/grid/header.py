@@ -1,7 +1,8 @@
 """The TOML header: parsed with its limits guarded beforehand, and with the line of every key.
 
-``tomllib`` has no positions, recurses for every bracket and takes quadratic time for long dotted keys.
-So a linear scan looks over the text first; a second scan finds a key's line when a fault needs it.
+``tomllib`` has no positions, recurses for every bracket and takes quadratic time for long dotted
+keys. So a linear scan looks over the text first; a second scan finds a key's line when a fault
+needs it.
 """
 
 from __future__ import annotations
@@ -51,22 +52,29 @@ class Header:
 
     def __init__(self, text: str, line: int, source: str | None, noun: str = "the header") -> None:
         text = text.replace("\r\n", "\n")  # as tomllib does
-        self._text, self._line, self.source, self._noun = text, line, source, noun
+        self._text = text
+        self._line = line
+        self.source = source
+        self._noun = noun
         self._last_line = self._line_at(len(text))
         self._guard()
         try:
             self.data: dict[str, Any] = tomllib.loads(text)
-        except ValueError as error:  # TOMLDecodeError, or int() refusing to read thousands of digits
+        except (
+            ValueError
+        ) as error:  # TOMLDecodeError, or int() refusing to read thousands of digits
             self._fail_toml(str(error))
 
     def line_of(self, *path: str) -> int:
         """Line of the file that holds a key: its own statement, or the nearest one around it."""
-        best, found = 0, self._line
+        best = 0
+        found = self._line
         for offset, statement in self._statement_paths():
             if statement[: len(path)] == path:
                 return self._line_at(offset)
             if best < len(statement) <= len(path) and path[: len(statement)] == statement:
-                best, found = len(statement), self._line_at(offset)
+                best = len(statement)
+                found = self._line_at(offset)
         return found
 
     def statements(self) -> list[tuple[int, tuple[str, ...]]]:
@@ -93,7 +101,9 @@ class Header:
             column = int(place[2])
         raise FormatError(
             "not-toml",
-            "{noun} is not TOML: {reason}" if column is None else "{noun} is not TOML, column {column}: {reason}",
+            "{noun} is not TOML: {reason}"
+            if column is None
+            else "{noun} is not TOML, column {column}: {reason}",
             "write `key = value`, text in quotes, [table]",
             noun=self._noun,
             column=column,
@@ -107,16 +117,26 @@ class Header:
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
-            if kind in ("unclosed", "unclosed_long"):  # tomllib says what is wrong, and reads no further
+            if kind in (
+                "unclosed",
+                "unclosed_long",
+            ):  # tomllib says what is wrong, and reads no further
                 self._last_line = self._line_at(token.start())
                 return
             if kind == "open":
                 depth += 1
             elif kind == "close":
                 depth -= 1
-            dots = dots + 1 if token[0] == "." else 0 if kind in ("newline", "open", "mark") else dots
+            dots = (
+                dots + 1 if token[0] == "." else 0 if kind in ("newline", "open", "mark") else dots
+            )
             if depth > MAX_DEPTH or dots > MAX_DEPTH:
-                deep = Message("nested-too-deep", "nesting deeper than {most} levels", "flatten it", most=MAX_DEPTH)
+                deep = Message(
+                    "nested-too-deep",
+                    "nesting deeper than {most} levels",
+                    "flatten it",
+                    most=MAX_DEPTH,
+                )
                 self._refuse(token.start(), deep)
             if kind == "word" and len(token[0]) > MAX_WORD:
                 long = Message(
@@ -146,11 +166,14 @@ class Header:
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
     """Offset and key part of every statement: ``[table]``, or what stands before ``=``."""
-    depth, begin, key_done = 0, -1, False
+    depth = 0
+    begin = -1
+    key_done = False
     for token in _TOKEN.finditer(text):
         kind = token.lastgroup
         if begin < 0 and kind not in ("comment", "newline", "space"):
-            begin, key_done = token.start(), False
+            begin = token.start()
+            key_done = False
         depth += (kind == "open") - (kind == "close")
         if token[0] == "=" and depth == 0 and not key_done:
             yield begin, text[begin : token.start()]

@@ -30,7 +30,7 @@ from worldgen.files.grid.schema import (
     TIMELINE,
     WITNESS,
 )
-from worldgen.files.grid.sections import Block, Cells, Mark, read_cells, read_columns
+from worldgen.files.grid.sections import Block, CellBlock, LetterMark, read_cells, read_columns
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Certificate, Cut, Pose, Target, Witness, World
@@ -38,7 +38,9 @@ from worldgen.world import DEFAULT_ROBOT_SPEED, Certificate, Cut, Pose, Target, 
 __all__ = ["loads"]
 
 _CARRIAGE_RETURN = Message(
-    "carriage-return", "a carriage return (CR); lines end with LF alone", "convert the file, e.g. with dos2unix"
+    "carriage-return",
+    "a carriage return (CR); lines end with LF alone",
+    "convert the file, e.g. with dos2unix",
 )
 
 
@@ -65,7 +67,8 @@ def loads(data: bytes, source: str | None = None) -> World:
         raise header.fault(fault, "cell_size")
     robot_radius = read_number(header, "robot_radius")
     robot_speed = read_number(header, "robot_speed", default=DEFAULT_ROBOT_SPEED)
-    provenance, failure = read_provenance(header), read_failure(header)
+    provenance = read_provenance(header)
+    failure = read_failure(header)
     cells = read_cells(blocks["cells"])
     start, target = _ends(header, cells, cell_size)
     timeline = _timeline(blocks, cells.walls.shape)
@@ -99,7 +102,8 @@ class _File(NamedTuple):
 
 def _header_end(file: _File) -> int:
     """Checks the first line and the line ends; gives the offset of the first section's line."""
-    data, magic = file.data, MAGIC.encode("ascii")
+    data = file.data
+    magic = MAGIC.encode("ascii")
     if data[: len(magic) + 1] != magic + b"\n":
         raise _first_line_fault(file)
     carriage = data.find(b"\r")
@@ -119,7 +123,10 @@ def _header_end(file: _File) -> int:
             MAX_HEADER_BYTES,
         )
     raise file.fault(
-        Message("cut-short", "the file ends before %cells; it was cut off, or its cells are missing"), len(data) - 1
+        Message(
+            "cut-short", "the file ends before %cells; it was cut off, or its cells are missing"
+        ),
+        len(data) - 1,
     )
 
 
@@ -132,19 +139,25 @@ def _first_line_fault(file: _File) -> FormatError:
         message = Message("empty", "the file is empty", way_out, magic=MAGIC)
     elif first.startswith(b"\xef\xbb\xbf"):
         way_out = f"save it as UTF-8 without one, so that {way_out}"
-        message = Message("byte-order-mark", "the file begins with a byte order mark", way_out, magic=MAGIC)
+        message = Message(
+            "byte-order-mark", "the file begins with a byte order mark", way_out, magic=MAGIC
+        )
     elif first.startswith(b"\x1f\x8b"):
         way_out = f"give the file a name that ends in .gz; unpacked, {way_out}"
         message = Message("packed-file", "this is gzip data", way_out, magic=MAGIC)
     elif first == magic + b"\r":
         message = _CARRIAGE_RETURN
     elif first == magic:
-        message = Message("cut-short", "the file ends after its first line; the header and %cells follow it")
+        message = Message(
+            "cut-short", "the file ends after its first line; the header and %cells follow it"
+        )
     elif first.startswith(magic.split()[0]):
         problem = f"{{came!q}}: this program reads version 1: {way_out}"
         message = Message("other-version", problem, came=text, magic=MAGIC)
     else:
-        message = Message("not-a-grid", "no .grid file: it begins with {came!q}", way_out, came=text, magic=MAGIC)
+        message = Message(
+            "not-a-grid", "no .grid file: it begins with {came!q}", way_out, came=text, magic=MAGIC
+        )
         return NotAGrid.of(message, line=1, source=file.source)
     return FormatError.of(message, line=1, source=file.source)
 
@@ -155,7 +168,13 @@ def _decode(file: _File, begin: int, end: int) -> str:
     except UnicodeDecodeError as error:
         at = begin + error.start
         raise file.fault(
-            Message("not-utf8", "byte 0x{byte:02x} is not UTF-8", "save the file as UTF-8", byte=file.data[at]), at
+            Message(
+                "not-utf8",
+                "byte 0x{byte:02x} is not UTF-8",
+                "save the file as UTF-8",
+                byte=file.data[at],
+            ),
+            at,
         ) from error
 
 
@@ -182,7 +201,10 @@ def _split(file: _File, at: int) -> dict[str, Block]:
         end = data.find(b"\n%", stop) + 1
         if end == 0:
             raise file.fault(
-                Message("cut-short", "the file ends before %end; it was cut off, or the line %end is missing"),
+                Message(
+                    "cut-short",
+                    "the file ends before %end; it was cut off, or the line %end is missing",
+                ),
                 len(data) - 1,
             )
         blocks[name] = Block(data, stop + 1, end, line + 1, source)
@@ -198,7 +220,8 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
         message = Message(
             "unknown-name",
             "{name!q} is no section",
-            ("did you mean %{near}, alone on its line? " if near else "") + "known, in this order: {known!l}",
+            ("did you mean %{near}, alone on its line? " if near else "")
+            + "known, in this order: {known!l}",
             name=text,
             near=near,
             known=[f"%{section}" for section in SECTIONS],
@@ -211,9 +234,13 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
             section=text,
         )
     elif name in blocks:
-        message = Message("twice", "a second {section}; each section comes once", "join them", section=text)
+        message = Message(
+            "twice", "a second {section}; each section comes once", "join them", section=text
+        )
     elif not blocks and name != "cells":
-        message = Message("wrong-order", "{section} before %cells; the cells come first", section=text)
+        message = Message(
+            "wrong-order", "{section} before %cells; the cells come first", section=text
+        )
     elif blocks and SECTIONS.index(name) < SECTIONS.index(next(reversed(blocks))):
         message = Message(
             "wrong-order",
@@ -228,7 +255,7 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
     raise FormatError.of(message, line=line, source=file.source)
 
 
-def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]:
+def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
     """Start and target, each from the header or from its mark, never both."""
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
@@ -250,7 +277,9 @@ def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]
                 key=key,
             )
             raise FormatError.of(message, line=mark.line, source=header.source)
-    numbers = read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
+    numbers = (
+        read_triple(header, "start") if cells.start is None else _centre(cells.start, cell_size)
+    )
     start = Pose(*numbers)
     if cells.target is None:
         return start, Target(*read_triple(header, "target"))
@@ -258,7 +287,7 @@ def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]
     return start, Target(*_centre(cells.target, cell_size), radius)
 
 
-def _centre(mark: Mark, cell_size: float) -> tuple[float, float]:
+def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
     """Centre of a cell, m, correctly rounded."""
     return (
         lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),

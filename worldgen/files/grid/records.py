@@ -1,4 +1,7 @@
-"""What the header's keys and tables mean: numbers, provenance, failure, each checked with its line."""
+"""What the header's keys and tables mean.
+
+Numbers, provenance, failure, each checked with its line.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,14 @@ from worldgen.files.grid.schema import (
 from worldgen.support.plain_text import quote
 from worldgen.world import FailureRecord, Provenance, Value
 
-__all__ = ["check_keys", "read_certificate", "read_failure", "read_number", "read_provenance", "read_triple"]
+__all__ = [
+    "check_keys",
+    "read_certificate",
+    "read_failure",
+    "read_number",
+    "read_provenance",
+    "read_triple",
+]
 
 _KINDS = {
     bool: "true or false",
@@ -85,7 +95,14 @@ def _kind(value: object) -> str:
 def _finite(header: Header, value: object, what: str, path: tuple[str, ...]) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise header.fault(
-            Message("wrong-type", "{what} is {kind}", "write a number, like 0.1", what=what, kind=_kind(value)), *path
+            Message(
+                "wrong-type",
+                "{what} is {kind}",
+                "write a number, like 0.1",
+                what=what,
+                kind=_kind(value),
+            ),
+            *path,
         )
     try:
         number = float(value) + 0.0  # no minus zero
@@ -187,7 +204,9 @@ def read_certificate(header: Header) -> tuple[str, float] | None:
     if kind not in CERTIFICATE_KINDS:
         came = quote(kind) if isinstance(kind, str) else _kind(kind)
         raise header.fault(
-            Message("unknown-name", "certificate kind is {came}", 'write "witness" or "cut"', came=came),
+            Message(
+                "unknown-name", "certificate kind is {came}", 'write "witness" or "cut"', came=came
+            ),
             "certificate",
             "kind",
         )
@@ -218,7 +237,13 @@ def _table(header: Header, name: str) -> Mapping[str, object] | None:
         for key in TABLE_KEYS[name]:
             if key not in table and key not in OPTIONAL_KEYS:
                 raise header.fault(
-                    Message("missing-key", "[{table}] has no {key}", "add `{key} = ...` to it", table=name, key=key),
+                    Message(
+                        "missing-key",
+                        "[{table}] has no {key}",
+                        "add `{key} = ...` to it",
+                        table=name,
+                        key=key,
+                    ),
                     name,
                 )
     return table
@@ -244,7 +269,11 @@ def _text(header: Header, table: Mapping[str, object], name: str, key: str) -> s
 
 def _integer(header: Header, table: Mapping[str, object], name: str, key: str) -> int:
     value = table[key]
-    if isinstance(value, bool) or not isinstance(value, int) or value.bit_length() > MAX_INTEGER_BITS:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int)
+        or value.bit_length() > MAX_INTEGER_BITS
+    ):
         came = "an integer out of range" if type(value) is int else _kind(value)
         raise header.fault(
             Message(
@@ -288,7 +317,11 @@ def _numbers(header: Header, table: Mapping[str, object], name: str, key: str) -
             what = f"{name}.{key}.{quote(part)[1:-1]}"
             raise header.fault(
                 Message(
-                    "wrong-type", "{what} is {kind}; a metric is a number", "leave it out", what=what, kind=_kind(value)
+                    "wrong-type",
+                    "{what} is {kind}; a metric is a number",
+                    "leave it out",
+                    what=what,
+                    kind=_kind(value),
                 ),
                 name,
                 key,
@@ -320,14 +353,22 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
     if not isinstance(value, list | dict):
         raise header.fault(
             Message(
-                "wrong-type", "{what} is {kind}", "write it as text in double quotes", what=what, kind=_kind(value)
+                "wrong-type",
+                "{what} is {kind}",
+                "write it as text in double quotes",
+                what=what,
+                kind=_kind(value),
             ),
             *path,
         )
     if depth > MAX_DEPTH:
         raise header.fault(
             Message(
-                "nested-too-deep", "{what}: nested deeper than {most} levels", "flatten it", what=what, most=MAX_DEPTH
+                "nested-too-deep",
+                "{what}: nested deeper than {most} levels",
+                "flatten it",
+                what=what,
+                most=MAX_DEPTH,
             ),
             *path,
         )

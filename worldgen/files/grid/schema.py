@@ -71,9 +71,13 @@ TABLE_KEYS: Final = {
         "controller", "motion", "seed", "verdict", "trace_digest", "parameters", "evidence", "details",
     ),
 }  # fmt: skip
-OPTIONAL_KEYS: Final = frozenset({"robot_speed", "params", "metrics", "parameters", "evidence", "details"})
+OPTIONAL_KEYS: Final = frozenset(
+    {"robot_speed", "params", "metrics", "parameters", "evidence", "details"}
+)
 
-MAX_HEADER_BYTES: Final = 1 << 20  # a header is pages at most; TOML costs 100 times its size in memory
+MAX_HEADER_BYTES: Final = (
+    1 << 20
+)  # a header is pages at most; TOML costs 100 times its size in memory
 MAX_FILE_BYTES: Final = 512 << 20  # the largest world, 20000 x 20000, takes 382 MiB
 EXPANSION_RATIO: Final = 1000  # deflate can reach 1032; more than this is a bomb, or an empty plain
 EXPANSION_FLOOR: Final = 64 << 20  # bytes that any compressed file may expand to
@@ -124,7 +128,11 @@ def _state(word: bytes) -> int:
 
 
 def _decimal(name: str, *, signed: bool = True) -> Field:
-    rule = "a decimal number, like 0.35 or -2e-05" if signed else "a decimal number, 0 or more, like 12.5"
+    rule = (
+        "a decimal number, like 0.35 or -2e-05"
+        if signed
+        else "a decimal number, 0 or more, like 12.5"
+    )
     return Field(name, b"-?" * signed + _NUMBER, rule, float, np.float64)
 
 
@@ -139,10 +147,18 @@ TIMELINE: Final = LineSection(
         _decimal("time", signed=False),
         _index("ix", signed=False),
         _index("iy", signed=False),
-        Field("state", b"(?:%s)" % "|".join(STATES).encode(), f"one of {', '.join(STATES)}", _state, np.uint8),
+        Field(
+            "state",
+            b"(?:%s)" % "|".join(STATES).encode(),
+            f"one of {', '.join(STATES)}",
+            _state,
+            np.uint8,
+        ),
     ),
     "12.5 8 3 burning",
 )
-WITNESS: Final = LineSection("witness", tuple(_decimal(name) for name in ("time", "x", "y")), "0.0 0.35 5.65")
+WITNESS: Final = LineSection(
+    "witness", tuple(_decimal(name) for name in ("time", "x", "y")), "0.0 0.35 5.65"
+)
 CUT: Final = LineSection("cut", tuple(_index(name, signed=True) for name in ("ix", "iy")), "8 3")
 LINE_SECTIONS: Final = {section.name: section for section in (TIMELINE, WITNESS, CUT)}

@@ -16,12 +16,14 @@ import numpy.typing as npt
 from worldgen.domain import MAX_SIDE
 from worldgen.errors import FormatError, Message
 from worldgen.files.grid.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
-from worldgen.support.frozen import hand_over
+from worldgen.support.frozen import freeze
 from worldgen.support.rows import flip_rows
 
-__all__ = ["Block", "Cells", "Mark", "read_cells", "read_columns"]
+__all__ = ["Block", "CellBlock", "LetterMark", "read_cells", "read_columns"]
 
-_CHUNK = 1 << 20  # bytes of lines split into words at a time; words take 20 times their text in memory
+_CHUNK = (
+    1 << 20
+)  # bytes of lines split into words at a time; words take 20 times their text in memory
 _CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
 
 
@@ -39,7 +41,7 @@ class Block(NamedTuple):
         return FormatError.of(message, line=self.line + row, source=self.source)
 
 
-class Mark(NamedTuple):
+class LetterMark(NamedTuple):
     """A cell marked by a letter: column, row from the bottom, and the line of the file."""
 
     ix: int
@@ -47,22 +49,24 @@ class Mark(NamedTuple):
     line: int
 
 
-class Cells(NamedTuple):
+class CellBlock(NamedTuple):
     """What ``%cells`` holds: walls, lowest row first, and the marks of start and target."""
 
     walls: npt.NDArray[np.bool_]
-    start: Mark | None
-    target: Mark | None
+    start: LetterMark | None
+    target: LetterMark | None
 
 
-def read_cells(block: Block) -> Cells:
+def read_cells(block: Block) -> CellBlock:
     """Cells from their rows.
 
     Raises:
         FormatError: If there are no rows, too many, too long ones, ones of different length, a
             character that is no cell, or a second start or target.
     """
-    data, begin, end = block.data, block.begin, block.end
+    data = block.data
+    begin = block.begin
+    end = block.end
     if begin == end:
         raise block.fault(
             Message(
@@ -84,11 +88,12 @@ def read_cells(block: Block) -> Cells:
     start = target = None
     if not ((text[:, -1] == ord("\n")).all() and (solid | (cells == ord(FREE))).all()):
         _check_rows(block, width)
-        start, target = _mark(block, START, width), _mark(block, TARGET, width)
-    return Cells(hand_over(solid), start, target)
+        start = _mark(block, START, width)
+        target = _mark(block, TARGET, width)
+    return CellBlock(freeze(solid), start, target)
 
 
-def _mark(block: Block, letter: str, width: int) -> Mark | None:
+def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
     """The one cell with a letter, in a block whose rows are right."""
     code = letter.encode("ascii")
     first = block.data.find(code, block.begin, block.end)
@@ -108,12 +113,16 @@ def _mark(block: Block, letter: str, width: int) -> Mark | None:
         )
     height = (block.end - block.begin) // (width + 1)
     row, ix = divmod(first - block.begin, width + 1)
-    return Mark(ix, height - 1 - row, block.line + row)
+    return LetterMark(ix, height - 1 - row, block.line + row)
 
 
 def _check_rows(block: Block, width: int) -> None:
-    """Raises for the first row that breaks a rule; what comes before it is at most a world's size."""
-    at, row = block.begin, 0
+    """Raises for the first row that breaks a rule.
+
+    What comes before it is at most a world's size.
+    """
+    at = block.begin
+    row = 0
     while at < block.end:
         stop = block.data.index(b"\n", at)
         length = stop - at
@@ -129,7 +138,12 @@ def _check_rows(block: Block, width: int) -> None:
             )
         if length == 0:
             raise block.fault(
-                Message("empty", "an empty line in %cells; a row has at least one cell", "delete the line"), row
+                Message(
+                    "empty",
+                    "an empty line in %cells; a row has at least one cell",
+                    "delete the line",
+                ),
+                row,
             )
         strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
         if strange:
@@ -156,7 +170,8 @@ def _check_rows(block: Block, width: int) -> None:
                 ),
                 row,
             )
-        at, row = stop + 1, row + 1
+        at = stop + 1
+        row = row + 1
 
 
 def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
@@ -182,22 +197,27 @@ def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
     """The words of a section, one array a field.
 
     Raises:
-        FormatError: If a line has other words than the section's form, or a number is beyond 64 bits.
+        FormatError: If a line has other words than the section's form, or a number is beyond 64
+            bits.
     """
     line_pattern = _line_pattern(section)
-    at, row = block.begin, 0
+    at = block.begin
+    row = 0
     parts: list[list[npt.NDArray[Any]]] = [[np.zeros(0, field.dtype)] for field in section.fields]
     while at < block.end:
         stop = _chunk_end(block, at)
         match = line_pattern.match(block.data, at, stop)
         if match is None or match.end() < stop:
             good_until = at if match is None else match.end()
-            raise _strange_line(block, section, good_until, row + block.data.count(b"\n", at, good_until))
+            raise _strange_line(
+                block, section, good_until, row + block.data.count(b"\n", at, good_until)
+            )
         words = block.data[at:stop].split()
         count = len(section.fields)
         for k, field in enumerate(section.fields):
             parts[k].append(_column(block, section, field, words[k::count], row))
-        at, row = stop, row + len(words) // count
+        at = stop
+        row = row + len(words) // count
     return [np.concatenate(columns) for columns in parts]
 
 
@@ -214,7 +234,9 @@ def _line_pattern(section: LineSection) -> re.Pattern[bytes]:
     return re.compile(b"(?:" + b" ".join(field.pattern for field in section.fields) + b"\n)*+")
 
 
-def _column(block: Block, section: LineSection, field: Field, words: list[bytes], row: int) -> npt.NDArray[Any]:
+def _column(
+    block: Block, section: LineSection, field: Field, words: list[bytes], row: int
+) -> npt.NDArray[Any]:
     values = list(map(field.read, words))
     try:
         column = np.array(values, field.dtype)
@@ -227,7 +249,9 @@ def _column(block: Block, section: LineSection, field: Field, words: list[bytes]
 
 
 def _word_message(section: LineSection, field: Field, word: str) -> Message:
-    near = "".join(difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else [])
+    near = "".join(
+        difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else []
+    )
     return Message(
         "wrong-form",
         "%{section}: {field} {word!q} is not {rule}" + ("; did you mean {near!r}?" if near else ""),

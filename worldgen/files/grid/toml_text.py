@@ -10,7 +10,15 @@ from worldgen.files.grid.schema import BARE_KEY, MAX_DEPTH, MAX_INTEGER_BITS
 
 __all__ = ["number_text", "value_text"]
 
-_ESCAPES = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"}
+_ESCAPES = {
+    "\b": "\\b",
+    "\t": "\\t",
+    "\n": "\\n",
+    "\f": "\\f",
+    "\r": "\\r",
+    '"': '\\"',
+    "\\": "\\\\",
+}
 # Also the line ends of Unicode, so that no tool sees a line where the format has none.
 _ESCAPE_TABLE = str.maketrans(
     {chr(code): f"\\u{code:04X}" for code in (*range(0x20), 0x7F, 0x85, 0x2028, 0x2029)} | _ESCAPES,
@@ -106,7 +114,11 @@ def _table_text(value: Mapping[object, object], what: str, depth: int) -> str:
     for key in value:
         if not isinstance(key, str):
             raise InvalidWorld(
-                "wrong-type", "{what} has the key {key!r}: keys are text", "convert it", what=what, key=key
+                "wrong-type",
+                "{what} has the key {key!r}: keys are text",
+                "convert it",
+                what=what,
+                key=key,
             )
     for key in sorted(value, key=str):
         name = str(key) if BARE_KEY.match(str(key)) else _string_text(str(key), what)

@@ -13,7 +13,15 @@ from worldgen.files.grid.schema import END, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
 from worldgen.files.grid.toml_text import number_text, value_text
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
-from worldgen.world import DEFAULT_ROBOT_SPEED, Cut, FailureRecord, Provenance, Value, Witness, World
+from worldgen.world import (
+    DEFAULT_ROBOT_SPEED,
+    Cut,
+    FailureRecord,
+    Provenance,
+    Value,
+    Witness,
+    World,
+)
 
 __all__ = ["dumps", "pieces", "world_digest"]
 
@@ -27,8 +35,8 @@ def dumps(world: World) -> bytes:
         UTF-8 with LF line ends; :func:`worldgen.files.grid.loads` gives an equal world back.
 
     Raises:
-        InvalidWorld: If the world holds what the format cannot: a number that is not finite, a value
-            that is none of ``Value``, more provenance and failure than a header may take.
+        InvalidWorld: If the world holds what the format cannot: a number that is not finite, a
+            value that is none of ``Value``, more provenance and failure than a header may take.
     """
     return b"".join(pieces(world))
 
@@ -68,7 +76,8 @@ def _header_lines(world: World) -> Iterator[str]:
     yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
     if world.robot_speed != DEFAULT_ROBOT_SPEED:
         yield f"robot_speed = {number_text(world.robot_speed, 'robot_speed')}"
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     yield f"start = {_numbers('start', (start.x, start.y, start.heading))}"
     yield f"target = {_numbers('target', (target.x, target.y, target.radius))}"
     if world.provenance is not None:
@@ -128,7 +137,8 @@ def _cells(world: World) -> Iterator[bytes]:
 
 
 def _section_lines(world: World) -> Iterator[str]:
-    timeline, certificate = world.timeline, world.certificate
+    timeline = world.timeline
+    certificate = world.certificate
     if len(timeline):
         yield "%timeline"
         words = [state.word for state in sorted(CellState)]
@@ -140,7 +150,9 @@ def _section_lines(world: World) -> Iterator[str]:
         points = np.column_stack((certificate.times, certificate.x, certificate.y)) + 0.0
         if not np.isfinite(points).all():
             raise InvalidWorld(
-                "not-finite", "the witness has a number that is not finite; a .grid file cannot hold it; prove it again"
+                "not-finite",
+                "the witness has a number that is not finite; a .grid file cannot hold it; prove "
+                "it again",
             )
         yield from (f"{time!r} {x!r} {y!r}" for time, x, y in points.tolist())
     elif isinstance(certificate, Cut):

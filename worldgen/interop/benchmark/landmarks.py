@@ -1,6 +1,9 @@
-"""Distances from a few cells far apart: from cell to goal it is no shorter than the difference of theirs.
+"""Distances from a few cells far apart.
 
-Source: Goldberg and Harrelson, "Computing the shortest path: A* search meets graph theory", SODA 2005.
+From cell to goal it is no shorter than the difference of theirs.
+
+Source: Goldberg and Harrelson, "Computing the shortest path: A* search meets graph theory", SODA
+    2005.
 """
 
 from __future__ import annotations
@@ -17,7 +20,10 @@ __all__ = ["landmark_distances", "rounding"]
 
 
 def landmark_distances(
-    free: npt.NDArray[np.uint8], steps: npt.NDArray[np.int64], region: npt.NDArray[np.bool_], count: int
+    free: npt.NDArray[np.uint8],
+    steps: npt.NDArray[np.int64],
+    region: npt.NDArray[np.bool_],
+    count: int,
 ) -> npt.NDArray[np.float64]:
     """Lengths of shortest octile paths from some cells, each the farthest from those before it.
 
@@ -49,7 +55,9 @@ def _lengths(moves: Any, rank: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
 def _moves(free: npt.NDArray[np.uint8], steps: npt.NDArray[np.int64]) -> Any:
     """All moves between free cells, as a sparse matrix of their lengths."""
     cells = np.flatnonzero(free)
-    begins, ends, lengths = [], [], []
+    begins = []
+    ends = []
+    lengths = []
     for direction, step in enumerate(steps.tolist()):
         sides = [steps[(direction + turn) % 8] for turn in ((-1, 0, 1) if direction % 2 else (0,))]
         able = cells[np.logical_and.reduce([free[cells + side] != 0 for side in sides])]
@@ -61,5 +69,8 @@ def _moves(free: npt.NDArray[np.uint8], steps: npt.NDArray[np.int64]) -> Any:
 
 
 def rounding(distances: npt.NDArray[np.float64]) -> float:
-    """By how much the difference of two such distances may be wrong: each is a sum of no more moves than it is long."""
+    """By how much the difference of two such distances may be wrong.
+
+    Each is a sum of no more moves than it is long.
+    """
     return 4.0 * float(np.max(distances, initial=0.0)) ** 2 * 2.0**-53

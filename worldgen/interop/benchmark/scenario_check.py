@@ -1,4 +1,7 @@
-"""MovingAI problems solved: is each published length that of a shortest octile path in our reading of the map?"""
+"""MovingAI problems solved.
+
+Is each published length that of a shortest octile path in our reading of the map?
+"""
 
 from __future__ import annotations
 
@@ -26,10 +29,20 @@ from worldgen.interop.formats.movingai import (
 from worldgen.random_streams import RandomStream
 from worldgen.support.plain_text import aligned, counted
 
-__all__ = ["ScenarioFiles", "ScenarioReport", "as_csv", "as_text", "check_scenario", "find_scenarios", "total"]
+__all__ = [
+    "ScenarioFiles",
+    "ScenarioReport",
+    "as_csv",
+    "as_text",
+    "check_scenario",
+    "find_scenarios",
+    "total",
+]
 
 _TWO_DECIMALS = 0.0051  # half of the last, and rounding; "version 1.0" writes two
-_SIX_DIGITS = 1e-5  # of the length; "version 1" writes six digits or more, summed up in floating point
+_SIX_DIGITS = (
+    1e-5  # of the length; "version 1" writes six digits or more, summed up in floating point
+)
 _MOST_CELLS = 16_000_000  # 50 bytes each
 _MOST_LINES = 20  # of files with faults; CSV and JSON have all
 
@@ -70,7 +83,8 @@ class ScenarioFiles:
     """Scenario files, each with the maps of its name.
 
     Args:
-        pairs: A scenario file and its maps: none, one, or several of that name in different folders.
+        pairs: A scenario file and its maps: none, one, or several of that name in different
+            folders.
         refused: Files that are no scenarios, as reports.
     """
 
@@ -95,7 +109,10 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
     for path in paths:
         if not path.exists():
             raise InvalidParameter(
-                "no-such-file", "{path} is not there", "name scenario files, maps, or folders of them", path=path
+                "no-such-file",
+                "{path} is not there",
+                "name scenario files, maps, or folders of them",
+                path=path,
             )
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
             if file.suffix.lower() == ".scen":
@@ -111,7 +128,8 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
             "name files that end in .scen, or their folder",
             paths=named,
         )
-    pairs, refused = [], []
+    pairs = []
+    refused = []
     for file in scenarios:
         try:
             pairs.append((file, tuple(maps.get(scenario_contents(file)[0], ()))))
@@ -123,7 +141,9 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
 def check_scenario(
     scenario: Path, maps: Sequence[Path], *, rows: int | None = None, seed: int = 0
 ) -> Iterator[ScenarioReport]:
-    """Solves the problems of a file on every map of its name: on those of its sizes, or else on the others, scaled.
+    """Solves the problems of a file on every map of its name.
+
+    On those of its sizes, or else on the others, scaled.
 
     Args:
         scenario: The ``.scen`` file.
@@ -138,9 +158,13 @@ def check_scenario(
         return
     if not maps:
         fault = f"there is no map {problems.map_name} in what was named; name its folder too"
-        yield ScenarioReport(str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault)
+        yield ScenarioReport(
+            str(scenario), "", len(problems.published), misfit=len(problems.published), fault=fault
+        )
     read = [_terrain(path) for path in maps]
-    fitting = [not isinstance(terrain, str) and terrain.shape[::-1] == problems.size for terrain in read]
+    fitting = [
+        not isinstance(terrain, str) and terrain.shape[::-1] == problems.size for terrain in read
+    ]
     for path, terrain, fits in zip(maps, read, fitting, strict=True):
         if isinstance(terrain, str):
             yield ScenarioReport(str(scenario), str(path), len(problems.published), fault=terrain)
@@ -163,19 +187,30 @@ def _drawn(problems: Problems, rows: int | None, seed: int, name: str) -> Proble
     order = list(range(count))
     RandomStream(seed).child("scenarios", name).shuffle(order)
     kept = np.array(sorted(order[:rows]), np.int64)
-    starts, goals, published = problems.starts[kept], problems.goals[kept], problems.published[kept]
+    starts = problems.starts[kept]
+    goals = problems.goals[kept]
+    published = problems.published[kept]
     return replace(problems, starts=starts, goals=goals, published=published)
 
 
-def _solve(scenario: Path, path: Path, problems: Problems, terrain: npt.NDArray[np.uint8]) -> ScenarioReport:
+def _solve(
+    scenario: Path, path: Path, problems: Problems, terrain: npt.NDArray[np.uint8]
+) -> ScenarioReport:
     height, width = terrain.shape
     count = len(problems.published)
     report = ScenarioReport(str(scenario), str(path), count)
     if problems.size == (height, width) != (width, height):  # a scaled map is not one on its side
-        fault = f"made for {height} x {width} cells, the map has {width} x {height}; swap the two in one of the files"
+        fault = (
+            f"made for {height} x {width} cells, the map has {width} x {height}; swap the two "
+            f"in one of the files"
+        )
         return replace(report, misfit=count, fault=fault)
     if max(width * height, problems.size[0] * problems.size[1]) > _MOST_CELLS:
-        return replace(report, misfit=count, fault=f"more than {_MOST_CELLS} cells, which is as many as are solved")
+        return replace(
+            report,
+            misfit=count,
+            fault=f"more than {_MOST_CELLS} cells, which is as many as are solved",
+        )
     if problems.size != (width, height):
         terrain = _scaled(terrain, *problems.size)
         report = replace(report, scaled=count)
@@ -183,15 +218,22 @@ def _solve(scenario: Path, path: Path, problems: Problems, terrain: npt.NDArray[
 
 
 def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
-    """The map in another size, as the benchmark scales: cell x of the new is cell x * old // new of the old."""
+    """The map in another size, as the benchmark scales.
+
+    Cell x of the new is cell x * old // new of the old.
+    """
     rows = np.arange(height) * terrain.shape[0] // height
     columns = np.arange(width) * terrain.shape[1] // width
     return np.ascontiguousarray(terrain[np.ix_(rows, columns)])
 
 
 def _lengths(terrain: npt.NDArray[np.uint8], problems: Problems) -> npt.NDArray[np.int64]:
-    """(n, 2) moves of shortest paths on the terrain that each problem begins on; -1, -1 where there is none."""
-    starts, goals = problems.starts, problems.goals
+    """(n, 2) moves of shortest paths on the terrain that each problem begins on.
+
+    -1, -1 where there is none.
+    """
+    starts = problems.starts
+    goals = problems.goals
     found = np.full((len(starts), 2), -1, np.int64)
     begins = terrain[starts[:, 1], starts[:, 0]]
     for kind in (GROUND, WATER, TREES):
@@ -201,11 +243,16 @@ def _lengths(terrain: npt.NDArray[np.uint8], problems: Problems) -> npt.NDArray[
     return found
 
 
-def _compared(report: ScenarioReport, problems: Problems, lengths: npt.NDArray[np.int64]) -> ScenarioReport:
-    published, blocked = problems.published, lengths[:, 0] < 0
+def _compared(
+    report: ScenarioReport, problems: Problems, lengths: npt.NDArray[np.int64]
+) -> ScenarioReport:
+    published = problems.published
+    blocked = lengths[:, 0] < 0
     ours = np.where(blocked, 0.0, lengths[:, 0] + lengths[:, 1] * math.sqrt(2.0))
     difference = np.abs(ours - published)
-    near = difference <= (_TWO_DECIMALS if problems.version == "1.0" else np.maximum(_SIX_DIGITS * published, 1e-6))
+    near = difference <= (
+        _TWO_DECIMALS if problems.version == "1.0" else np.maximum(_SIX_DIGITS * published, 1e-6)
+    )
     agree = near & (~blocked | (published == 0.0))
     wrong = np.flatnonzero(~agree)
     return replace(
@@ -219,11 +266,15 @@ def _compared(report: ScenarioReport, problems: Problems, lengths: npt.NDArray[n
     )
 
 
-def _fault(problems: Problems, row: int, ours: npt.NDArray[np.float64], blocked: npt.NDArray[np.bool_]) -> str:
+def _fault(
+    problems: Problems, row: int, ours: npt.NDArray[np.float64], blocked: npt.NDArray[np.bool_]
+) -> str:
     start, goal = (tuple(map(int, cells[row])) for cells in (problems.starts, problems.goals))
     came = "there is no path" if blocked[row] else f"the shortest path has {ours[row]:.10g} cells"
     told = f"published are {problems.published[row]:.10g} cells"
-    return f"from {start} to {goal} {came}, {told}; the map is another than the problems were made on"
+    return (
+        f"from {start} to {goal} {came}, {told}; the map is another than the problems were made on"
+    )
 
 
 def _sentence(error: FormatError) -> str:
@@ -233,7 +284,9 @@ def _sentence(error: FormatError) -> str:
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
     """Sums over all files; of ``worst`` the largest; ``maps`` and ``files`` counted."""
     counts = ("problems", "agree", "no_path", "differ", "unreachable", "misfit", "scaled")
-    sums: dict[str, int | float] = {name: sum(getattr(report, name) for report in reports) for name in counts}
+    sums: dict[str, int | float] = {
+        name: sum(getattr(report, name) for report in reports) for name in counts
+    }
     sums["worst"] = max((report.worst for report in reports), default=0.0)
     sums["maps"] = len({report.map for report in reports if report.map})
     sums["files"] = len({report.scenario for report in reports})
@@ -272,7 +325,11 @@ def as_text(reports: Sequence[ScenarioReport]) -> str:
     faults = [report for report in reports if report.fault]
     for report in faults[:_MOST_LINES]:
         on = f" on {report.map}" if report.map else ""
-        lines.append(f"{report.scenario}{on}: {report.agree} of {report.problems} agree; {report.fault}")
+        lines.append(
+            f"{report.scenario}{on}: {report.agree} of {report.problems} agree; {report.fault}"
+        )
     if len(faults) > _MOST_LINES:
-        lines.append(f"{len(faults) - _MOST_LINES} more files do not agree in all; --csv lists them")
+        lines.append(
+            f"{len(faults) - _MOST_LINES} more files do not agree in all; --csv lists them"
+        )
     return "\n".join(lines) + "\n"

@@ -1,6 +1,6 @@
-"""Maps and generators of others, judged: what a disc can reach in them, and what only a point on the grid can.
+"""Maps and generators of others, judged.
 
-Contents:
+What a disc can reach in them, and what only a point on the grid can. Contents:
     take_census, Census, Question (``take``): asks every map at every radius and keeps the answers.
     CensusMap, Ends, Refused (``case``): a map as the census takes it, and what was no map.
     Radius (``radius``): in m or in cells of whatever map comes.
@@ -17,16 +17,16 @@ from worldgen.interop.census.generators import generated_maps
 from worldgen.interop.census.planners import GridPlanners
 from worldgen.interop.census.radius import Radius
 from worldgen.interop.census.report import as_csv, as_json, as_text
-from worldgen.interop.census.take import Census, CensusOptions, Question, take_census
+from worldgen.interop.census.take import Census, CensusCase, CensusOptions, take_census
 from worldgen.interop.census.tally import Tally, tally
 
 __all__ = [
     "Census",
+    "CensusCase",
     "CensusMap",
     "CensusOptions",
     "Ends",
     "GridPlanners",
-    "Question",
     "Radius",
     "Refused",
     "Tally",

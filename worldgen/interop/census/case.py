@@ -63,7 +63,9 @@ class Refused:
     reason: str
 
 
-def cell_ends(start: tuple[int, int], target: tuple[int, int], cell_size: float, *, named: bool = True) -> Ends:
+def cell_ends(
+    start: tuple[int, int], target: tuple[int, int], cell_size: float, *, named: bool = True
+) -> Ends:
     """From the centre of one cell to the disc inscribed in another.
 
     Args:
@@ -73,11 +75,14 @@ def cell_ends(start: tuple[int, int], target: tuple[int, int], cell_size: float,
         named: Whether the map says so.
     """
     half = lattice_to_metres(UNIT // 2, cell_size)
-    at, to = cell_centre(*start, cell_size), cell_centre(*target, cell_size)
+    at = cell_centre(*start, cell_size)
+    to = cell_centre(*target, cell_size)
     return Ends(Pose(*at), Target(*to, half), named)
 
 
-def draw_ends(case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fraction | None) -> tuple[Ends, ...]:
+def draw_ends(
+    case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fraction | None
+) -> tuple[Ends, ...]:
     """Pairs of different free cells, all equally likely.
 
     Args:
@@ -94,8 +99,12 @@ def draw_ends(case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fractio
         free &= _clear_centres(case.walls, clear_for)
     places = np.flatnonzero(free)
     if len(places) < 2:
-        disc = "" if clear_for is None else f" in which a disc of {float(clear_for):g} cells has room"
-        raise InvalidParameter("no-room", "the map has no two free cells{disc} to be start and target", disc=disc)
+        disc = (
+            "" if clear_for is None else f" in which a disc of {float(clear_for):g} cells has room"
+        )
+        raise InvalidParameter(
+            "no-room", "the map has no two free cells{disc} to be start and target", disc=disc
+        )
     drawn = []
     for _ in range(pairs):
         first = rng.below(len(places))

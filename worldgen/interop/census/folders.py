@@ -24,7 +24,8 @@ class FolderMaps:
 
     Args:
         files: What to read, in order, with the name of each.
-        scenarios: MovingAI scenario files by the name of the map that they are for, each with its number of problems.
+        scenarios: MovingAI scenario files by the name of the map that they are for, each with its
+            number of problems.
         refused: Scenario files that are none.
         passed_over: Files in folders that look like no map.
         pairs: Problems to take of a map's scenarios.
@@ -89,13 +90,19 @@ class FolderMaps:
 
 
 def folder_maps(
-    paths: Sequence[Path], *, pairs: int = 1, seed: int = 0, options: Mapping[str, Value] | None = None
+    paths: Sequence[Path],
+    *,
+    pairs: int = 1,
+    seed: int = 0,
+    options: Mapping[str, Value] | None = None,
 ) -> FolderMaps:
-    """What there is to judge in files and folders; the files themselves are read one by one, when it is iterated.
+    """What there is to judge in files and folders.
+
+    The files themselves are read one by one, when it is iterated.
 
     Args:
-        paths: Files, and folders with all that is below them. In a folder a file counts by its contents or by
-            its name's ending; a file named itself always counts.
+        paths: Files, and folders with all that is below them. In a folder a file counts by its
+            contents or by its name's ending; a file named itself always counts.
         pairs: Problems to take of a map's scenario files, where it has some.
         seed: What these are drawn by.
         options: What the files leave open; each applies to the formats that it means something to.
@@ -105,7 +112,8 @@ def folder_maps(
     """
     files: dict[Path, str] = {}
     scenarios: dict[str, list[tuple[Path, int]]] = {}
-    refused, passed_over = [], 0
+    refused = []
+    passed_over = 0
     for name, path, named in _walk(paths):
         if path.suffix.lower() == ".scen":
             try:
@@ -131,10 +139,17 @@ def folder_maps(
 
 
 def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
-    """Name, path, and whether the file was named itself; folders in the order of their files' names."""
+    """Name, path, and whether the file was named itself.
+
+    Folders in the order of their files' names.
+    """
     for path in paths:
         if path.is_dir():
-            inside = ((file.relative_to(path).as_posix(), file) for file in path.rglob("*") if file.is_file())
+            inside = (
+                (file.relative_to(path).as_posix(), file)
+                for file in path.rglob("*")
+                if file.is_file()
+            )
             yield from ((name, file, False) for name, file in sorted(inside))
         else:
             yield path.name, path, True
@@ -144,7 +159,9 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
     """Start and target of formats that have both."""
     if found.world is not None:
         if found.world.is_dynamic:
-            raise InvalidParameter("world-changes", "the world changes with time; a census judges still maps")
+            raise InvalidParameter(
+                "world-changes", "the world changes with time; a census judges still maps"
+            )
         return (Ends(found.world.start, found.world.target),)
     if found.start is None or found.target is None:
         return ()

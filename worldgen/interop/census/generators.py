@@ -1,9 +1,10 @@
 """The maps of a third-party generator, through a function that hands them over one by one.
 
-The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a tuple: a name and
-the walls, and if the generator has them the cells of start and target. ``walls`` is an array of two axes, True (or 1)
-where solid, row 0 the top row, as it would be printed; a cell is (row, column) in it. A generator that knows metres
-yields a :class:`worldgen.interop.census.CensusMap` instead.
+The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a
+    tuple: a name and
+the walls, and if the generator has them the cells of start and target. ``walls`` is an array of two
+axes, True (or 1) where solid, row 0 the top row, as it would be printed; a cell is (row, column) in
+it. A generator that knows metres yields a :class:`worldgen.interop.census.CensusMap` instead.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value
 __all__ = ["GeneratedMaps", "generated_maps"]
 
 _END = object()
-_TRUE, _FALSE = ("1", "true", "yes"), ("0", "false", "no")
+_TRUE = ("1", "true", "yes")
+_FALSE = ("0", "false", "no")
 
 
 def _accept(name: str, thing: Any) -> Callable[..., Any]:
@@ -51,7 +53,10 @@ GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "
 
 @contextlib.contextmanager
 def _aside(doing: str) -> Iterator[None]:
-    """A generator's code, which may raise anything; what it prints goes to stderr, for stdout is data."""
+    """A generator's code, which may raise anything.
+
+    What it prints goes to stderr, for stdout is data.
+    """
     with user_code(doing), contextlib.redirect_stdout(sys.stderr):
         yield
 
@@ -105,7 +110,11 @@ class GeneratedMaps:
                     )
                 check_between("cell_size", item.cell_size, *CELL_SIZES, "m")
                 return replace(item, name=name, walls=_walls(item.walls))
-            if not isinstance(item, tuple) or len(item) not in (2, 4) or not isinstance(item[0], str):
+            if (
+                not isinstance(item, tuple)
+                or len(item) not in (2, 4)
+                or not isinstance(item[0], str)
+            ):
                 raise InvalidParameter(
                     "wrong-type",
                     "a {kind} came",
@@ -116,7 +125,8 @@ class GeneratedMaps:
             walls = _walls(item[1])
             ends: tuple[Ends, ...] = ()
             if len(item) == 4:
-                start, target = _cell("start", item[2], walls), _cell("target", item[3], walls)
+                start = _cell("start", item[2], walls)
+                target = _cell("target", item[3], walls)
                 ends = (cell_ends(start, target, self.cell_size),)
             params: dict[str, Value] = {"generator": self.name, "number": index, **self.options}
             return CensusMap(name, flip_rows(walls), self.cell_size, ends, params)
@@ -142,7 +152,8 @@ def generated_maps(
         cell_size: Side of a cell, m, of maps without units.
 
     Raises:
-        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is none of its keywords.
+        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is none
+            of its keywords.
     """
     with contextlib.redirect_stdout(sys.stderr):
         function = GENERATORS.get(name)
@@ -150,7 +161,10 @@ def generated_maps(
         known = inspect.signature(function).parameters
     except (TypeError, ValueError) as error:
         raise InvalidParameter(
-            "no-signature", "generator {name!r} does not say what it takes", "wrap it in a function", name=name
+            "no-signature",
+            "generator {name!r} does not say what it takes",
+            "wrap it in a function",
+            name=name,
         ) from error
     if "seed" not in known:
         raise InvalidParameter(
@@ -160,10 +174,14 @@ def generated_maps(
             name=name,
         )
     defaults = {key: given.default for key, given in known.items() if key != "seed"}
-    return GeneratedMaps(name, function, count, seed, _converted(name, options or {}, defaults), cell_size)
+    return GeneratedMaps(
+        name, function, count, seed, _converted(name, options or {}, defaults), cell_size
+    )
 
 
-def _converted(name: str, options: Mapping[str, str], defaults: Mapping[str, Any]) -> dict[str, Value]:
+def _converted(
+    name: str, options: Mapping[str, str], defaults: Mapping[str, Any]
+) -> dict[str, Value]:
     found: dict[str, Value] = {}
     for key, text in options.items():
         if key not in defaults:
@@ -211,7 +229,9 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
             dtype=str(array.dtype),
         )
     if array.dtype.kind != "b" and ((array != 0) & (array != 1)).any():
-        raise InvalidParameter("wrong-values", "walls hold numbers other than 0 and 1", "yield walls == WALL")
+        raise InvalidParameter(
+            "wrong-values", "walls hold numbers other than 0 and 1", "yield walls == WALL"
+        )
     check_sides(array.shape[1], array.shape[0])
     return array.astype(np.bool_)
 

@@ -1,4 +1,7 @@
-"""What planners on the grid say: with a point for a robot, and with walls inflated by the robot's radius."""
+"""What planners on the grid say.
+
+With a point for a robot, and with walls inflated by the robot's radius.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,12 @@ class GridAnswers(NamedTuple):
 
     Args:
         four: A point that moves between cells that share a side.
-        eight: A point that also moves between cells that share a corner, past whatever is beside it.
-        costmap: Eight moves, over cells whose centre is farther than the radius from every solid cell's centre.
-        square: Four moves, over cells with no solid one within the radius, rounded up to cells, along both axes.
+        eight: A point that also moves between cells that share a corner, past whatever is beside
+            it.
+        costmap: Eight moves, over cells whose centre is farther than the radius from every solid
+            cell's centre.
+        square: Four moves, over cells with no solid one within the radius, rounded up to cells,
+            along both axes.
     """
 
     four: bool
@@ -37,7 +43,9 @@ class GridAnswers(NamedTuple):
 
 
 class GridPlanners:
-    """The four planners on one map. What lies outside is solid for each of them, as it is for the disc.
+    """The four planners on one map.
+
+    What lies outside is solid for each of them, as it is for the disc.
 
     Args:
         walls: (height, width) bool, row 0 the lowest y.
@@ -62,7 +70,12 @@ class GridPlanners:
         start = self._cell(ends.start.x, ends.start.y)
         target = self._cell(ends.target.x, ends.target.y)
         costmap, square = self._inflate(radius)
-        return GridAnswers(*(_joined(labels, start, target) for labels in (self._four, self._eight, costmap, square)))
+        return GridAnswers(
+            *(
+                _joined(labels, start, target)
+                for labels in (self._four, self._eight, costmap, square)
+            )
+        )
 
     def _cell(self, x: float, y: float) -> tuple[int, int]:
         """Row and column, with the ring round the map, of the cell that holds a point, m."""

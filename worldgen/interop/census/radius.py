@@ -37,7 +37,10 @@ class Radius:
         found = _FORM.fullmatch(text.strip())
         if found is None:
             raise InvalidParameter(
-                "wrong-form", "radius={text!r} is no radius", "write 0.3 for m, or 0.7c for cells", text=text[:40]
+                "wrong-form",
+                "radius={text!r} is no radius",
+                "write 0.3 for m, or 0.7c for cells",
+                text=text[:40],
             )
         radius = cls(float(found[1]), (found[2] or "m").startswith("c"))
         check_between("radius", radius.value, 1e-9, 1e9, "cells" if radius.cells else "m")

@@ -29,7 +29,10 @@ def as_text(census: Census) -> str:
     rows.append(["seconds", *(f"{one.seconds:.2f}" for one in tallies)])
     lines = [_headline(census), "", aligned(rows, right=range(1, 1 + len(tallies)))]
     if census.options.pairs > 1:
-        lines += ["", "Intervals, 95 %, take the pairs on one map for independent, which they are not quite."]
+        lines += [
+            "",
+            "Intervals, 95 %, take the pairs on one map for independent, which they are not quite.",
+        ]
     for refused in census.refused[:_MOST_REFUSALS]:
         lines.append(f"refused: {refused.name}: {refused.reason}")
     if len(census.refused) > _MOST_REFUSALS:
@@ -40,14 +43,20 @@ def as_text(census: Census) -> str:
 def _headline(census: Census) -> str:
     asked = {(question.map, question.pair): question for question in census.questions}.values()
     named = sum(question.named for question in asked)
-    sides = sorted({(question.width, question.height) for question in asked}, key=lambda side: side[0] * side[1])
+    sides = sorted(
+        {(question.width, question.height) for question in asked},
+        key=lambda side: side[0] * side[1],
+    )
     size = ""
     if sides:
         ends = [f"{width} x {height}" for width, height in (sides[0], sides[-1])]
-        size = f" of {ends[0]} cells" if sides[0] == sides[-1] else f" of {ends[0]} to {ends[1]} cells"
+        size = (
+            f" of {ends[0]} cells" if sides[0] == sides[-1] else f" of {ends[0]} to {ends[1]} cells"
+        )
     return (
         f"{counted(census.maps, 'map')}{size}, {len(census.refused)} refused; "
-        f"{counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the map, "
+        f"{counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the "
+        f"map, "
         f"{len(asked) - named} drawn with seed {census.options.seed}"
     )
 
@@ -56,7 +65,9 @@ def _in_the_other_unit(one: Tally) -> str:
     ends, unit = (one.radius, "m") if one.asked.cells else (one.radius_in_cells, "cells")
     if not one.questions:
         return "-"
-    return f"{ends[0]:.4g} {unit}" if ends[0] == ends[1] else f"{ends[0]:.4g} to {ends[1]:.4g} {unit}"
+    return (
+        f"{ends[0]:.4g} {unit}" if ends[0] == ends[1] else f"{ends[0]:.4g} to {ends[1]:.4g} {unit}"
+    )
 
 
 def _share(one: Tally, name: str) -> str:
@@ -106,7 +117,11 @@ def _tally_json(one: Tally) -> dict[str, Any]:
         "radius_in_cells": list(one.radius_in_cells),
         "questions": one.questions,
         **{
-            name: {"count": one.counts[name], "share": one.share(name), "interval": list(one.interval(name))}
+            name: {
+                "count": one.counts[name],
+                "share": one.share(name),
+                "interval": list(one.interval(name)),
+            }
             for name in ROWS
         },
         "seconds": one.seconds,

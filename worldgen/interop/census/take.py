@@ -16,7 +16,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import BLOCKED, check_certificate, decide
 from worldgen.world import Cut, Provenance, Value, World
 
-__all__ = ["VERSION", "Census", "CensusOptions", "Question", "take_census"]
+__all__ = ["VERSION", "Census", "CensusCase", "CensusOptions", "take_census"]
 
 _LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
 VERSION = 1  # goes up whenever a seed draws other pairs than before
@@ -40,7 +40,7 @@ class CensusOptions:
 
 
 @dataclass(frozen=True)
-class Question:
+class CensusCase:
     """One map, one start and target, one radius, and the answers.
 
     Args:
@@ -54,7 +54,8 @@ class Question:
         cell_size: m.
         result: What the prover says of the disc.
         proved: Whether the checker confirms its certificate.
-        room: Whether the disc is clear at the start and at some pose of the target; only False if that is proved.
+        room: Whether the disc is clear at the start and at some pose of the target; only False if
+            that is proved.
         grid: What planners on the grid say.
         seconds: That prover and checker took.
     """
@@ -93,7 +94,7 @@ class Census:
     """
 
     options: CensusOptions
-    questions: list[Question] = field(default_factory=list)
+    questions: list[CensusCase] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)
     maps: int = 0
     interrupted: bool = False
@@ -107,16 +108,20 @@ def take_census(
     keep: Callable[[str, World], object] | None = None,
     progress: Callable[[], None] | None = None,
 ) -> Census:
-    """Judges maps one after the other. Ctrl-C, or a source that fails, ends it; what was found is returned.
+    """Judges maps one after the other.
+
+    Ctrl-C, or a source that fails, ends it; what was found is returned.
 
     Args:
         maps: What there is to judge.
         options: What to ask.
-        keep: Handed a name and each world where a point finds a way and the disc has none, with its cut.
+        keep: Handed a name and each world where a point finds a way and the disc has none, with its
+            cut.
         progress: Called after each map.
     """
     census = Census(options or CensusOptions())
-    names, files = Counter[str](), Counter[str]()
+    names = Counter[str]()
+    files = Counter[str]()
     try:
         for item in maps:
             if isinstance(item, CensusMap):
@@ -134,7 +139,9 @@ def take_census(
 
 def _once(name: str, taken: Counter[str]) -> str:
     """The name, with a number behind it if it is taken."""
-    told = name = name.encode(errors="backslashreplace").decode()  # a file's name may hold what UTF-8 cannot
+    told = name = name.encode(
+        errors="backslashreplace"
+    ).decode()  # a file's name may hold what UTF-8 cannot
     while taken[told]:
         taken[name] += 1
         told = f"{name}-{taken[name]}"
@@ -142,7 +149,12 @@ def _once(name: str, taken: Counter[str]) -> str:
     return told
 
 
-def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object] | None, files: Counter[str]) -> None:
+def _judge(
+    census: Census,
+    item: CensusMap,
+    keep: Callable[[str, World], object] | None,
+    files: Counter[str],
+) -> None:
     """Every question about one map; all of them or, if the map has a fault, none."""
     options = census.options
     try:
@@ -152,13 +164,19 @@ def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object]
         census.refused.append(Refused(item.name, str(error)))
         return
     planners = GridPlanners(item.walls, item.cell_size)
-    found, kept = [], []
+    found = []
+    kept = []
     for number, (pair, world) in enumerate(zip(ends, worlds, strict=True)):
         for radius in options.radii:
             question, judged = _answer(item, number, pair, world, radius, planners)
             found.append(question)
             if question.grid_only and keep is not None:
-                kept.append((_once(_file_name(question), files), _with_source(judged, item, question, options.seed)))
+                kept.append(
+                    (
+                        _once(_file_name(question), files),
+                        _with_source(judged, item, question, options.seed),
+                    )
+                )
     for name, judged in kept:
         if keep is not None:
             keep(name, judged)
@@ -176,7 +194,7 @@ def _drawn(item: CensusMap, options: CensusOptions) -> tuple[Ends, ...]:
 
 def _answer(
     item: CensusMap, number: int, pair: Ends, world: World, radius: Radius, planners: GridPlanners
-) -> tuple[Question, World]:
+) -> tuple[CensusCase, World]:
     """A question with its answers, and the world with its certificate."""
     metres = radius.metres(item.cell_size)
     world = replace(world, robot_radius=metres)
@@ -189,20 +207,27 @@ def _answer(
     # One cell is a cut only where it is too near to the start, or no pose of the target is clear.
     room = not (isinstance(cut, Cut) and len(cut.cells) == 1)
     grid = planners.answers(pair, radius.in_cells(item.cell_size))
-    question = Question(
+    question = CensusCase(
         item.name, number, pair.named, radius, metres, world.width, world.height, item.cell_size,
         decision.result, proved, room, grid, seconds,
     )  # fmt: skip
     return question, world
 
 
-def _file_name(question: Question) -> str:
+def _file_name(question: CensusCase) -> str:
     """Without ending; what parts start and target on the way comes apart from what gives them no room."""
-    plain = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map)
+    plain = "".join(
+        letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map
+    )
     kind = "parted" if question.room else "no-room"
     return f"{kind}-{plain[:_LONGEST]}-{question.pair}-r{question.radius:g}"
 
 
-def _with_source(world: World, item: CensusMap, question: Question, seed: int) -> World:
-    params: dict[str, Value] = {**item.params, "map": item.name, "pair": question.pair, "named": question.named}
+def _with_source(world: World, item: CensusMap, question: CensusCase, seed: int) -> World:
+    params: dict[str, Value] = {
+        **item.params,
+        "map": item.name,
+        "pair": question.pair,
+        "named": question.named,
+    }
     return replace(world, provenance=Provenance("census", VERSION, seed, params))

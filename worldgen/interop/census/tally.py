@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from worldgen.interop.census.radius import Radius
-from worldgen.interop.census.take import Census, Question
+from worldgen.interop.census.take import Census, CensusCase
 from worldgen.reach import BLOCKED, REACHABLE
 from worldgen.support.intervals import interval_95
 
@@ -66,7 +66,7 @@ def tally(census: Census) -> tuple[Tally, ...]:
     )
 
 
-def _tally_one(radius: Radius, questions: Sequence[Question]) -> Tally:
+def _tally_one(radius: Radius, questions: Sequence[CensusCase]) -> Tally:
     metres = [question.radius for question in questions] or [0.0]
     cells = [float(radius.in_cells(question.cell_size)) for question in questions] or [0.0]
     counts = dict.fromkeys(ROWS, 0)
@@ -83,7 +83,7 @@ def _tally_one(radius: Radius, questions: Sequence[Question]) -> Tally:
     )
 
 
-def _counted(question: Question) -> list[str]:
+def _counted(question: CensusCase) -> list[str]:
     """The lines that a question belongs to."""
     grid = question.grid
     if not question.proved:

@@ -1,6 +1,7 @@
 """Worlds in the idiom of the BARN challenge: Gazebo worlds of round posts, one for each solid cell.
 
-Source: Daffan/the-barn-challenge, ``jackal_helper/worlds/BARN`` and ``run.py``; the SDFormat specification, 1.6.
+Source: Daffan/the-barn-challenge, ``jackal_helper/worlds/BARN`` and ``run.py``; the SDFormat
+    specification, 1.6.
 """
 
 from __future__ import annotations
@@ -58,10 +59,15 @@ def write_barn(world: World, destination: Destination) -> Exported:
     """
     posts = list(_posts(world))
     lines = [_HEAD, *_numbers(world, destination), *_marks(world, destination)]
-    lines += [line for number, post in enumerate(posts) for line in _post(number, post, world, destination)]
+    lines += [
+        line
+        for number, post in enumerate(posts)
+        for line in _post(number, post, world, destination)
+    ]
     lines += ["  </world>", "</sdf>"]
     x, y = (
-        decimal(value, shift) for value, shift in zip((world.start.x, world.start.y), destination.origin, strict=True)
+        decimal(value, shift)
+        for value, shift in zip((world.start.x, world.start.y), destination.origin, strict=True)
     )
     goal = [
         decimal_text(exact(to) - exact(at))
@@ -70,7 +76,8 @@ def write_barn(world: World, destination: Destination) -> Exported:
     notes = [
         f"in the challenge's run.py: INIT_POSITION = [{x}, {y}, {decimal(world.start.heading)}], "
         f"GOAL_POSITION = [{goal[0]}, {goal[1]}]",
-        "posts are round: between them, and at walls' corners, there is more room than in the world's square cells",
+        "posts are round: between them, and at walls' corners, there is more room than in the "
+        "world's square cells",
     ]
     if len(posts) > _MANY:
         notes.append(
@@ -93,14 +100,18 @@ def _posts(world: World) -> Iterator[tuple[int, int]]:
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """What the format has no words for: corner, sides and cell size of the grid, and the robot's speed."""
+    """What the format has no words for.
+
+    Corner, sides and cell size of the grid, and the robot's speed.
+    """
     yield grid_line(world, destination)
     yield f"    <{OURS}robot_speed>{decimal(world.robot_speed)}</{OURS}robot_speed>"
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
     """Start and target as discs that are only seen, of the robot's radius and the target's."""
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     for name, x, y, heading, radius, colour in (
         ("start", start.x, start.y, start.heading, world.robot_radius, "0.1 0.4 0.9 0.6"),
         ("target", target.x, target.y, 0.0, target.radius, "0.1 0.7 0.2 0.6"),
@@ -109,16 +120,28 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
         yield from _model(name, pose, decimal(radius), "0.002", colour, stops=False)
 
 
-def _post(number: int, cell: tuple[int, int], world: World, destination: Destination) -> Iterator[str]:
+def _post(
+    number: int, cell: tuple[int, int], world: World, destination: Destination
+) -> Iterator[str]:
     side = exact(world.cell_size)
-    x, y = ((2 * index + 1) * side / 2 + exact(shift) for index, shift in zip(cell, destination.origin, strict=True))
+    x, y = (
+        (2 * index + 1) * side / 2 + exact(shift)
+        for index, shift in zip(cell, destination.origin, strict=True)
+    )
     pose = f"{decimal_text(x)} {decimal_text(y)} 0 0 0 0"
     yield from _model(
-        f"unit_cylinder_{number}", pose, decimal_text(side / 2), _HEIGHT, "0.152 0.379 0.72 1", stops=True
+        f"unit_cylinder_{number}",
+        pose,
+        decimal_text(side / 2),
+        _HEIGHT,
+        "0.152 0.379 0.72 1",
+        stops=True,
     )
 
 
-def _model(name: str, pose: str, radius: str, length: str, colour: str, *, stops: bool) -> Iterator[str]:
+def _model(
+    name: str, pose: str, radius: str, length: str, colour: str, *, stops: bool
+) -> Iterator[str]:
     geometry = f"<geometry><cylinder><radius>{radius}</radius><length>{length}</length></cylinder></geometry>"
     yield f"    <model name='{name}'>"
     yield "      <static>1</static>"

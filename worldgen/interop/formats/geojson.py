@@ -1,7 +1,9 @@
 """A world as GeoJSON features, in local metres.
 
-Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. It knows degrees on the globe only (section 4); local
-coordinates are what its older readers and all drawing programs take, so the file says that it has them.
+Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. It knows degrees on the globe only
+    (section 4); local
+coordinates are what its older readers and all drawing programs take, so the file says that it has
+them.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ __all__ = ["geojson", "write_geojson"]
 
 
 def write_geojson(world: World, destination: Destination) -> Exported:
-    """A feature collection: ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
+    """A feature collection.
+
+    ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
 
     Args:
         world: Any world.
@@ -69,8 +73,13 @@ def _features(world: World, destination: Destination) -> Iterator[dict[str, Any]
     ring = border_cells(world)
     if ring.any():
         yield _feature("border", "MultiPolygon", _multipolygon(ring, lines, -1))
-    start, target = world.start, world.target
-    robot = {"heading": start.heading, "robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
+    start = world.start
+    target = world.target
+    robot = {
+        "heading": start.heading,
+        "robot_radius": world.robot_radius,
+        "robot_speed": world.robot_speed,
+    }
     yield _feature("start", "Point", _point(start.x, start.y, destination), **robot)
     yield _feature("target", "Point", _point(target.x, target.y, destination), radius=target.radius)
     for event in world.timeline:
@@ -93,7 +102,10 @@ def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
 
 
 def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
-    """Coordinates of polygons, outlines counter-clockwise, holes clockwise; ``first`` is the first cell's index."""
+    """Coordinates of polygons, outlines counter-clockwise, holes clockwise.
+
+    ``first`` is the first cell's index.
+    """
     return [
         [[[float(lines.x[x]), float(lines.y[y])] for x, y in [*ring, ring[0]]] for ring in polygon]
         for polygon in cell_polygons(solid, first)

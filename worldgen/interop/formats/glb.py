@@ -1,6 +1,7 @@
 """A world as a binary glTF 2.0 file: one mesh, a cube, that a node a wall puts into place.
 
-The container is written here rather than by a library: the same bytes everywhere, places as exact decimals, and no
+The container is written here rather than by a library: the same bytes everywhere, places as exact
+    decimals, and no
 import of seconds.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
@@ -27,13 +28,26 @@ from worldgen.world import Value, World
 
 __all__ = ["glb", "write_glb"]
 
-_FLOAT, _USHORT, _VERTICES, _INDICES = 5126, 5123, 34962, 34963
+_FLOAT = 5126
+_USHORT = 5123
+_VERTICES = 34962
+_INDICES = 34963
 _SIDES = 48  # of the discs of robot and target
-_COLOURS = {"wall": palette.WALL, "floor": palette.FLOOR, "robot": palette.START, "target": palette.TARGET}
+_COLOURS = {
+    "wall": palette.WALL,
+    "floor": palette.FLOOR,
+    "robot": palette.START,
+    "target": palette.TARGET,
+}
 
 
 def write_glb(
-    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False, markers: bool = False
+    world: World,
+    destination: Destination,
+    *,
+    height: float = 1.0,
+    floor: bool = False,
+    markers: bool = False,
 ) -> Exported:
     """A scene in metres, y up: (x, y, z) of the world is (x, z, -y) here.
 
@@ -83,8 +97,14 @@ glb = Format(
 
 
 def _extras(world: World, destination: Destination) -> dict[str, Value]:
-    """Size in cells and what else the world has, all plain numbers: lists in here end Assimp 5.2 with an assertion."""
-    said: dict[str, Value] = {"size": [world.width, world.height], **held_values(world, destination)}
+    """Size in cells and what else the world has, all plain numbers.
+
+    Lists in here end Assimp 5.2 with an assertion.
+    """
+    said: dict[str, Value] = {
+        "size": [world.width, world.height],
+        **held_values(world, destination),
+    }
     plain: dict[str, Value] = {}
     for name, value in said.items():
         plain |= (
@@ -95,9 +115,15 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
     return plain
 
 
-def _places(world: World, destination: Destination, *, first: int, kinds: list[str]) -> list[dict[str, Any]]:
-    """Nodes of start and target, and of their discs if wanted; the first has the number ``first``."""
-    start, target = world.start, world.target
+def _places(
+    world: World, destination: Destination, *, first: int, kinds: list[str]
+) -> list[dict[str, Any]]:
+    """Nodes of start and target, and of their discs if wanted.
+
+    The first has the number ``first``.
+    """
+    start = world.start
+    target = world.target
     sine, cosine = _sine_cosine(math.fmod(start.heading, 2.0 * math.pi) / 2.0)
     nodes: list[dict[str, Any]] = [
         {
@@ -112,12 +138,20 @@ def _places(world: World, destination: Destination, *, first: int, kinds: list[s
             "extras": {"radius": target.radius},
         },
     ]
-    robot, flat = world.robot_radius, target.radius / 16.0  # the robot stands, the target lies
+    # the robot stands, the target lies
+    robot = world.robot_radius
+    flat = target.radius / 16.0
     for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):
         if kind in kinds:
             node = nodes[("robot", "target").index(kind)]
             node["children"] = [first + len(nodes)]
-            nodes.append({"name": f"{node['name']}_disc", "mesh": kinds.index(kind), "scale": [radius, tall, radius]})
+            nodes.append(
+                {
+                    "name": f"{node['name']}_disc",
+                    "mesh": kinds.index(kind),
+                    "scale": [radius, tall, radius],
+                }
+            )
     return nodes
 
 
@@ -133,7 +167,9 @@ def _container(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
     for corners, faces in shapes:
         for values, target in ((corners, _VERTICES), (faces, _INDICES)):
             raw = values.tobytes()
-            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target})
+            views.append(
+                {"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target}
+            )
             data += raw  # of vertices and triangles in pairs: a multiple of four bytes
         accessors += _accessors(corners, faces, len(accessors))
     document = {
@@ -158,11 +194,16 @@ def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
 
 
 def _mesh(kind: str, number: int) -> dict[str, Any]:
-    """A mesh of its own for each colour; walls and floor share the cube, robot and target the disc."""
+    """A mesh of its own for each colour.
+
+    Walls and floor share the cube, robot and target the disc.
+    """
     first = 2 * (kind in {"robot", "target"})
     return {
         "name": kind,
-        "primitives": [{"attributes": {"POSITION": first}, "indices": first + 1, "material": number}],
+        "primitives": [
+            {"attributes": {"POSITION": first}, "indices": first + 1, "material": number}
+        ],
     }
 
 
@@ -171,23 +212,37 @@ def _material(kind: str) -> dict[str, Any]:
     return {
         "name": kind,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [*(round(share * share, 4) for share in shares), 1],  # linear, near enough
+            "baseColorFactor": [
+                *(round(share * share, 4) for share in shares),
+                1,
+            ],  # linear, near enough
             "metallicFactor": 0,
             "roughnessFactor": 0.9,
         },
     }
 
 
-def _accessors(corners: npt.NDArray[np.float32], faces: npt.NDArray[np.uint16], view: int) -> list[dict[str, object]]:
+def _accessors(
+    corners: npt.NDArray[np.float32], faces: npt.NDArray[np.uint16], view: int
+) -> list[dict[str, object]]:
     ends = {"min": corners.min(axis=0).tolist(), "max": corners.max(axis=0).tolist()}
     return [
-        {"bufferView": view, "componentType": _FLOAT, "count": len(corners), "type": "VEC3", **ends},
+        {
+            "bufferView": view,
+            "componentType": _FLOAT,
+            "count": len(corners),
+            "type": "VEC3",
+            **ends,
+        },
         {"bufferView": view + 1, "componentType": _USHORT, "count": faces.size, "type": "SCALAR"},
     ]
 
 
 def _cube() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """From (0, 0, 0) to (1, 1, 1): corners and triangles, no normals, so that faces are flat and shells closed."""
+    """From (0, 0, 0) to (1, 1, 1).
+
+    Corners and triangles, no normals, so that faces are flat and shells closed.
+    """
     return np.array(BOX_CORNERS, "<f4"), _triangles(BOX_QUADS)
 
 
@@ -202,16 +257,21 @@ def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
 
 def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
     """Convex faces as fans."""
-    return np.array([(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2")
+    return np.array(
+        [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2"
+    )
 
 
 def _sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine, correctly rounded, the same on every machine: a math library's last bit is its own.
+    """Sine and cosine, correctly rounded, the same on every machine.
+
+    A math library's last bit is its own.
 
     Args:
         angle: rad, at most a turn.
     """
-    sums, term = [Fraction(0)] * 4, Fraction(1)
+    sums = [Fraction(0)] * 4
+    term = Fraction(1)
     for power in range(60):  # 7^60 / 60! < 1e-31
         sums[power % 4] += term
         term *= Fraction(angle) / (power + 1)

@@ -1,4 +1,7 @@
-"""glTF in its text form, with buffers inside or beside it: read only, because the binary form is one file."""
+"""glTF in its text form, with buffers inside or beside it.
+
+Read only, because the binary form is one file.
+"""
 
 from __future__ import annotations
 

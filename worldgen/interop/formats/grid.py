@@ -14,7 +14,11 @@ __all__ = ["grid"]
 
 
 def _read(path: Path) -> ForeignMap:
-    params: dict[str, Value] = {"format": "grid", "source": path.name, "sha256": digest(read_bounded(path))}
+    params: dict[str, Value] = {
+        "format": "grid",
+        "source": path.name,
+        "sha256": digest(read_bounded(path)),
+    }
     world = read_world(path)
     if world.provenance is not None:
         made = world.provenance

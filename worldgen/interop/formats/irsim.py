@@ -1,7 +1,7 @@
 """Worlds of IR-SIM: a YAML file with the robot, its goal, and walls as rectangles or as a picture.
 
-IR-SIM tests collisions at the ends of its steps only, against what it calls obstacles; its world has no border of its
-own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
+IR-SIM tests collisions at the ends of its steps only, against what it calls obstacles; its world
+has no border of its own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from worldgen.family import check_between
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.geometry import raster
-from worldgen.interop.geometry.placed_boxes import Box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import PlacedBox, solid_boxes
 from worldgen.interop.geometry.solid_scene import TIMESTEPS
 from worldgen.interop.readers.grey_image import walls_png
 from worldgen.interop.readers.irsim_world import MAX_YAML_BYTES, read_irsim
@@ -24,8 +24,11 @@ from worldgen.world import World
 
 __all__ = ["irsim", "write_irsim"]
 
-_TURN_RATE = "6.2832"  # rad/s; a world of ours has no limit, IR-SIM's usual 1 is slow for a robot of 2 m/s
-_LIDAR = "[{type: lidar2d, range_max: 10, angle_range: 6.283185307179586, number: 257}]"  # the last beam is the first
+_TURN_RATE = (
+    "6.2832"  # rad/s; a world of ours has no limit, IR-SIM's usual 1 is slow for a robot of 2 m/s
+)
+# The last beam is the first.
+_LIDAR = "[{type: lidar2d, range_max: 10, angle_range: 6.283185307179586, number: 257}]"
 
 
 def write_irsim(
@@ -51,16 +54,25 @@ def write_irsim(
     solid = solid_boxes(world, destination, height=1.0, floor=False)
     boxes = [box for box in solid if walls == "boxes" or box.name.startswith("border")]
     files: dict[str, bytes] = {}
-    picture = destination.companion(".png") if walls == "image" else None
-    lines = [*_world(world, destination, picture, step_time), *_robot(world, destination, robot, lidar)]
+    picture = destination.sibling_file(".png") if walls == "image" else None
+    lines = [
+        *_world(world, destination, picture, step_time),
+        *_robot(world, destination, robot, lidar),
+    ]
     lines += _obstacles(boxes)
     files[destination.name] = ("\n".join(lines) + "\n").encode()
     if picture is not None:
         files[picture] = walls_png(world.walls)
-    return Exported(files, dict(_altered(world, destination, boxes, picture)), tuple(_notes(world, picture, step_time)))
+    return Exported(
+        files,
+        dict(_altered(world, destination, boxes, picture)),
+        tuple(_notes(world, picture, step_time)),
+    )
 
 
-def _world(world: World, destination: Destination, picture: str | None, step_time: float) -> Iterator[str]:
+def _world(
+    world: World, destination: Destination, picture: str | None, step_time: float
+) -> Iterator[str]:
     side = exact(world.cell_size)
     yield "# A world of worldgen for IR-SIM; m, rad, s."
     yield "world:"
@@ -81,12 +93,16 @@ def _quoted(name: str) -> str:
 
 
 def _robot(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:
-    start, target, speed = world.start, world.target, decimal(world.robot_speed)
+    start = world.start
+    target = world.target
+    speed = decimal(world.robot_speed)
     other = _TURN_RATE if kinematics == "diff" else speed
     yield "robot:"
     yield f"  - kinematics: {{name: {kinematics}}}"
     yield f"    shape: {{name: circle, radius: {decimal(world.robot_radius)}}}"
-    yield f"    state: [{destination.x(start.x)}, {destination.y(start.y)}, {decimal(start.heading)}]"
+    yield (
+        f"    state: [{destination.x(start.x)}, {destination.y(start.y)}, {decimal(start.heading)}]"
+    )
     yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
     yield f"    goal_threshold: {decimal(target.radius)}"
     yield f"    vel_min: [-{speed}, -{other}]"
@@ -95,7 +111,7 @@ def _robot(world: World, destination: Destination, kinematics: str, lidar: bool)
         yield f"    sensors: {_LIDAR}"
 
 
-def _obstacles(boxes: list[Box]) -> Iterator[str]:
+def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
     """The boxes, those of one size together."""
     if boxes:
         yield "obstacle:"
@@ -105,27 +121,39 @@ def _obstacles(boxes: list[Box]) -> Iterator[str]:
     for (length, width), centres in sorted(sizes.items()):
         yield f"  - number: {len(centres)}"
         yield "    distribution: {name: manual}"
-        yield f"    shape: {{name: rectangle, length: {decimal_text(length)}, width: {decimal_text(width)}}}"
+        yield (
+            f"    shape: {{name: rectangle, length: {decimal_text(length)}, width: "
+            f"{decimal_text(width)}}}"
+        )
         yield "    state:"
         yield from (f"      - [{decimal_text(x)}, {decimal_text(y)}, 0]" for x, y in centres)
 
 
 def _altered(
-    world: World, destination: Destination, boxes: list[Box], picture: str | None
+    world: World, destination: Destination, boxes: list[PlacedBox], picture: str | None
 ) -> Iterator[tuple[str, str]]:
     """The cell size, where the walls fit larger cells too."""
     side, x, y = exact(world.cell_size), *map(exact, destination.origin)
     ends = ((*box.low[:2], *box.high[:2]) for box in boxes)
-    sides = (raster.Box(left - x, low - y, right - x, high - y) for left, low, right, high in ends)
-    if picture is None and raster.natural_cell_size(world.width * side, world.height * side, sides) != side:
-        yield "cell_size", f"the cell size, {world.cell_size:g} m, is not stored; the walls fit larger cells too"
+    sides = (
+        raster.RasterBox(left - x, low - y, right - x, high - y) for left, low, right, high in ends
+    )
+    if (
+        picture is None
+        and raster.natural_cell_size(world.width * side, world.height * side, sides) != side
+    ):
+        yield (
+            "cell_size",
+            f"the cell size, {world.cell_size:g} m, is not stored; the walls fit larger cells too",
+        )
 
 
 def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]:
     step = world.robot_speed * step_time
     if step > world.cell_size:
         yield (
-            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m a step and looks for collisions at its end only: "
+            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m a step and looks for collisions "
+            f"at its end only: "
             f"the robot can pass walls of {world.cell_size:g} m; a smaller step_time helps"
         )
     if picture is not None:

@@ -1,6 +1,7 @@
-"""How mesh formats are read: a cut at a height, with the options that each kind of file leaves open.
+"""How mesh formats are read.
 
-Source of the axes: glTF 2.0, section 3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files of
+A cut at a height, with the options that each kind of file leaves open. Source of the axes: glTF
+    2.0, section 3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files of
 robotics follow, though their formats say nothing.
 """
 

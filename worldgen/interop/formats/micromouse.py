@@ -1,6 +1,7 @@
 """Micromouse mazes as text: posts ``o``, walls ``---`` and ``|``, start ``S``, goals ``G``.
 
-A maze of n x n squares is a grid of (2n + 1) x (2n + 1) cells: squares, walls and posts are a cell each.
+A maze of n x n squares is a grid of (2n + 1) x (2n + 1) cells: squares, walls and posts are a cell
+each.
 
 Source: the maze files of the micromouse community (github.com/micromouseonline/mazefiles).
 """
@@ -14,7 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    check_sides,
+    digest,
+    read_bounded,
+    unix_text,
+)
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
 from worldgen.support.rows import flip_rows
@@ -29,16 +37,20 @@ _SQUARE = re.compile(rb" [SG ] ")
 
 
 def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A maze, the top row first; the start is the square with ``S``, the target the first with ``G``.
+    """A maze, the top row first.
+
+    The start is the square with ``S``, the target the first with ``G``.
 
     Args:
         path: The file; rows whose last blanks an editor took away are filled up.
         cell_size: Side of a cell, m; a square, a wall and a post are a cell each.
 
     Raises:
-        FormatError: If a part is no post, wall or square, with line and column, or there are two starts.
+        FormatError: If a part is no post, wall or square, with line and column, or there are two
+            starts.
     """
-    data, source = read_bounded(path, _MOST_BYTES), str(path)
+    data = read_bounded(path, _MOST_BYTES)
+    source = str(path)
     rows = [row.rstrip() for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
@@ -61,14 +73,23 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
                 marks[mark].append((row, column))
     if len(marks["S"]) > 1:
         raise FormatError(
-            "twice", "{starts} starts", "keep one", starts=len(marks["S"]), line=marks["S"][1][0] + 1, source=source
+            "twice",
+            "{starts} starts",
+            "keep one",
+            starts=len(marks["S"]),
+            line=marks["S"][1][0] + 1,
+            source=source,
         )
     places = [
         cell_centre(found[0][1], len(rows) - 1 - found[0][0], cell_size) if found else None
         for found in (marks["S"], marks["G"])
     ]
     goals = len(marks["G"])
-    notes = () if goals < 2 else (f"there are {goals} goals; the target is the first, row by row from the top",)
+    notes = (
+        ()
+        if goals < 2
+        else (f"there are {goals} goals; the target is the first, row by row from the top",)
+    )
     params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
     return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
 
@@ -77,12 +98,14 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
     """Whether each cell of a row is solid, and what mark it has."""
     parts = []
     for at in range(0, len(line), 4):
-        narrow, wide = line[at : at + 1], line[at + 1 : at + 4]
+        narrow = line[at : at + 1]
+        wide = line[at + 1 : at + 4]
         if (narrow not in _PARTS) if row % 2 else (narrow not in _POSTS):
             form = "| or a blank" if row % 2 else "a post, o,"
             raise FormatError(
                 "wrong-form",
-                "{came!q} in column {column} where {form} belongs; posts stand four characters apart",
+                "{came!q} in column {column} where {form} belongs; posts stand four characters "
+                "apart",
                 came=narrow,
                 column=at + 1,
                 form=form,
@@ -91,7 +114,9 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
             )
         parts.append((row % 2 == 0 or _PARTS[narrow], ""))
         if wide and not (_SQUARE.fullmatch(wide) if row % 2 else wide in _PARTS):
-            form = "a square, S, G or blank between two blanks," if row % 2 else "--- or three blanks"
+            form = (
+                "a square, S, G or blank between two blanks," if row % 2 else "--- or three blanks"
+            )
             raise FormatError(
                 "wrong-form",
                 "{came!q} in column {column} where {form} belongs",
@@ -110,8 +135,8 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     """A maze, the top row first.
 
     Args:
-        world: Of odd sides; every cell in an even column and an even row, from 0, is a post and solid; every cell in an
-            odd column and an odd row is a square and free.
+        world: Of odd sides; every cell in an even column and an even row, from 0, is a post and
+            solid; every cell in an odd column and an odd row is a square and free.
         destination: Where it goes.
 
     Raises:
@@ -119,7 +144,8 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     """
     _check(world)
     walls = flip_rows(world.walls)
-    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    start = cell_of(world, world.start.x, world.start.y)
+    target = cell_of(world, world.target.x, world.target.y)
     altered = off_centre(world, (start, target))
     marks = {target: "G", start: "S"}
     for name, (column, row) in (("start", start), ("target", target)):

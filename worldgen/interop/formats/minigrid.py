@@ -14,7 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    check_sides,
+    digest,
+    read_bounded,
+    unix_text,
+)
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
 from worldgen.support.rows import flip_rows
@@ -24,7 +31,9 @@ __all__ = ["minigrid", "read_minigrid", "write_minigrid"]
 
 _HEADINGS = {b">>": 0.0, b"^^": math.pi / 2, b"<<": math.pi, b"VV": -math.pi / 2}
 _COLOURS = b"RGBPY"  # red, green or grey, blue, purple, yellow
-_FREE, _WALL, _GOAL = b"  ", b"WG", b"GG"
+_FREE = b"  "
+_WALL = b"WG"
+_GOAL = b"GG"
 _WORDS = rb"(?:  |>>|VV|<<|\^\^|__|[WFDLKABGV][" + _COLOURS + rb"])"
 _WORD = re.compile(_WORDS)
 
@@ -36,7 +45,9 @@ def read_minigrid(
     things: Literal["free", "solid"] = "solid",
     cell_size: float = DEFAULT_CELL_SIZE,
 ) -> ForeignMap:
-    """A printed grid, the top row first: the agent is the robot with its heading, the first goal the target.
+    """A printed grid, the top row first.
+
+    The agent is the robot with its heading, the first goal the target.
 
     Args:
         path: The file; rows whose last blanks an editor took away are filled up.
@@ -47,27 +58,46 @@ def read_minigrid(
     Raises:
         FormatError: If two characters are no cell, or there are two agents.
     """
-    data, source = read_bounded(path), str(path)
+    data = read_bounded(path)
+    source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     width = (max(map(len, rows), default=0) + 1) // 2
     check_sides(width, len(rows), source=source)
-    drawn = np.frombuffer(b"".join(row.ljust(2 * width) for row in rows), np.uint8).reshape(len(rows), width, 2)
-    first, second = drawn[:, :, 0], drawn[:, :, 1]
+    drawn = np.frombuffer(b"".join(row.ljust(2 * width) for row in rows), np.uint8).reshape(
+        len(rows), width, 2
+    )
+    first = drawn[:, :, 0]
+    second = drawn[:, :, 1]
     _check_words(rows, source)
     solid = (first == ord("W")) | ((first == ord("V")) & (second != ord("V")))
-    shut, lying = np.isin(first, list(b"DL")), np.isin(first, list(b"KAB"))
+    shut = np.isin(first, list(b"DL"))
+    lying = np.isin(first, list(b"KAB"))
     solid |= (shut & (doors == "solid")) | (lying & (things == "solid"))
-    agents, goals = _agents(drawn), np.argwhere(first == ord("G")).tolist()
+    agents = _agents(drawn)
+    goals = np.argwhere(first == ord("G")).tolist()
     if len(agents) > 1:
         raise FormatError(
-            "twice", "{agents} agents", "keep one", agents=len(agents), line=agents[1][0] + 1, source=source
+            "twice",
+            "{agents} agents",
+            "keep one",
+            agents=len(agents),
+            line=agents[1][0] + 1,
+            source=source,
         )
-    notes = _notes({"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things})
+    notes = _notes(
+        {"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things}
+    )
     if len(goals) > 1:
-        notes.append(f"there are {len(goals)} goals; the target is the first, row by row from the top")
-    start = None if not agents else (*_centre(agents[0], len(rows), cell_size), _heading(drawn, agents[0]))
+        notes.append(
+            f"there are {len(goals)} goals; the target is the first, row by row from the top"
+        )
+    start = (
+        None
+        if not agents
+        else (*_centre(agents[0], len(rows), cell_size), _heading(drawn, agents[0]))
+    )
     target = _centre(goals[0], len(rows), cell_size) if goals else None
     params: dict[str, Value] = {
         "format": "minigrid", "source": path.name, "sha256": digest(data), "doors": doors, "things": things,
@@ -110,7 +140,8 @@ def _centre(at: list[int], height: int, cell_size: float) -> tuple[float, float]
 def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
     words = {"doors": "closed doors", "things": "keys, balls and boxes"}
     return [
-        f"{counts[name]} cells are {words[name]}; they are taken as {taken[name]}; +{name}= says otherwise"
+        f"{counts[name]} cells are {words[name]}; they are taken as {taken[name]}; +{name}= says "
+        f"otherwise"
         for name in counts
         if counts[name]
     ]
@@ -127,11 +158,17 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
     cells = np.empty((*walls.shape, 2), np.uint8)
     cells[:] = np.frombuffer(_FREE, np.uint8)
     cells[walls] = np.frombuffer(_WALL, np.uint8)
-    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    start = cell_of(world, world.start.x, world.start.y)
+    target = cell_of(world, world.target.x, world.target.y)
     turned = math.remainder(world.start.heading, 2 * math.pi)
-    nearest = min(_HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi)))
+    nearest = min(
+        _HEADINGS, key=lambda word: abs(math.remainder(turned - _HEADINGS[word], 2 * math.pi))
+    )
     altered = off_centre(world, (start, target))
-    for name, (column, row), word in (("target", target, _GOAL), ("start", start, nearest)):  # the agent lies on top
+    for name, (column, row), word in (
+        ("target", target, _GOAL),
+        ("start", start, nearest),
+    ):  # the agent lies on top
         if walls[row, column]:
             altered[name] = f"the {name} is not drawn, for its cell is solid"
         else:
@@ -139,18 +176,24 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
     if start == target:
         altered["target"] = "the target is not drawn, for its cell is the start's"
     if _HEADINGS[nearest] != world.start.heading or walls[start[1], start[0]]:
-        altered["heading"] = f"the heading, {world.start.heading:g} rad, is stored as the nearest quarter turn"
+        altered["heading"] = (
+            f"the heading, {world.start.heading:g} rad, is stored as the nearest quarter turn"
+        )
     notes: tuple[str, ...] = ()
     if not (walls[0].all() and walls[-1].all() and walls[:, 0].all() and walls[:, -1].all()):
         notes = ("the border is open; MiniGrid's own agents fail where they leave the grid",)
-    return Exported({destination.name: b"".join(row.tobytes() + b"\n" for row in cells)}, altered, notes)
+    return Exported(
+        {destination.name: b"".join(row.tobytes() + b"\n" for row in cells)}, altered, notes
+    )
 
 
 minigrid = Format(
     "minigrid",
     "printed grid of MiniGrid, two characters a cell, .minigrid",
     (".minigrid",),  # also .txt, which the contents tell from a drawing
-    re.compile(rb"(?=[^#]*?W[" + _COLOURS + rb"])" + _WORDS + rb"+ ?\r?\n" + _WORDS + rb"+ ?(?:\r?\n|\Z)"),
+    re.compile(
+        rb"(?=[^#]*?W[" + _COLOURS + rb"])" + _WORDS + rb"+ ?\r?\n" + _WORDS + rb"+ ?(?:\r?\n|\Z)"
+    ),
     read_minigrid,
     write_minigrid,
     holds=frozenset({"start", "heading", "target"}),

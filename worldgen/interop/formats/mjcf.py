@@ -1,6 +1,7 @@
-"""A world as MuJoCo's XML, MJCF: boxes in the world's body, sites at start and target, a disc robot if wanted.
+"""A world as MuJoCo's XML, MJCF.
 
-What changes with time becomes bodies that a script moves, for a model has no clock of its own.
+Boxes in the world's body, sites at start and target, a disc robot if wanted. What changes with time
+becomes bodies that a script moves, for a model has no clock of its own.
 
 Source: MuJoCo's XML reference.
 """
@@ -13,7 +14,14 @@ from importlib import resources
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
-from worldgen.interop.geometry.solid_scene import TIMESTEPS, Body, Scene, events_file, plain_name, scene
+from worldgen.interop.geometry.solid_scene import (
+    TIMESTEPS,
+    Body,
+    SolidScene,
+    events_file,
+    plain_name,
+    scene,
+)
 from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.world import World
@@ -25,7 +33,12 @@ _MASS = "0.5"  # of each of the robot's two bodies, kg: one slides, the other tu
 
 
 def write_mjcf(
-    world: World, destination: Destination, *, height: float = 1.0, robot: bool = False, timestep: float = 0.002
+    world: World,
+    destination: Destination,
+    *,
+    height: float = 1.0,
+    robot: bool = False,
+    timestep: float = 0.002,
 ) -> Exported:
     """The model, and of a world that changes a script and the table that it plays.
 
@@ -33,7 +46,8 @@ def write_mjcf(
         world: The world.
         destination: Where it goes.
         height: Of the walls, m.
-        robot: Whether a disc that slides in x and y and turns stands at the start, with a velocity actuator for each.
+        robot: Whether a disc that slides in x and y and turns stands at the start, with a velocity
+            actuator for each.
         timestep: Of the engine, s.
 
     Raises:
@@ -59,10 +73,15 @@ def write_mjcf(
     files = {destination.name: ("\n".join(lines) + "\n").encode()}
     if not parts.bodies:
         return Exported(files)
-    script, table = destination.companion("_player.py"), destination.companion("_events.json")
-    files[script] = resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
+    script = destination.sibling_file("_player.py")
+    table = destination.sibling_file("_events.json")
+    files[script] = (
+        resources.files("worldgen.interop").joinpath("players", "mujoco_player.py").read_bytes()
+    )
     files[table] = events_file(destination.name, parts.bodies, height)
-    return Exported(files, notes=(f"{script} moves what changes: a MuJoCo model has no events of its own",))
+    return Exported(
+        files, notes=(f"{script} moves what changes: a MuJoCo model has no events of its own",)
+    )
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
@@ -79,12 +98,19 @@ def _numbers(world: World, destination: Destination) -> Iterator[str]:
     yield "  </custom>"
 
 
-def _surroundings(parts: Scene, height: float) -> Iterator[str]:
-    floor, half = parts.floor, exact(height) / 2
+def _surroundings(parts: SolidScene, height: float) -> Iterator[str]:
+    floor = parts.floor
+    half = exact(height) / 2
     place = _numbers_of(floor.centre[:2])
-    yield f'    <light name="sun" directional="true" pos="{place} {text(4 * half)}" dir="-0.3 -0.2 -1"/>'
+    yield (
+        f'    <light name="sun" directional="true" pos="{place} {text(4 * half)}" dir="-0.3 '
+        f"-0.2 "
+        f'-1"/>'
+    )
     size = f"{_numbers_of(floor.size[:2], 2)} 1"
-    yield f'    <geom name="floor" type="plane" pos="{place} 0" size="{size}" rgba="0.9 0.9 0.9 1"/>'
+    yield (
+        f'    <geom name="floor" type="plane" pos="{place} 0" size="{size}" rgba="0.9 0.9 0.9 1"/>'
+    )
     for box in parts.still:
         at = f'type="box" pos="{_numbers_of(box.centre)}" size="{_numbers_of(box.size, 2)}"'
         yield f'    <geom name="{box.name}" {at} rgba="0.3 0.3 0.35 1"/>'
@@ -97,28 +123,49 @@ def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
     """Start and target, as sites: they are drawn, and no ray or body meets them."""
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     for name, x, y, radius, more in (
-        ("start", start.x, start.y, world.robot_radius, f'euler="0 0 {decimal(start.heading)}" rgba="0.1 0.4 0.9 0.6"'),
+        (
+            "start",
+            start.x,
+            start.y,
+            world.robot_radius,
+            f'euler="0 0 {decimal(start.heading)}" rgba="0.1 0.4 0.9 0.6"',
+        ),
         ("target", target.x, target.y, target.radius, 'rgba="0.1 0.7 0.2 0.6"'),
     ):
         place = f"{destination.x(x)} {destination.y(y)} {_THIN}"
-        yield f'    <site name="{name}" type="cylinder" pos="{place}" size="{decimal(radius)} {_THIN}" {more}/>'
+        yield (
+            f'    <site name="{name}" type="cylinder" pos="{place}" size="{decimal(radius)} '
+            f'{_THIN}" {more}/>'
+        )
 
 
 def _mocap(body: Body, height: float) -> Iterator[str]:
-    """A cell that the script moves; it is solid, or a site where it burns, for fire stops nothing."""
+    """A cell that the script moves.
+
+    It is solid, or a site where it burns, for fire stops nothing.
+    """
     *place, z = body.box.centre
     at = _numbers_of((*place, z if body.shown else -exact(height)))
     yield f'    <body name="{body.name}" mocap="true" pos="{at}">'
     kind, colour = ("site", "1 0.4 0.1 0.7") if body.burning else ("geom", "0.5 0.4 0.3 1")
-    yield f'      <{kind} name="{body.name}" type="box" size="{_numbers_of(body.box.size, 2)}" rgba="{colour}"/>'
+    yield (
+        f'      <{kind} name="{body.name}" type="box" size="{_numbers_of(body.box.size, 2)}" '
+        f'rgba="{colour}"/>'
+    )
     yield "    </body>"
 
 
 def _robot(world: World, destination: Destination, height: float, timestep: float) -> Iterator[str]:
-    """A disc that hovers, so that the floor's friction is no part of it; its coordinates are the file's own."""
-    x, y, heading = destination.x(world.start.x), destination.y(world.start.y), decimal(world.start.heading)
+    """A disc that hovers, so that the floor's friction is no part of it.
+
+    Its coordinates are the file's own.
+    """
+    x = destination.x(world.start.x)
+    y = destination.y(world.start.y)
+    heading = decimal(world.start.heading)
     half = exact(height) / 2
     stiff = text(2 * exact(timestep))  # the stiffest contact that MuJoCo keeps stable: two steps
     yield f'    <body name="robot" pos="{x} {y} {text(half)}">'
@@ -129,7 +176,8 @@ def _robot(world: World, destination: Destination, height: float, timestep: floa
     yield f'        <joint name="robot_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
     size = f"{decimal(world.robot_radius)} {text(half / 2)}"
     yield (
-        f'        <geom name="robot" type="cylinder" size="{size}" mass="{_MASS}" condim="1" priority="1" '
+        f'        <geom name="robot" type="cylinder" size="{size}" mass="{_MASS}" condim="1" '
+        f'priority="1" '
         f'solref="{stiff} 1" rgba="0.1 0.4 0.9 1"/>'
     )
     nose = text(exact(world.robot_radius) / 2)
@@ -145,7 +193,8 @@ def _actuators(world: World) -> Iterator[str]:
     yield "  <actuator>"
     for axis in ("x", "y"):
         yield (
-            f'    <velocity name="robot_v{axis}" joint="robot_{axis}" kv="20" ctrlrange="-{fastest} {fastest}" '
+            f'    <velocity name="robot_v{axis}" joint="robot_{axis}" kv="20" '
+            f'ctrlrange="-{fastest} {fastest}" '
             'ctrllimited="true"/>'
         )
     yield '    <velocity name="robot_turn" joint="robot_heading" kv="0.1"/>'

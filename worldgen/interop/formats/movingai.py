@@ -18,7 +18,14 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError, Message, Note
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
+from worldgen.interop.foreign_map import (
+    GRID_AGENT,
+    ForeignMap,
+    check_sides,
+    digest,
+    read_bounded,
+    unix_text,
+)
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.formats.text import cell_centre, cell_of, off_centre
 from worldgen.lattice import exact, radius_in_cells
@@ -31,8 +38,8 @@ __all__ = [
     "GROUND",
     "PASSABLE",
     "SCENARIO_RADIUS",
+    "Problem",
     "Problems",
-    "Scenario",
     "movingai",
     "read_movingai",
     "read_problems",
@@ -42,11 +49,16 @@ __all__ = [
     "write_movingai",
 ]
 
-# Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
+# Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a
+# wall.
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
 SCENARIO_RADIUS = Fraction(4, 10)  # cells; a scenario's robot turns in corridors one cell wide
-GROUND, OUTSIDE, WATER, TREES = 0, 1, 2, 3  # who is on ground, on water or among trees stays there
+# who is on ground, on water or among trees stays there
+GROUND = 0
+OUTSIDE = 1
+WATER = 2
+TREES = 3
 _FIRST_ROW = 5  # line of the first row, after type, height, width and map
 _MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
 _MAX_SCENARIO_BYTES = 64 << 20
@@ -79,8 +91,8 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
 def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
     """The map with start and goal of the scenario file beside it, where that has exactly one problem.
 
-    A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as ``export``
-    writes it, there is no choice to be made.
+    A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as
+    ``export`` writes it, there is no choice to be made.
     """
     for name in (f"{path.name}.scen", f"{path.stem}.scen"):
         beside = path.with_name(name)
@@ -99,15 +111,18 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             file=name,
         )
         radius = float(SCENARIO_RADIUS * exact(found.cell_size))
-        return replace(found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,))
+        return replace(
+            found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,)
+        )
     return found
 
 
 def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
-    """What a map's cells are: (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``.
+    """What a map's cells are.
 
-    The benchmark's problems may begin on water or among trees; their paths stay there, as those on ground stay on
-    ground.
+    (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``. The
+    benchmark's problems may begin on water or among trees; their paths stay there, as those on
+    ground stay on ground.
 
     Args:
         path: The ``.map`` file.
@@ -127,16 +142,26 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
         corners = kind == b"octile-corner"
         raise FormatError(
             "unsupported",
-            "type {kind!q} is not read; its corner heights are no cells" if corners else "type {kind!q} is not read",
+            "type {kind!q} is not read; its corner heights are no cells"
+            if corners
+            else "type {kind!q} is not read",
             "give a map of `type octile`",
             kind=kind.decode("utf-8", "backslashreplace"),
             line=1,
             source=source,
         )
     # Some programs write the width first; each number has its name, so both orders are read.
-    first, second = ("height", "width") if lines[1:2] and not _has_key(lines[1], "width") else ("width", "height")
-    sizes = {key: _size(_words(lines, at, key, source), key, at, source) for at, key in ((2, first), (3, second))}
-    height, width = sizes["height"], sizes["width"]
+    first, second = (
+        ("height", "width")
+        if lines[1:2] and not _has_key(lines[1], "width")
+        else ("width", "height")
+    )
+    sizes = {
+        key: _size(_words(lines, at, key, source), key, at, source)
+        for at, key in ((2, first), (3, second))
+    }
+    height = sizes["height"]
+    width = sizes["width"]
     check_sides(width, height, line=3, source=source)
     if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
         _expect(lines, 4, "map", source)
@@ -159,7 +184,8 @@ def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn
     came = "the end of the file" if ended else quote(lines[number - 1])
     raise FormatError(
         "wrong-form",
-        "{came} came where `{form}` belongs; an octile map begins with the lines type, height, width, map",
+        "{came} came where `{form}` belongs; an octile map begins with the lines type, height, "
+        "width, map",
         came=came,
         form=form,
         line=number,
@@ -181,7 +207,8 @@ def _size(word: bytes, key: str, number: int, source: str) -> int:
 
 
 def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
-    # The header's sizes bound the split, so a file of line ends alone takes no more than its own size.
+    # The header's sizes bound the split, so a file of line ends alone takes no more than its own
+    # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
     for index, row in enumerate(rows):
@@ -205,7 +232,9 @@ def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.u
     return cells
 
 
-def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, source: str) -> NoReturn:
+def _wrong_row(
+    row: bytes, index: int, count: int, width: int, height: int, source: str
+) -> NoReturn:
     if not row and index == count - 1:  # only the last line end was split off
         _too_few(index, height, source)
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
@@ -247,7 +276,7 @@ def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoRetu
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Problem:
     """One problem of a scenario file: start and goal in m, cell centres, y up.
 
     Args:
@@ -263,7 +292,7 @@ class Scenario:
     map_name: str
 
 
-def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Scenario:
+def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Problem:
     """Problem number ``row``, counted from 1, of a scenario file.
 
     Args:
@@ -284,7 +313,12 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     if len(lines) <= row or not lines[row].strip():
         count = sum(1 for line in lines[1:] if line.strip())
         raise FormatError(
-            "out-of-range", "has no row {row}", "it has rows 1 to {rows}", row=row, rows=count, source=source
+            "out-of-range",
+            "has no row {row}",
+            "it has rows 1 to {rows}",
+            row=row,
+            rows=count,
+            source=source,
         )
     line = lines[row].removesuffix(b"\r")
     fields = _fields(line, row + 1, source)
@@ -292,7 +326,8 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     if numbers[:2] != [width, height]:
         raise FormatError(
             "wrong-size",
-            "the problem is for a map of {problem_width} x {problem_height} cells, the map has {width} x {height}",
+            "the problem is for a map of {problem_width} x {problem_height} cells, the map has "
+            "{width} x {height}",
             "give the map it was made for, in that size",
             problem_width=numbers[0],
             problem_height=numbers[1],
@@ -313,8 +348,10 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
                 height=height,
             )
             raise FormatError.of(message, line=row + 1, source=source)
-    start, goal = (cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4))
-    return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
+    start, goal = (
+        cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4)
+    )
+    return Problem(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
 
 
 def _check_version(line: bytes, source: str) -> None:
@@ -343,7 +380,9 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     _check_version(lines[0], source)
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
-        raise FormatError("empty", "has no problem", "give a scenario file with some", source=source)
+        raise FormatError(
+            "empty", "has no problem", "give a scenario file with some", source=source
+        )
     return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
 
 
@@ -375,13 +414,15 @@ def read_problems(path: Path) -> Problems:
         path: The ``.scen`` file.
 
     Raises:
-        FormatError: If a line is no problem, has a cell outside its map, or is for another map or another size of it
-            than the first.
+        FormatError: If a line is no problem, has a cell outside its map, or is for another map or
+            another size of it than the first.
     """
     source = str(path)
     map_name, _ = scenario_contents(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
-    numbers, published = array("q"), array("d")  # as lists of objects they take five times the file
+    # as lists of objects they take five times the file
+    numbers = array("q")
+    published = array("d")
     for number, line in enumerate(lines[1:], 2):
         if not line.strip():
             continue
@@ -412,7 +453,8 @@ def read_problems(path: Path) -> Problems:
         if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
             raise FormatError(
                 "outside-grid",
-                "cells {start} to {goal} do not lie in the map of {width} x {height} cells that the line names",
+                "cells {start} to {goal} do not lie in the map of {width} x {height} cells that "
+                "the line names",
                 "correct the line",
                 start=tuple(row[2:4]),
                 goal=tuple(row[4:]),
@@ -425,7 +467,9 @@ def read_problems(path: Path) -> Problems:
         published.append(float(fields[8]))
     table = np.array(numbers, np.int64).reshape(-1, 3, 2)
     version = lines[0].split()[1].decode()
-    return Problems(map_name, version, (numbers[0], numbers[1]), table[:, 1], table[:, 2], np.array(published))
+    return Problems(
+        map_name, version, (numbers[0], numbers[1]), table[:, 1], table[:, 2], np.array(published)
+    )
 
 
 def _map_name(field: bytes) -> str:
@@ -451,7 +495,9 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:
-    """A map of ``.`` and ``@``, and beside it a scenario file with one problem: from the start's cell to the target's.
+    """A map of ``.`` and ``@``, and beside it a scenario file with one problem.
+
+    From the start's cell to the target's.
 
     Args:
         world: The world.
@@ -462,11 +508,18 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
     head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
     files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
-    start, goal = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
-    straight, diagonal = OctileMap(flip_rows(world.walls)).lengths(np.array([start]), np.array([goal]))[0].tolist()
+    start = cell_of(world, world.start.x, world.start.y)
+    goal = cell_of(world, world.target.x, world.target.y)
+    straight, diagonal = (
+        OctileMap(flip_rows(world.walls)).lengths(np.array([start]), np.array([goal]))[0].tolist()
+    )
     if straight < 0:
-        why = "no path of cells leads from the start's to the target's, so there is no scenario file"
-        return Exported(files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"})
+        why = (
+            "no path of cells leads from the start's to the target's, so there is no scenario file"
+        )
+        return Exported(
+            files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"}
+        )
     optimal = _decimals(straight, diagonal)
     name = re.sub(r"\s", "_", destination.name)  # other programs part the fields at any white space
     bucket = int(optimal.partition(".")[0]) // 4
@@ -474,12 +527,17 @@ def write_movingai(world: World, destination: Destination) -> Exported:
     files[f"{destination.name}.scen"] = f"version 1\n{row}\n".encode()
     altered = off_centre(world, (start, goal))
     if radius_in_cells(world) != SCENARIO_RADIUS:
-        altered["robot_radius"] = "the robot's radius is not stored; a scenario's robot has 0.4 cells"
+        altered["robot_radius"] = (
+            "the robot's radius is not stored; a scenario's robot has 0.4 cells"
+        )
     return Exported(files, altered)
 
 
 def _decimals(straight: int, diagonal: int) -> str:
-    """``straight + diagonal * sqrt(2)`` with eight decimals, as the benchmark's files have it, correctly rounded."""
+    """``straight + diagonal * sqrt(2)`` with eight decimals.
+
+    As the benchmark's files have it, correctly rounded.
+    """
     twice = 2 * straight * 10**8 + math.isqrt(8 * diagonal * diagonal * 10**16)
     whole, rest = divmod((twice + 1) // 2, 10**8)
     return f"{whole}.{rest:08d}"

@@ -24,7 +24,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["npy", "read_numpy_map", "write_numpy_map"]
 
 
-# NumPy reads a header as Python text, and a header that is none a second time as text of Python 2, by its tokens.
+# NumPy reads a header as Python text, and a header that is none a second time as text of Python 2,
+# by its tokens.
 _HEADER_FAULTS = (
     ValueError, OSError, EOFError, UserWarning, SyntaxError, TypeError, RecursionError, MemoryError,
     tokenize.TokenError,
@@ -32,7 +33,9 @@ _HEADER_FAULTS = (
 
 
 def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """An array of two axes, bool or whole numbers; True and 1 are solid; row 0 is the top row, as NumPy prints it.
+    """An array of two axes, bool or whole numbers; True and 1 are solid.
+
+    Row 0 is the top row, as NumPy prints it.
 
     Args:
         path: The ``.npy`` file.
@@ -41,7 +44,8 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     Raises:
         FormatError: If it holds something else; objects are never unpickled.
     """
-    data, source = read_bounded(path), str(path)
+    data = read_bounded(path)
+    source = str(path)
     stream = io.BytesIO(data)
     try:
         with warnings.catch_warnings():
@@ -55,7 +59,8 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
             "wrong-shape",
-            "holds a {kind} array of shape {shape}; a map has two axes of bool or whole numbers, 0 free and 1 solid",
+            "holds a {kind} array of shape {shape}; a map has two axes of bool or whole numbers, 0 "
+            "free and 1 solid",
             kind=kind,
             shape=shape,
             source=source,
@@ -80,10 +85,14 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     return ForeignMap(flip_rows(_solid(cells, source)), cell_size, params)
 
 
-def _header(stream: io.BytesIO, version: tuple[int, int]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+def _header(
+    stream: io.BytesIO, version: tuple[int, int]
+) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     if version == (1, 0):
         return np.lib.format.read_array_header_1_0(stream)
-    return np.lib.format.read_array_header_2_0(stream)  # refuses what is later and written otherwise
+    return np.lib.format.read_array_header_2_0(
+        stream
+    )  # refuses what is later and written otherwise
 
 
 def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
@@ -110,7 +119,9 @@ def write_numpy_map(world: World, destination: Destination) -> Exported:
         destination: Where it goes.
     """
     stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False)
+    np.lib.format.write_array(
+        stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False
+    )
     return Exported({destination.name: stream.getvalue()})
 
 

@@ -10,14 +10,18 @@ from collections.abc import Iterator
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
 from worldgen.interop.formats.mesh_readers import unitless_reader
-from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, Box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, solid_boxes
 from worldgen.world import World
 
 __all__ = ["obj", "write_obj"]
 
 
-def write_obj(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
-    """One object a box, four corners a face, m, z up; what else the world has stands in comments, as TOML.
+def write_obj(
+    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+) -> Exported:
+    """One object a box, four corners a face, m, z up.
+
+    What else the world has stands in comments, as TOML.
 
     Args:
         world: A world that stands still.
@@ -53,7 +57,7 @@ def _comments(world: World, destination: Destination) -> Iterator[str]:
     yield from (f"# {line}" for line in held_lines(world, destination))
 
 
-def _object(box: Box, first: int) -> Iterator[str]:
+def _object(box: PlacedBox, first: int) -> Iterator[str]:
     """An object; its corners are numbered from ``first`` on."""
     yield f"o {box.name}"
     ends = [[decimal_text(value) for value in end] for end in (box.low, box.high)]

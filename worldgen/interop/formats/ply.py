@@ -1,4 +1,6 @@
-"""A world as a PLY file: every wall a closed box of triangles; what else the world has is in comments.
+"""A world as a PLY file: every wall a closed box of triangles.
+
+What else the world has is in comments.
 
 Source: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994; binary form.
 """
@@ -14,7 +16,9 @@ from worldgen.world import World
 __all__ = ["ply", "write_ply"]
 
 
-def write_ply(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+def write_ply(
+    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+) -> Exported:
     """The binary form: eight vertices and twelve triangles a box, m, z up.
 
     Args:

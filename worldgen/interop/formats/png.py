@@ -15,18 +15,30 @@ from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, read_grey_image, walls_png
-from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places
+from worldgen.interop.readers.places_text import (
+    KEYS,
+    Places,
+    from_decimal,
+    place_words,
+    read_places,
+)
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["png", "read_picture", "write_png"]
 
-_MARK = "worldgen"  # the keyword by which a picture of ours is known; the others count only beside it
+_MARK = (
+    "worldgen"  # the keyword by which a picture of ours is known; the others count only beside it
+)
 _WHITE = 255
 
 
 def read_picture(
-    path: Path, *, cell_size: float = 0.0, threshold: int = 128, background: Literal["free", "solid"] = "free"
+    path: Path,
+    *,
+    cell_size: float = 0.0,
+    threshold: int = 128,
+    background: Literal["free", "solid"] = "free",
 ) -> ForeignMap:
     """A picture whose dark pixels are solid cells.
 
@@ -34,14 +46,16 @@ def read_picture(
         path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
         cell_size: Side of a pixel, m; 0 is what the picture says, else 0.1.
         threshold: Grey, black 0 to white 255, from which on a pixel is free.
-        background: What shows through where the picture is transparent: free is white, solid is black.
+        background: What shows through where the picture is transparent: free is white, solid is
+            black.
 
     Raises:
         FormatError: If it is no such picture, or says of start, target or robot what cannot be.
         InvalidParameter: If an option is out of range.
     """
     check_between("threshold", threshold, 1, _WHITE)
-    data, source = read_bounded(path), str(path)
+    data = read_bounded(path)
+    source = str(path)
     image = read_grey_image(data, source)
     walls, greys = _solid(image, threshold, background)
     try:
@@ -51,7 +65,8 @@ def read_picture(
     notes = []
     if greys:
         notes.append(
-            f"{greys} of {walls.size} pixels are neither black nor white; those darker than {threshold} of "
+            f"{greys} of {walls.size} pixels are neither black nor white; those darker than "
+            f"{threshold} of "
             f"{_WHITE} are solid; +threshold=N says otherwise"
         )
     if own_size is None and not cell_size:
@@ -66,7 +81,10 @@ def read_picture(
         )
     for ending in (".yaml", ".yml"):
         if own_size is None and path.with_suffix(ending).is_file():
-            notes.append(f"{path.with_suffix(ending).name} beside it may be the map that says scale and origin")
+            notes.append(
+                f"{path.with_suffix(ending).name} beside it may be the map that says scale and "
+                f"origin"
+            )
     params: dict[str, Value] = {
         "format": "png", "source": path.name, "sha256": digest(data), "threshold": threshold, "background": background,
     }  # fmt: skip
@@ -98,7 +116,9 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
     corner = words.pop("origin", ["0", "0"])
     if len(corner) != 2 or (size is not None and len(size) != 1):
         raise InvalidParameter(
-            "wrong-form", "resolution is one number and origin two", "save the picture anew from worldgen"
+            "wrong-form",
+            "resolution is one number and origin two",
+            "save the picture anew from worldgen",
         )
     cell_size = None if size is None else from_decimal(size[0])
     if cell_size is not None:
@@ -135,7 +155,9 @@ png = Format(
     "png",
     "picture, dark is solid, .png, .pgm or .bmp",
     (".png", ".pgm", ".bmp"),
-    re.compile(rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"),  # a picture is a map if it says so
+    re.compile(
+        rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"
+    ),  # a picture is a map if it says so
     read_picture,
     write_png,
     holds=frozenset(HELD),

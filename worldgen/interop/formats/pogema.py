@@ -1,6 +1,9 @@
-"""POGEMA's text maps: ``#`` is a wall, ``a`` an agent and ``A`` its target; ``@`` and ``$`` are free cells, not walls.
+"""POGEMA's text maps: ``#`` is a wall, ``a`` an agent and ``A`` its target.
 
-Source: Skrynnik et al., "POGEMA: A Benchmark Platform for Cooperative Multi-Agent Pathfinding", 2024, ``GridConfig``.
+``@`` and ``$`` are free cells, not walls.
+
+Source: Skrynnik et al., "POGEMA: A Benchmark Platform for Cooperative Multi-Agent Pathfinding",
+    2024, ``GridConfig``.
 """
 
 from __future__ import annotations
@@ -26,24 +29,37 @@ _MAX_SIDE = 4096  # cells, of GridConfig
 _CELL = rb"[.#a-zA-Z@$!]"
 
 
-def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A map as GridConfig takes it, the top row first; one agent is the robot, others and their targets are free cells.
+def read_pogema(
+    path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL_SIZE
+) -> ForeignMap:
+    """A map as GridConfig takes it, the top row first.
+
+    One agent is the robot, others and their targets are free cells.
 
     Args:
         path: The file; white space round rows and empty rows do not count.
-        agent: Letter of the agent that is the robot, lower case; its target is the same letter in upper case.
+        agent: Letter of the agent that is the robot, lower case; its target is the same letter in
+            upper case.
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If rows differ in length, a character is none of the format's, or a letter is there twice.
+        FormatError: If rows differ in length, a character is none of the format's, or a letter is
+            there twice.
         InvalidParameter: If ``agent`` is no lower-case letter, or is not in a map that has others.
     """
     if not re.fullmatch("[a-z]", agent):
         raise InvalidParameter(
-            "wrong-form", "agent={agent!r} is no lower-case letter; agents are a to z", agent=agent[:20]
+            "wrong-form",
+            "agent={agent!r} is no lower-case letter; agents are a to z",
+            agent=agent[:20],
         )
-    data, source = read_bounded(path), str(path)
-    lines = [(number, line.strip()) for number, line in enumerate(unix_text(data).split(b"\n"), 1) if line.strip()]
+    data = read_bounded(path)
+    source = str(path)
+    lines = [
+        (number, line.strip())
+        for number, line in enumerate(unix_text(data).split(b"\n"), 1)
+        if line.strip()
+    ]
     drawn = equal_rows(lines, source)
     for (number, line), row in zip(lines, drawn, strict=True):
         if not re.fullmatch(_CELL + b"*", line):
@@ -69,20 +85,35 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
             known=sorted(agents),
         )
     places = [
-        cell_centre(letters[name][1], drawn.shape[0] - 1 - letters[name][0], cell_size) if name in letters else None
+        cell_centre(letters[name][1], drawn.shape[0] - 1 - letters[name][0], cell_size)
+        if name in letters
+        else None
         for name in (agent, agent.upper())
     ]
-    notes = () if len(agents) < 2 else (f"the robot is agent {agent} of {len(agents)}; the others are not there",)
-    params: dict[str, Value] = {"format": "pogema", "source": path.name, "sha256": digest(data), "agent": agent}
+    notes = (
+        ()
+        if len(agents) < 2
+        else (f"the robot is agent {agent} of {len(agents)}; the others are not there",)
+    )
+    params: dict[str, Value] = {
+        "format": "pogema",
+        "source": path.name,
+        "sha256": digest(data),
+        "agent": agent,
+    }
     return ForeignMap(
         flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1]
     )  # fmt: skip
 
 
-def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int], source: str) -> dict[str, tuple[int, int]]:
+def _letters(
+    drawn: npt.NDArray[np.uint8], numbers: list[int], source: str
+) -> dict[str, tuple[int, int]]:
     """Row and column of each letter."""
     found: dict[str, tuple[int, int]] = {}
-    for row, column in np.argwhere((drawn | 0x20 >= ord("a")) & (drawn | 0x20 <= ord("z"))).tolist():
+    for row, column in np.argwhere(
+        (drawn | 0x20 >= ord("a")) & (drawn | 0x20 <= ord("z"))
+    ).tolist():
         letter = chr(drawn[row, column])
         if letter in found:
             raise FormatError(
@@ -104,7 +135,8 @@ def write_pogema(world: World, destination: Destination) -> Exported:
         destination: Where it goes.
     """
     cells = np.where(flip_rows(world.walls), np.uint8(_WALL[0]), np.uint8(_FREE[0]))
-    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    start = cell_of(world, world.start.x, world.start.y)
+    target = cell_of(world, world.target.x, world.target.y)
     altered = off_centre(world, (start, target))
     if start == target or _WALL[0] in (cells[start[1], start[0]], cells[target[1], target[0]]):
         because = "they are one cell" if start == target else "one of them is in a wall"
@@ -115,7 +147,9 @@ def write_pogema(world: World, destination: Destination) -> Exported:
     notes: tuple[str, ...] = ()
     if max(world.width, world.height) > _MAX_SIDE:
         notes = (f"POGEMA itself takes maps of up to {_MAX_SIDE} cells a side",)
-    return Exported({destination.name: b"".join(row.tobytes() + b"\n" for row in cells)}, altered, notes)
+    return Exported(
+        {destination.name: b"".join(row.tobytes() + b"\n" for row in cells)}, altered, notes
+    )
 
 
 pogema = Format(
@@ -123,7 +157,9 @@ pogema = Format(
     "map of POGEMA, a character a cell, .pogema",
     (".pogema",),  # also .txt, which the contents tell from a drawing
     re.compile(
-        rb"(?=[.#A-Z@$!\s]*[a-z@$!])(?:\s*(?=[a-zA-Z@$!]*[.#])" + _CELL + rb"+[ \t]*(?:\r?\n)){1,2}\s*"
+        rb"(?=[.#A-Z@$!\s]*[a-z@$!])(?:\s*(?=[a-zA-Z@$!]*[.#])"
+        + _CELL
+        + rb"+[ \t]*(?:\r?\n)){1,2}\s*"
         rb"(?=[a-zA-Z@$!]*[.#])" + _CELL + rb"+[ \t]*(?:\r?\n|\Z)"
     ),
     read_pogema,

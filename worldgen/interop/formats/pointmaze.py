@@ -18,14 +18,17 @@ __all__ = ["pointmaze", "write_pointmaze"]
 
 
 def write_pointmaze(world: World, destination: Destination) -> Exported:
-    """A JSON list of rows, the top one first: 1 is a wall, 0 free, "r" the start, "g" the goal, "c" both.
+    """A JSON list of rows, the top one first.
+
+    1 is a wall, 0 free, "r" the start, "g" the goal, "c" both.
 
     Args:
         world: The world; a wall one cell thick goes round it where its border is open.
         destination: Where it goes.
     """
     cells: list[list[int | str]] = flip_rows(world.walls).astype(int).tolist()
-    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    start = cell_of(world, world.start.x, world.start.y)
+    target = cell_of(world, world.target.x, world.target.y)
     altered = off_centre(world, (start, target))
     for name, (column, row), letter in (("start", start, "r"), ("target", target, "g")):
         if cells[row][column] == 1:
@@ -37,7 +40,8 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
         cells = [bar, *([1, *row, 1] for row in cells), bar]
     rows = ",\n ".join(json.dumps(row) for row in cells)
     notes = (
-        "a cell is as large as `maze_size_scaling` there, 1 m in PointMaze, and (0, 0) is the middle of the map; start "
+        "a cell is as large as `maze_size_scaling` there, 1 m in PointMaze, and (0, 0) is the "
+        "middle of the map; start "
         "and goal are drawn from round their cells' centres",
     )
     return Exported({destination.name: f"[{rows}]\n".encode()}, altered, notes)

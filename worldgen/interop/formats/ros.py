@@ -22,8 +22,14 @@ from worldgen.family import check_choice
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.readers.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
-from worldgen.interop.readers.places_text import KEYS, Places, from_decimal, place_words, read_places
-from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.places_text import (
+    KEYS,
+    Places,
+    from_decimal,
+    place_words,
+    read_places,
+)
+from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.support.rows import flip_rows
@@ -42,7 +48,10 @@ __all__ = [
     "write_ros_map",
 ]
 
-FREE, OCCUPIED, UNKNOWN = 0, 100, -1  # values of a nav_msgs/OccupancyGrid
+# values of a nav_msgs/OccupancyGrid
+FREE = 0
+OCCUPIED = 100
+UNKNOWN = -1
 MODES = ("trinary", "scale", "raw")
 _UNKNOWN_GREY = 205  # what map savers write for unknown
 _MAX_YAML_BYTES = 64 << 10
@@ -64,7 +73,8 @@ class RosMetadata:
         negate: Whether white is occupied.
         mode: ``trinary``, ``scale`` or ``raw``.
         places: Start, target and robot, of a map of ours.
-        yaw: rad, by which the picture is turned about its lower-left corner, counter-clockwise; near a quarter turn.
+        yaw: rad, by which the picture is turned about its lower-left corner, counter-clockwise;
+            near a quarter turn.
     """
 
     image: Path
@@ -86,7 +96,8 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
         unknown: What cells are that are neither occupied nor free: ``solid`` or ``free``.
 
     Raises:
-        FormatError: If the YAML file or the picture breaks a rule, with the line where there is one.
+        FormatError: If the YAML file or the picture breaks a rule, with the line where there is
+            one.
     """
     text = read_bounded(path, _MAX_YAML_BYTES)
     metadata = read_metadata(text, path)
@@ -103,10 +114,13 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata, str(path))
     if metadata.yaw != 0.0:
         notes.append(
-            f"the picture is turned by {_quarters(metadata.yaw)} quarters, as the yaw of {metadata.yaw:g} says"
+            f"the picture is turned by {_quarters(metadata.yaw)} quarters, as the yaw of "
+            f"{metadata.yaw:g} says"
         )
     if x != 0.0 or y != 0.0:
-        notes.append(f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS")
+        notes.append(
+            f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS"
+        )
     params: dict[str, Value] = {
         "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
         "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
@@ -131,14 +145,16 @@ def _turned(
     """The picture, top row first, turned by whole quarters, and where its new lower-left corner lies.
 
     Raises:
-        FormatError: If the yaw is so far from whole quarters that a cell would move by half its side.
+        FormatError: If the yaw is so far from whole quarters that a cell would move by half its
+            side.
     """
     quarters, (height, width) = _quarters(metadata.yaw), walls.shape
     moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
     if moved >= 0.5:
         raise FormatError(
             "turned-map",
-            "yaw {yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts them",
+            "yaw {yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts "
+            "them",
             "write its digits, such as 1.57079633, or turn the picture",
             yaw=metadata.yaw,
             moved=moved,
@@ -168,7 +184,8 @@ def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
         byte = math.floor(Fraction(255 * value, maximum) + Fraction(1, 2))
         return byte if byte <= OCCUPIED else UNKNOWN
     filled = Fraction(value if metadata.negate else maximum - value, maximum)
-    occupied, free = exact(metadata.occupied_thresh), exact(metadata.free_thresh)
+    occupied = exact(metadata.occupied_thresh)
+    free = exact(metadata.free_thresh)
     if filled >= occupied:
         return OCCUPIED
     if filled <= free:
@@ -197,11 +214,15 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
         taken_as_free = _level(_UNKNOWN_GREY, 255, metadata) == FREE
         if taken_as_free and (image.values == _UNKNOWN_GREY).any():
             found.append(
-                f"grey {_UNKNOWN_GREY}, which map savers write for unknown cells, counts as free because "
-                f"free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells are unknown"
+                f"grey {_UNKNOWN_GREY}, which map savers write for unknown cells, counts as free "
+                f"because "
+                f"free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells are "
+                f"unknown"
             )
     if image.maximum == 1:
-        found.append("the picture's maximum is 1: ROS itself misreads such PGM files, black comes out free")
+        found.append(
+            "the picture's maximum is 1: ROS itself misreads such PGM files, black comes out free"
+        )
     return found
 
 
@@ -213,8 +234,8 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
         path: Where it lies; the picture must lie in the same folder or below it.
 
     Raises:
-        FormatError: If it is no YAML, a key is missing or wrong, the map is turned, or the picture's
-            path leads out of the folder.
+        FormatError: If it is no YAML, a key is missing or wrong, the map is turned, or the
+            picture's path leads out of the folder.
     """
     source = str(path)
     table = read_yaml(text, source, "a ROS map has `image: map.pgm` and the like")
@@ -229,7 +250,8 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             source=source,
         )
     resolution = table.number("resolution")
-    occupied, free = table.number("occupied_thresh"), table.number("free_thresh")
+    occupied = table.number("occupied_thresh")
+    free = table.number("free_thresh")
     if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
         least, most = CELL_SIZES
         message = Message(
@@ -243,7 +265,8 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     if not 0.0 <= free < occupied <= 1.0:
         message = Message(
             "wrong-order",
-            "free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1",
+            "free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied "
+            "<= 1",
             free=free,
             occupied=occupied,
         )
@@ -261,12 +284,14 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             ),
         )
     places = _places(table, corner)
-    return RosMetadata(_image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw)
+    return RosMetadata(
+        _image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw
+    )
 
 
 def _image(table: YamlTable, path: Path) -> Path:
     try:
-        return companion(path, "image", table.word("image"))
+        return sibling_file(path, "image", table.word("image"))
     except InvalidParameter as error:
         raise table.fault("image", error.message) from error
 
@@ -277,12 +302,15 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     except InvalidParameter:
         numbers = []
     if len(numbers) != 3:
-        raise table.fault("origin", Message("wrong-type", "origin must be three numbers, [x m, y m, yaw rad]"))
+        raise table.fault(
+            "origin", Message("wrong-type", "origin must be three numbers, [x m, y m, yaw rad]")
+        )
     x, y, yaw = numbers
     if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
         message = Message(
             "turned-map",
-            "the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and 1.57079633",
+            "the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and "
+            "1.57079633",
             "turn the picture, or write 0 if your programs pass over the yaw",
             yaw=yaw,
         )
@@ -297,7 +325,10 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
     ours = table.tables(_OURS)
     if len(ours) != 1:
         raise table.fault(
-            _OURS, Message("wrong-count", "{key} has {tables} tables; it is one", key=_OURS, tables=len(ours))
+            _OURS,
+            Message(
+                "wrong-count", "{key} has {tables} tables; it is one", key=_OURS, tables=len(ours)
+            ),
         )
     strange = [key for key in ours[0] if key not in KEYS]
     if strange:
@@ -354,13 +385,18 @@ def write_ros_map(
     solid = flip_rows(world.walls)
     black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
     greys = np.where(solid, np.uint8(black), np.uint8(white))
-    picture = destination.companion(f".{image}")
+    picture = destination.sibling_file(f".{image}")
     x, y = (decimal(shift) for shift in destination.origin)
     lines = [
-        f"image: {_yaml_text(picture)}", f"mode: {mode}", f"resolution: {decimal(world.cell_size)}",
-        f"origin: [{x}, {y}, 0.0]", f"negate: {int(negate)}", "occupied_thresh: 0.65", "free_thresh: 0.196",
+        f"image: {_yaml_text(picture)}",
+        f"mode: {mode}",
+        f"resolution: {decimal(world.cell_size)}",
+        f"origin: [{x}, {y}, 0.0]",
+        f"negate: {int(negate)}",
+        "occupied_thresh: 0.65",
+        "free_thresh: 0.196",
         f"{_OURS}:",
-    ]  # fmt: skip
+    ]
     for key, words in place_words(world, destination).items():
         lines.append(f"  {key}: {words[0] if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
     data = pgm_bytes(greys) if image == "pgm" else png_bytes(greys)

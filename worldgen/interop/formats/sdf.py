@@ -1,6 +1,7 @@
-"""A world as SDFormat 1.9, for Gazebo and what else reads it: a static model of boxes, a floor, marks, a robot.
+"""A world as SDFormat 1.9, for Gazebo and what else reads it.
 
-What changes with time becomes models that a script moves, for a world file has no clock of its own.
+A static model of boxes, a floor, marks, a robot. What changes with time becomes models that a
+script moves, for a world file has no clock of its own.
 
 Source: the SDFormat 1.9 specification.
 """
@@ -14,7 +15,7 @@ from typing import Literal
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
-from worldgen.interop.geometry.placed_boxes import Box
+from worldgen.interop.geometry.placed_boxes import PlacedBox
 from worldgen.interop.geometry.solid_scene import TIMESTEPS, Body, events_file, plain_name, scene
 from worldgen.interop.players.sdf_robot import SYSTEMS, robot_lines
 from worldgen.interop.readers.gazebo_world import grid_line
@@ -25,10 +26,17 @@ from worldgen.world import World
 __all__ = ["sdf", "write_sdf"]
 
 _THIN = Fraction(1, 1000)  # thickness of what only marks a place, m
-_MANY = 2000  # boxes; from here on a step of Fortress's physics takes longer than the millisecond that it lasts
+# boxes; from here on a step of Fortress's physics takes longer than the millisecond that it lasts.
+_MANY = 2000
 _SCHEMA = "urn:worldgen:sdf"
-_COLOURS = {"ground": "0.9 0.9 0.9 1", "wall": "0.3 0.3 0.35 1", "cell": "0.5 0.4 0.3 1", "fire": "1 0.4 0.1 0.7",
-            "start": "0.1 0.4 0.9 0.6", "target": "0.1 0.7 0.2 0.6"}  # fmt: skip
+_COLOURS = {
+    "ground": "0.9 0.9 0.9 1",
+    "wall": "0.3 0.3 0.35 1",
+    "cell": "0.5 0.4 0.3 1",
+    "fire": "1 0.4 0.1 0.7",
+    "start": "0.1 0.4 0.9 0.6",
+    "target": "0.1 0.7 0.2 0.6",
+}
 
 
 def write_sdf(
@@ -46,8 +54,10 @@ def write_sdf(
         world: The world.
         destination: Where it goes.
         height: Of the walls, m.
-        robot: Whether a disc on two wheels stands at the start; with plugins it obeys velocity commands.
-        plugins: The systems that Gazebo is to load, by its release; with none it loads those that it always does.
+        robot: Whether a disc on two wheels stands at the start; with plugins it obeys velocity
+            commands.
+        plugins: The systems that Gazebo is to load, by its release; with none it loads those that
+            it always does.
         timestep: Of the engine, s.
 
     Raises:
@@ -55,7 +65,9 @@ def write_sdf(
         InvalidWorld: If 64 bits are too few for the coordinates.
     """
     check_between("timestep", timestep, *TIMESTEPS, "s")
-    name, parts, tall = plain_name(destination), scene(world, destination, height), exact(height)
+    name = plain_name(destination)
+    parts = scene(world, destination, height)
+    tall = exact(height)
     lines = [
         '<?xml version="1.0"?>',
         f'<sdf version="1.9" xmlns:worldgen="{_SCHEMA}">',
@@ -74,14 +86,18 @@ def write_sdf(
     files = {destination.name: ("\n".join(lines) + "\n").encode()}
     notes = []
     if parts.bodies:
-        script, table = destination.companion("_player.py"), destination.companion("_events.json")
-        files[script] = resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
+        script = destination.sibling_file("_player.py")
+        table = destination.sibling_file("_events.json")
+        files[script] = (
+            resources.files("worldgen.interop").joinpath("players", "gazebo_player.py").read_bytes()
+        )
         files[table] = events_file(destination.name, parts.bodies, height, world=name)
         notes.append(f"{script} moves what changes: a world file has no events of its own")
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
         notes.append(
-            f"{boxes} boxes: Gazebo falls behind real time; a step takes four times as long with twice as many"
+            f"{boxes} boxes: Gazebo falls behind real time; a step takes four times as long with "
+            f"twice as many"
         )
     return Exported(files, notes=tuple(notes))
 
@@ -101,10 +117,12 @@ def _head(world: World, destination: Destination, timestep: float) -> Iterator[s
     )
     yield grid_line(world, destination)
     numbers = {"robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
-    yield from (f"    <worldgen:{key}>{decimal(value)}</worldgen:{key}>" for key, value in numbers.items())
+    yield from (
+        f"    <worldgen:{key}>{decimal(value)}</worldgen:{key}>" for key, value in numbers.items()
+    )
 
 
-def _light(floor: Box, tall: Fraction) -> Iterator[str]:
+def _light(floor: PlacedBox, tall: Fraction) -> Iterator[str]:
     yield from (
         '    <light type="directional" name="sun">',
         f"      <pose>{_pose(floor, 10 * tall)}</pose>",
@@ -136,25 +154,29 @@ def _model(name: str, pose: str, shapes: Iterator[str]) -> Iterator[str]:
     yield "    </model>"
 
 
-def _ground(floor: Box) -> Iterator[str]:
+def _ground(floor: PlacedBox) -> Iterator[str]:
     size = " ".join(map(text, floor.size[:2]))
     plane = f"<plane><normal>0 0 1</normal><size>{size}</size></plane>"
-    yield from _model("ground", _pose(floor, Fraction(0)), _shapes("solid", "floor", plane, _COLOURS["ground"]))
+    yield from _model(
+        "ground", _pose(floor, Fraction(0)), _shapes("solid", "floor", plane, _COLOURS["ground"])
+    )
 
 
-def _pose(box: Box, z: Fraction) -> str:
+def _pose(box: PlacedBox, z: Fraction) -> str:
     """Above or below the middle of a box."""
     return f"{' '.join(map(text, (*box.centre[:2], z)))} 0 0 0"
 
 
-def _cuboid(box: Box) -> str:
+def _cuboid(box: PlacedBox) -> str:
     return f"<box><size>{' '.join(map(text, box.size))}</size></box>"
 
 
-def _walls(boxes: tuple[Box, ...]) -> Iterator[str]:
+def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
     def shapes() -> Iterator[str]:
         for box in boxes:
-            yield from _shapes("solid", box.name, _cuboid(box), _COLOURS["wall"], _pose(box, box.centre[2]))
+            yield from _shapes(
+                "solid", box.name, _cuboid(box), _COLOURS["wall"], _pose(box, box.centre[2])
+            )
 
     if boxes:
         yield from _model("walls", "", shapes())
@@ -162,13 +184,16 @@ def _walls(boxes: tuple[Box, ...]) -> Iterator[str]:
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
     """Start and target as discs that are only seen; the start's is the robot's, turned as it is."""
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     for name, x, y, heading, radius in (
         ("start", start.x, start.y, start.heading, world.robot_radius),
         ("target", target.x, target.y, 0.0, target.radius),
     ):
         pose = f"{destination.x(x)} {destination.y(y)} {text(_THIN / 2)} 0 0 {decimal(heading)}"
-        disc = f"<cylinder><radius>{decimal(radius)}</radius><length>{text(_THIN)}</length></cylinder>"
+        disc = (
+            f"<cylinder><radius>{decimal(radius)}</radius><length>{text(_THIN)}</length></cylinder>"
+        )
         yield from _model(name, pose, _shapes("seen", "disc", disc, _COLOURS[name]))
 
 

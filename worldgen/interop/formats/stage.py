@@ -22,7 +22,8 @@ from worldgen.world import World
 
 __all__ = ["stage", "write_stage"]
 
-# Stage's own map.inc lets robots drive through a floor plan (obstacle_return 0) and adds a box of its own (boundary 1).
+# Stage's own map.inc lets robots drive through a floor plan (obstacle_return 0) and adds a box of
+# its own (boundary 1).
 _WALLS = """\
 define floorplan model
 (
@@ -50,9 +51,12 @@ define goal model
   gripper_return 0
 )
 """
-# A polygon of 16 corners in the robot's disc; four lie on the axes, so that Stage stretches it to just the size.
+# A polygon of 16 corners in the robot's disc; four lie on the axes, so that Stage stretches it to
+# just the size.
 _QUADRANT = (("1", "0"), ("0.9238", "0.3826"), ("0.7071", "0.7071"), ("0.3826", "0.9238"))
-_TALL, _LOW = "0.8", "0.2"  # m, of walls and robot; a ranger stands on top of its robot, and must not look over walls
+# m, of walls and robot; a ranger stands on top of its robot, and must not look over walls
+_TALL = "0.8"
+_LOW = "0.2"
 _TURN_RATE = "360"  # degrees/s; a world of ours has no limit
 
 
@@ -68,7 +72,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
         InvalidParameter: If the file's name has a quotation mark, for which Stage has no way.
     """
     ringed = len(closing_boxes(world)) > 0
-    picture = destination.companion(".png")
+    picture = destination.sibling_file(".png")
     if '"' in picture:
         raise InvalidParameter(
             "not-a-file-name",
@@ -122,8 +126,11 @@ def _minus(number: str) -> str:
     return number[1:] if number.startswith("-") else number if number == "0" else f"-{number}"
 
 
-def _floor_plan(world: World, destination: Destination, picture: str, ringed: bool) -> Iterator[str]:
-    side, ring = exact(world.cell_size), 2 if ringed else 0
+def _floor_plan(
+    world: World, destination: Destination, picture: str, ringed: bool
+) -> Iterator[str]:
+    side = exact(world.cell_size)
+    ring = 2 if ringed else 0
     width, height = (decimal_text((count + ring) * side) for count in (world.width, world.height))
     middle = [
         decimal_text(count * side / 2 + exact(shift))
@@ -139,12 +146,17 @@ def _floor_plan(world: World, destination: Destination, picture: str, ringed: bo
 
 
 def _robot(world: World, destination: Destination, lidar: bool) -> Iterator[str]:
-    start, speed, across = world.start, decimal(world.robot_speed), decimal_text(2 * exact(world.robot_radius))
+    start = world.start
+    speed = decimal(world.robot_speed)
+    across = decimal_text(2 * exact(world.robot_radius))
     yield "disc"
     yield "("
     yield '  name "robot"'
     yield f"  size [ {across} {across} {_LOW} ]"
-    yield f"  pose [ {destination.x(start.x)} {destination.y(start.y)} 0 {degrees_text(start.heading)} ]"
+    yield (
+        f"  pose [ {destination.x(start.x)} {destination.y(start.y)} 0 "
+        f"{degrees_text(start.heading)} ]"
+    )
     yield f"  velocity_bounds [ -{speed} {speed} 0 0 0 0 -{_TURN_RATE} {_TURN_RATE} ]"
     if lidar:
         yield "  ranger ( sensor ( range [ 0 10 ] fov 360 samples 257 ) )"
@@ -152,7 +164,8 @@ def _robot(world: World, destination: Destination, lidar: bool) -> Iterator[str]
 
 
 def _target(world: World, destination: Destination) -> Iterator[str]:
-    target, across = world.target, decimal_text(2 * exact(world.target.radius))
+    target = world.target
+    across = decimal_text(2 * exact(world.target.radius))
     yield "goal"
     yield "("
     yield f'  name "{TARGET}"'
@@ -166,7 +179,8 @@ stage = Format(
     "Stage world, .world with .png",
     (".world",),
     re.compile(
-        rb"(?s)(?!\s*<)(.*\n)?[ \t]*(define[ \t]+[\w.-]+[ \t]+[\w.-]+|include[ \t]+\"[^\"\n]*\"|floorplan)"
+        rb"(?s)(?!\s*<)(.*\n)?[ \t]*(define[ \t]+[\w.-]+[ \t]+[\w.-]+|include[ "
+        rb"\t]+\"[^\"\n]*\"|floorplan)"
         rb"[ \t]*(#[^\n]*)?(\r?\n|\(|\Z)"
     ),
     read_stage,

@@ -16,7 +16,9 @@ __all__ = ["stl", "write_stl"]
 _HEADER = 80  # bytes; must not begin with "solid", as the text form does
 
 
-def write_stl(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+def write_stl(
+    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+) -> Exported:
     """The binary form: twelve triangles a box, m, z up.
 
     Args:

@@ -1,7 +1,8 @@
-"""A world as a plan to scale, in SVG: one unit is a metre, and every element is named by what it is.
+"""A world as a plan to scale, in SVG.
 
-``worldgen show --svg`` draws a picture to look at, in pixels, with caption and signal; this is for programs that
-measure, cut or edit: coordinates are the world's own, as exact decimals, and all else is in the metadata.
+One unit is a metre, and every element is named by what it is. ``worldgen show --svg`` draws a
+picture to look at, in pixels, with caption and signal; this is for programs that measure, cut or
+edit: coordinates are the world's own, as exact decimals, and all else is in the metadata.
 
 Source: W3C, "Scalable Vector Graphics (SVG) 1.1, second edition", 2011.
 """
@@ -34,7 +35,9 @@ _STYLE = (
 )
 
 
-def write_svg(world: World, destination: Destination, *, scale: float = 20.0, witness: bool = True) -> Exported:
+def write_svg(
+    world: World, destination: Destination, *, scale: float = 20.0, witness: bool = True
+) -> Exported:
     """The plan: floor, walls, target, robot at its start, and the path that proves the target reachable.
 
     Args:
@@ -50,15 +53,19 @@ def write_svg(world: World, destination: Destination, *, scale: float = 20.0, wi
     check_between("scale", scale, 1e-3, 1e6)
     more = 1 if border_cells(world).any() else 0
     lines = GridLines(world, destination)
-    left, right = lines.x[-more], lines.x[world.width + more]
-    bottom, top = lines.y[-more], lines.y[world.height + more]
+    left = lines.x[-more]
+    right = lines.x[world.width + more]
+    bottom = lines.y[-more]
+    top = lines.y[world.height + more]
     view = " ".join(decimal_text(value) for value in (left, -top, right - left, top - bottom))
     across, down = (float(1000 * length / exact(scale)) for length in (right - left, top - bottom))
     name = html.escape(printable(destination.name))
     text = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" height="{down!r}mm">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" '
+        f'height="{down!r}mm">',
         f"<title>{name}</title>",
-        f"<desc>A plan of {world.width} x {world.height} cells; 1 unit is 1 m, 1:{decimal_text(exact(scale))} in "
+        f"<desc>A plan of {world.width} x {world.height} cells; 1 unit is 1 m, "
+        f"1:{decimal_text(exact(scale))} in "
         "print; x right, y up in #world.</desc>",
         f'<metadata id="worldgen">{_metadata(world, destination)}</metadata>',
         f"<style>{_STYLE}</style>",
@@ -83,13 +90,23 @@ svg = Format(
 
 
 def _metadata(world: World, destination: Destination) -> str:
-    said = {"frame": "local", "units": "m", "size": [world.width, world.height], **held_values(world, destination)}
+    said = {
+        "frame": "local",
+        "units": "m",
+        "size": [world.width, world.height],
+        **held_values(world, destination),
+    }
     return html.escape(json.dumps(said), quote=False)
 
 
 def _cells(world: World, lines: GridLines) -> Iterator[str]:
-    xs, ys = ({at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y))
-    size = [decimal_text(end[side] - end[0]) for end, side in ((lines.x, world.width), (lines.y, world.height))]
+    xs, ys = (
+        {at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y)
+    )
+    size = [
+        decimal_text(end[side] - end[0])
+        for end, side in ((lines.x, world.width), (lines.y, world.height))
+    ]
     yield f'<rect class="floor" x="{xs[0]}" y="{ys[0]}" width="{size[0]}" height="{size[1]}"/>'
     for kind, solid, first in (("wall", world.walls, 0), ("border", border_cells(world), -1)):
         for polygon in cell_polygons(solid, first):
@@ -111,7 +128,10 @@ def _path(certificate: object, world: World, destination: Destination) -> Iterat
     if isinstance(certificate, Witness) and len(certificate.times) > 1:
         points = zip(certificate.x.tolist(), certificate.y.tolist(), strict=True)
         corners = " ".join(f"{destination.x(x)},{destination.y(y)}" for x, y in points)
-        yield f'<polyline class="witness" stroke-width="{_part(world.robot_radius, 8)}" points="{corners}"/>'
+        yield (
+            f'<polyline class="witness" stroke-width="{_part(world.robot_radius, 8)}" '
+            f'points="{corners}"/>'
+        )
 
 
 def _places(world: World, destination: Destination) -> Iterator[str]:
@@ -119,12 +139,16 @@ def _places(world: World, destination: Destination) -> Iterator[str]:
         ("target", world.target, world.target.radius),
         ("robot", world.start, world.robot_radius),
     ):
-        x, y = destination.x(point.x), destination.y(point.y)
+        x = destination.x(point.x)
+        y = destination.y(point.y)
         yield f'<circle class="{name}" cx="{x}" cy="{y}" r="{_part(radius)}"/>'
-    rim = decimal_text(exact(world.start.x) + exact(destination.origin[0]) + exact(world.robot_radius))
+    rim = decimal_text(
+        exact(world.start.x) + exact(destination.origin[0]) + exact(world.robot_radius)
+    )
     turn = f"{degrees_text(world.start.heading)} {x} {y}"
     yield (
-        f'<path class="heading" stroke-width="{_part(world.robot_radius, 8)}" transform="rotate({turn})" '
+        f'<path class="heading" stroke-width="{_part(world.robot_radius, 8)}" '
+        f'transform="rotate({turn})" '
         f'd="M{x} {y}H{rim}"/>'
     )
 

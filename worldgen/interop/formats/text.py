@@ -17,9 +17,20 @@ from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["cell_centre", "cell_of", "equal_rows", "off_centre", "read_text_map", "text", "write_text_map"]
+__all__ = [
+    "cell_centre",
+    "cell_of",
+    "equal_rows",
+    "off_centre",
+    "read_text_map",
+    "text",
+    "write_text_map",
+]
 
-_SOLID, _FREE, _START, _TARGET = b"#", b". ", b"S", b"GE"
+_SOLID = b"#"
+_FREE = b". "
+_START = b"S"
+_TARGET = b"GE"
 _BAD = 2
 _TABLE = np.full(256, _BAD, np.uint8)
 _TABLE[list(_FREE + _START + _TARGET)] = 0
@@ -27,18 +38,20 @@ _TABLE[list(_SOLID)] = 1
 
 
 def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target; the top row first.
+    """A drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target.
 
-    The start is its cell's centre, the target the disc inscribed in its cell.
+    The top row first. The start is its cell's centre, the target the disc inscribed in its cell.
 
     Args:
         path: The file; LF or CRLF.
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If rows differ in length, a character is none of these, or a place is there twice.
+        FormatError: If rows differ in length, a character is none of these, or a place is there
+            twice.
     """
-    data, source = read_bounded(path), str(path)
+    data = read_bounded(path)
+    source = str(path)
     rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
@@ -48,7 +61,8 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
         raise FormatError(
             "unknown-sign",
-            "{sign!q} in column {column} is no cell; # is solid, . or a space free, S the start, G or E the target",
+            "{sign!q} in column {column} is no cell; # is solid, . or a space free, S the start, G "
+            "or E the target",
             sign=rows[row_index][column : column + 1],
             column=column + 1,
             line=row_index + 1,
@@ -77,7 +91,8 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
         (rows, length) uint8.
 
     Raises:
-        FormatError: If there is none, one is longer or shorter than the first, or there are too many.
+        FormatError: If there is none, one is longer or shorter than the first, or there are too
+            many.
     """
     width = len(rows[0][1]) if rows else 0
     check_sides(width, len(rows), line=1, source=source)
@@ -97,11 +112,16 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
 def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
     """Centre of a cell, m; row 0 is the lowest."""
     half = UNIT // 2
-    return lattice_to_metres(column * UNIT + half, cell_size), lattice_to_metres(row * UNIT + half, cell_size)
+    return lattice_to_metres(column * UNIT + half, cell_size), lattice_to_metres(
+        row * UNIT + half, cell_size
+    )
 
 
 def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
-    """Column and row, from the top, of the cell that a point lies in; on its right or upper side, the next one's."""
+    """Column and row, from the top, of the cell that a point lies in.
+
+    On its right or upper side, the next one's.
+    """
     ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (x, y))
     return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
 
@@ -117,7 +137,10 @@ def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> 
     points = (world.start.x, world.start.y), (world.target.x, world.target.y)
     for name, (column, row), point in zip(("start", "target"), cells, points, strict=True):
         if cell_centre(column, world.height - 1 - row, world.cell_size) != point:
-            altered[name] = f"the {name} is stored as the centre of the cell in column {column}, row {row} from the top"
+            altered[name] = (
+                f"the {name} is stored as the centre of the cell in column {column}, row {row} "
+                f"from the top"
+            )
     return altered
 
 
@@ -148,7 +171,8 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where it goes.
     """
-    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    start = cell_of(world, world.start.x, world.start.y)
+    target = cell_of(world, world.target.x, world.target.y)
     cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
     altered = off_centre(world, (start, target))
     marks = (("start", start, _START[0]), ("target", target, _TARGET[0]))
@@ -161,9 +185,13 @@ def write_text_map(world: World, destination: Destination) -> Exported:
     if world.start.heading != 0.0 or cells[start[1], start[0]] != _START[0]:
         altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"
     if world.target.radius != lattice_to_metres(UNIT // 2, world.cell_size):
-        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is drawn as half a cell"
+        altered["target_radius"] = (
+            f"the target's radius, {world.target.radius:g} m, is drawn as half a cell"
+        )
     elif cells[target[1], target[0]] != _TARGET[0]:
-        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is not drawn, as the target is not"
+        altered["target_radius"] = (
+            f"the target's radius, {world.target.radius:g} m, is not drawn, as the target is not"
+        )
     rows = (row.tobytes() + b"\n" for row in cells)
     return Exported({destination.name: b"".join(rows)}, altered)
 

@@ -32,17 +32,22 @@ _SPEED_CELLS = 20.0  # cells/s: 0.2 px/ms
 
 
 def write_thesis_map(
-    world: World, destination: Destination, *, noise: Literal["as-imported", "on", "off"] = "as-imported"
+    world: World,
+    destination: Destination,
+    *,
+    noise: Literal["as-imported", "on", "off"] = "as-imported",
 ) -> Exported:
     """The map file, with the cells at time 0.
 
     Args:
         world: A square with walls all round.
         destination: Where it goes.
-        noise: Whether the map goes through the program's noise filter; ``as-imported``: if the imported map had.
+        noise: Whether the map goes through the program's noise filter; ``as-imported``: if the
+            imported map had.
 
     Raises:
-        InvalidWorld: If the world is no square of a size that fits, its border is open, or its target lies in a wall.
+        InvalidWorld: If the world is no square of a size that fits, its border is open, or its
+            target lies in a wall.
     """
     _check_shape(world)
     column, row = _target_cell(world)
@@ -106,7 +111,9 @@ def _check_shape(world: World) -> None:
 
 def _target_cell(world: World) -> tuple[int, int]:
     """Column and row, from the top, of the cell that the target's centre lies in."""
-    ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y))
+    ix, iy = (
+        math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y)
+    )
     if not (0 <= ix < world.width and 0 <= iy < world.height) or world.walls[iy, ix]:
         raise InvalidWorld(
             "target-in-a-wall",
@@ -123,17 +130,28 @@ def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
     if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:
-        sentence = f"the target is stored as the whole cell in column {column}, row {row} from the top"
+        sentence = (
+            f"the target is stored as the whole cell in column {column}, row {row} from the top"
+        )
         yield "target", sentence
         yield "target_radius", sentence
-    own, start = program_start(world.width, world.cell_size), world.start
-    places = [metres_to_lattice(value, world.cell_size) for value in (own.x, start.x, own.y, start.y)]
+    own = program_start(world.width, world.cell_size)
+    start = world.start
+    places = [
+        metres_to_lattice(value, world.cell_size) for value in (own.x, start.x, own.y, start.y)
+    ]
     turned = heading_to_lattice(start.heading) != heading_to_lattice(own.heading)
     if places[::2] != places[1::2] or turned:
-        sentence = "the start pose is not stored; the program starts at 35, 35 px, 3.5 cells from the left and the top"
+        sentence = (
+            "the start pose is not stored; the program starts at 35, 35 px, 3.5 cells from "
+            "the left and the top"
+        )
         yield "start", sentence
         yield "heading", sentence
     if float(radius_in_cells(world)) != _ROBOT_CELLS:
         yield "robot_radius", "the robot's radius is not stored; the program's robot has 0.7 cells"
     if float(in_cells(world.robot_speed, world.cell_size)) != _SPEED_CELLS:
-        yield "robot_speed", "the robot's speed is not stored; the program's robot drives 20 cells a second"
+        yield (
+            "robot_speed",
+            "the robot's speed is not stored; the program's robot drives 20 cells a second",
+        )

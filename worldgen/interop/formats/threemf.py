@@ -1,6 +1,7 @@
 """A world as a 3MF file: one box, and an item a wall that puts it into place.
 
-The archive is written here: trimesh's writer needs two more libraries, and gives its parts random names.
+The archive is written here: trimesh's writer needs two more libraries, and gives its parts random
+    names.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
 """
@@ -16,7 +17,12 @@ from typing import Literal
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
 from worldgen.interop.formats.mesh_readers import cut_mesh
-from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_TRIANGLES, Box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import (
+    BOX_CORNERS,
+    BOX_TRIANGLES,
+    PlacedBox,
+    solid_boxes,
+)
 from worldgen.world import World
 
 __all__ = ["read_3mf", "threemf", "write_3mf"]
@@ -24,11 +30,20 @@ __all__ = ["read_3mf", "threemf", "write_3mf"]
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OWN = "urn:worldgen:3mf"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time that an archive can say, so that bytes do not depend on the clock
+_EPOCH = (
+    1980,
+    1,
+    1,
+    0,
+    0,
+    0,
+)  # the earliest time that an archive can say, so that bytes do not depend on the clock
 _TYPES = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'
-    f'<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
-    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>\n'
+    f'<Default Extension="rels" '
+    f'ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Default Extension="model" '
+    'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>\n'
 )
 _RELATIONS = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Relationships xmlns="{_PACKAGE}/relationships">'
@@ -37,7 +52,9 @@ _RELATIONS = (
 )
 
 
-def write_3mf(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+def write_3mf(
+    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+) -> Exported:
     """A model in metres, z up; names of walls are part numbers.
 
     Args:
@@ -82,9 +99,12 @@ def _head(world: World, destination: Destination) -> Iterator[str]:
     yield "  <build>"
 
 
-def _item(box: Box) -> str:
+def _item(box: PlacedBox) -> str:
     (across, along, up), low = map(decimal_text, box.size), " ".join(map(decimal_text, box.low))
-    return f'    <item objectid="1" partnumber="{box.name}" transform="{across} 0 0 0 {along} 0 0 0 {up} {low}"/>'
+    return (
+        f'    <item objectid="1" partnumber="{box.name}" transform="{across} 0 0 0 {along} 0 0 '
+        f'0 {up} {low}"/>'
+    )
 
 
 def read_3mf(

@@ -41,7 +41,9 @@ __all__ = ["read_tiled", "tiled", "write_tiled"]
 
 _PIXELS = 16  # a side of a tile
 _MOST_BYTES = 16 << 20  # parsed, JSON takes up to some thirty times the file
-_MOST_LISTED = 1_000_000  # cells that are written as numbers; of more, the list alone would be megabytes
+_MOST_LISTED = (
+    1_000_000  # cells that are written as numbers; of more, the list alone would be megabytes
+)
 _STARTS = ("start", "spawn", "robot")
 _TARGETS = ("target", "goal", "end", "finish")
 _MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's rounding
@@ -50,17 +52,20 @@ _MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's 
 def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
     """A map of square tiles: a cell is solid where the layer of walls has a tile.
 
-    The start is an object called start, spawn or robot, the target one called target, goal, end or finish.
+    The start is an object called start, spawn or robot, the target one called target, goal, end or
+    finish.
 
     Args:
         path: The file; its tiles as numbers or base64, packed by zlib or gzip or not.
-        layer: Name of the layer of walls; left out, the one called walls, else the only one of tiles.
+        layer: Name of the layer of walls; left out, the one called walls, else the only one of
+            tiles.
         cell_size: Side of a tile, m; 0 is what the map says, else 0.1.
 
     Raises:
         FormatError: If it is no such map, or its layer of walls cannot be told.
     """
-    data, source = read_bounded(path, _MOST_BYTES), str(path)
+    data = read_bounded(path, _MOST_BYTES)
+    source = str(path)
     parsed = parse_tiled(data, source)
     width, height = (checked_number(parsed, key, source) for key in ("width", "height"))
     check_sides(width, height, source=source)
@@ -82,7 +87,8 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
             )
         )
     scale = exact(size) / checked_number(parsed, "tilewidth", source)
-    start, target = first_object(layers, _STARTS), first_object(layers, _TARGETS)
+    start = first_object(layers, _STARTS)
+    target = first_object(layers, _TARGETS)
     params: dict[str, Value] = {
         "format": "tiled", "source": path.name, "sha256": digest(data), "layer": str(walls_layer["name"]),
     }  # fmt: skip
@@ -97,7 +103,10 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
 
 def _warnings(walls: np.ndarray[Any, Any]) -> tuple[str, ...]:
     if walls.all():
-        return ("every cell has a tile, so all are solid; floors are tiles too? say with +layer= which layer is walls",)
+        return (
+            "every cell has a tile, so all are solid; floors are tiles too? say with +layer= which "
+            "layer is walls",
+        )
     return ()
 
 
@@ -108,7 +117,8 @@ def _above_0(said: Mapping[str, float], name: str) -> float | None:
 
 def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
     """x, y and heading: as the object's properties say, where it has not been moved or turned since."""
-    shape, said = numbers_of(part, "x", "y", "width", "height", "rotation"), numbers_of(part)
+    shape = numbers_of(part, "x", "y", "width", "height", "rotation")
+    said = numbers_of(part)
     heading = said.get("heading", 0.0)
     turned = shape.get("rotation", 0.0) + math.degrees(heading)
     if abs(math.remainder(turned, 360.0)) > _MOVED:
@@ -118,7 +128,8 @@ def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 
 def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
     """x, y and radius, likewise; a point has no radius."""
-    shape, said = numbers_of(part, "x", "y", "width", "height"), numbers_of(part)
+    shape = numbers_of(part, "x", "y", "width", "height")
+    said = numbers_of(part)
     centre = _point(shape, said, scale, top)
     drawn = (exact(shape.get("width", 0.0)) + exact(shape.get("height", 0.0))) / 4
     radius = said.get("radius", 0.0)
@@ -130,8 +141,14 @@ def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 def _point(
     shape: Mapping[str, float], said: Mapping[str, float], scale: Fraction, top: Fraction
 ) -> tuple[float, float]:
-    """Centre of an object, m from the grid's lower-left corner, y up; its pixels go down from the top."""
-    x, y = (exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2 for at, by in (("x", "width"), ("y", "height")))
+    """Centre of an object, m from the grid's lower-left corner, y up.
+
+    Its pixels go down from the top.
+    """
+    x, y = (
+        exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2
+        for at, by in (("x", "width"), ("y", "height"))
+    )
     point = float(x * scale), float(top - y * scale)
     exactly = said.get("x", math.inf), said.get("y", math.inf)
     moved = max(abs(now - then) for now, then in zip(point, exactly, strict=True))
@@ -145,7 +162,7 @@ def write_tiled(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the map goes.
     """
-    picture = destination.companion("-tile.png")
+    picture = destination.sibling_file("-tile.png")
     made = {
         "compressionlevel": -1, "height": world.height, "infinite": False,
         "layers": [_wall_layer(world), _object_layer(world)],
@@ -173,7 +190,11 @@ def _wall_layer(world: World) -> dict[str, object]:
     data: dict[str, object] = {"data": "@rows"}
     if world.walls.size > _MOST_LISTED:
         packed = zlib.compress(flip_rows(world.walls).astype("<u4").tobytes())
-        data = {"compression": "zlib", "data": base64.b64encode(packed).decode(), "encoding": "base64"}
+        data = {
+            "compression": "zlib",
+            "data": base64.b64encode(packed).decode(),
+            "encoding": "base64",
+        }
     return {
         **data, "height": world.height, "id": 1, "name": "walls", "opacity": 1, "type": "tilelayer",
         "visible": True, "width": world.width, "x": 0, "y": 0,
@@ -181,7 +202,8 @@ def _wall_layer(world: World) -> dict[str, object]:
 
 
 def _object_layer(world: World) -> dict[str, object]:
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     places = (start.x, start.y, target.x, target.y, target.radius)
     x, y, tx, ty, radius = (float(_PIXELS * in_cells(value, world.cell_size)) for value in places)
     top = _PIXELS * world.height
@@ -211,7 +233,9 @@ tiled = Format(
     "tiled",
     "map of the editor Tiled, .tmj",
     (".tmj", ".json"),
-    re.compile(rb"(?s)\s*\{(?=.*\"(?:compressionlevel|infinite|tiledversion|tilewidth|nextlayerid|renderorder)\"\s*:)"),
+    re.compile(
+        rb"(?s)\s*\{(?=.*\"(?:compressionlevel|infinite|tiledversion|tilewidth|nextlayerid|renderorder)\"\s*:)"
+    ),
     read_tiled,
     write_tiled,
     holds=frozenset(HELD),

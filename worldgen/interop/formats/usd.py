@@ -1,7 +1,7 @@
-"""A world as a stage of Universal Scene Description, in its text form: a cube that collides for every wall.
+"""A world as a stage of Universal Scene Description, in its text form.
 
-The text is written here, so that no library is needed and the bytes are the same everywhere; Pixar's own library reads
-and validates it in the tests.
+A cube that collides for every wall. The text is written here, so that no library is needed and the
+bytes are the same everywhere; Pixar's own library reads and validates it in the tests.
 
 Source: Pixar, "Usda File Format Specification"; "UsdPhysics: USD Physics", OpenUSD 25.
 """
@@ -13,18 +13,24 @@ from fractions import Fraction
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
 from worldgen.interop.geometry.degrees import degrees_text
-from worldgen.interop.geometry.placed_boxes import Box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import PlacedBox, solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import World
 
 __all__ = ["usd", "write_usd"]
 
 _HALF = Fraction(1, 2)
-_COLOURS = {"wall": (0.034, 0.042, 0.056), "start": (0.0, 0.342, 0.171), "target": (0.0, 0.168, 0.445)}  # linear
+_COLOURS = {
+    "wall": (0.034, 0.042, 0.056),
+    "start": (0.0, 0.342, 0.171),
+    "target": (0.0, 0.168, 0.445),
+}  # linear
 _CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
 
 
-def write_usd(world: World, destination: Destination, *, height: float = 1.0, floor: bool = False) -> Exported:
+def write_usd(
+    world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
+) -> Exported:
     """A stage in metres, z up.
 
     Args:
@@ -42,7 +48,8 @@ def write_usd(world: World, destination: Destination, *, height: float = 1.0, fl
         "#usda 1.0",
         "(",
         '    defaultPrim = "World"',
-        f'    doc = "A world of {world.width} x {world.height} cells, by worldgen; the rest is customData of /World."',
+        f'    doc = "A world of {world.width} x {world.height} cells, by worldgen; the rest is '
+        f'customData of /World."',
         "    kilogramsPerUnit = 1",
         "    metersPerUnit = 1",
         '    upAxis = "Z"',
@@ -57,7 +64,12 @@ def write_usd(world: World, destination: Destination, *, height: float = 1.0, fl
     ]
     for box in boxes:
         lines += _cube(box)
-    lines += ["    }", *_place("start", world, destination), *_place("target", world, destination), "}"]
+    lines += [
+        "    }",
+        *_place("start", world, destination),
+        *_place("target", world, destination),
+        "}",
+    ]
     return Exported({destination.name: ("\n".join(lines) + "\n").encode()})
 
 
@@ -85,7 +97,7 @@ def _custom_data(world: World, destination: Destination) -> Iterator[str]:
     yield '    kind = "component"'
 
 
-def _cube(box: Box) -> Iterator[str]:
+def _cube(box: PlacedBox) -> Iterator[str]:
     yield f'        def Cube "{box.name}" ('
     yield '            prepend apiSchemas = ["PhysicsCollisionAPI"]'
     yield "        )"
@@ -101,7 +113,8 @@ def _cube(box: Box) -> Iterator[str]:
 
 def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     """Start or target: a frame on the floor, with a disc that is a guide and does not collide."""
-    start, target = world.start, world.target
+    start = world.start
+    target = world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
     height = radius if name == "start" else radius / 16.0  # the robot stands, the target lies flat
     turn = degrees_text(start.heading) if name == "start" else "0"
@@ -110,7 +123,10 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     yield f'    def Xform "{name}"'
     yield "    {"
     yield f"        double xformOp:rotateZ = {turn}"
-    yield f"        double3 xformOp:translate = ({destination.x(point.x)}, {destination.y(point.y)}, 0)"
+    yield (
+        f"        double3 xformOp:translate = ({destination.x(point.x)}, "
+        f"{destination.y(point.y)}, 0)"
+    )
     yield '        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]'
     yield ""
     yield '        def Cylinder "disc"'

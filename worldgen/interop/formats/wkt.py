@@ -26,14 +26,24 @@ def write_wkt(world: World, destination: Destination) -> Exported:
         InvalidWorld: If 64 bits are too few for the coordinates.
     """
     lines = GridLines(world, destination)
-    xs, ys = ({at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y))
+    xs, ys = (
+        {at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y)
+    )
 
     def ring_text(ring: Ring) -> str:
         return "(" + ", ".join(f"{xs[x]} {ys[y]}" for x, y in [*ring, ring[0]]) + ")"
 
     polygons = cell_polygons(border_cells(world) | np.pad(world.walls, 1), -1)
     body = ", ".join("(" + ", ".join(map(ring_text, polygon)) + ")" for polygon in polygons)
-    return Exported({destination.name: f"MULTIPOLYGON {f'({body})' if body else 'EMPTY'}\n".encode()})
+    return Exported(
+        {destination.name: f"MULTIPOLYGON {f'({body})' if body else 'EMPTY'}\n".encode()}
+    )
 
 
-wkt = Format("wkt", "walls as one geometry, .wkt", (".wkt",), write=write_wkt, client="shapely, GDAL, PostGIS")
+wkt = Format(
+    "wkt",
+    "walls as one geometry, .wkt",
+    (".wkt",),
+    write=write_wkt,
+    client="shapely, GDAL, PostGIS",
+)

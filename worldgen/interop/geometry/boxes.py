@@ -17,7 +17,10 @@ _Ints = npt.NDArray[np.int64]
 
 
 class _Lines(NamedTuple):
-    """Lines through solid cells as long as they go, along x, (n,) each: where and from where to where, corners."""
+    """Lines through solid cells as long as they go, along x, (n,) each.
+
+    Where and from where to where, corners.
+    """
 
     y: _Ints
     begin: _Ints
@@ -30,8 +33,9 @@ class _Lines(NamedTuple):
 def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     """Boxes that cover the solid cells, each exactly once; no fewer boxes do.
 
-    A corner of free cells that points into the walls needs a cut, and a cut from one such corner to another serves
-    both: so those are made first, as many as do not meet, which is a largest independent set in a bipartite graph. A
+    A corner of free cells that points into the walls needs a cut, and a cut from one such corner to
+    another serves both: so those are made first, as many as do not meet, which is a largest
+        independent set in a bipartite graph. A
     61 x 61 maze of 1,323 solid cells becomes 243 boxes, where runs joined row by row are 288.
 
     Args:
@@ -43,18 +47,23 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     Source: Tatsuo Ohtsuki, "Minimum dissection of rectilinear regions", Proc. IEEE ISCAS 1982.
     """
     padded = np.pad(solid, 1)
-    corner = (padded[:-1, :-1].view(np.int8) + padded[:-1, 1:] + padded[1:, :-1] + padded[1:, 1:]) == 3
-    level, upright = _lines(padded), _lines(padded.T)
+    corner = (
+        padded[:-1, :-1].view(np.int8) + padded[:-1, 1:] + padded[1:, :-1] + padded[1:, 1:]
+    ) == 3
+    level = _lines(padded)
+    upright = _lines(padded.T)
     level_joins, upright_joins = (
         lines.only(at[lines.y, lines.begin] & at[lines.y, lines.end])
         for lines, at in ((level, corner), (upright, corner.T))
     )
     keep_level, keep_upright = _apart(level_joins, upright_joins, corner.shape)
-    along, across = level_joins.only(keep_level), upright_joins.only(keep_upright)
+    along = level_joins.only(keep_level)
+    across = upright_joins.only(keep_upright)
     for lines, at in ((along, corner), (across, corner.T)):  # what a cut begins or ends at is done
         at[lines.y, lines.begin] = at[lines.y, lines.end] = False
     crossed = _corners_on(across, (corner.shape[1], corner.shape[0])).T >= 0
-    level_cut, upright_cut = _edges_on(along, corner.shape), _edges_on(across, corner.shape[::-1]).T
+    level_cut = _edges_on(along, corner.shape)
+    upright_cut = _edges_on(across, corner.shape[::-1]).T
     _cut_from_corners(level, corner, crossed, level_cut)
     return _rectangles(padded, level_cut, upright_cut)
 
@@ -64,13 +73,18 @@ def _lines(padded: _Bools) -> _Lines:
     height, width = padded.shape
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
-    edges = np.diff(inside, axis=1)  # at x of the padded cells, one more than that of their left corner
+    edges = np.diff(
+        inside, axis=1
+    )  # at x of the padded cells, one more than that of their left corner
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
 
 
 def _spread(lines: _Lines, more: int) -> tuple[_Ints, _Ints, _Ints]:
-    """For every corner of every line (``more`` = 1), or every edge (0): the line's number, y and x."""
+    """For every corner of every line (``more`` = 1), or every edge (0).
+
+    The line's number, y and x.
+    """
     lengths = lines.end - lines.begin + more
     number = np.repeat(np.arange(len(lengths)), lengths)
     along = np.arange(len(number)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
@@ -95,16 +109,19 @@ def _edges_on(lines: _Lines, shape: tuple[int, ...]) -> _Bools:
 def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Bools, _Bools]:
     """The most lines that do not meet: which of those along x, and which of those along y.
 
-    By Koenig's theorem from a largest matching; what trees without an augmenting path reach is the same for every
-    such matching, so the answer does not depend on the order.
+    By Koenig's theorem from a largest matching; what trees without an augmenting path reach is the
+    same for every such matching, so the answer does not depend on the order.
     """
-    first, second = _corners_on(level, shape), _corners_on(upright, shape[::-1]).T
+    first = _corners_on(level, shape)
+    second = _corners_on(upright, shape[::-1]).T
     meet = (first >= 0) & (second >= 0)
     neighbours: list[list[int]] = [[] for _ in level.y]
     for one, other in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
         neighbours[one].append(other)
-    mate, mate_of = [-1] * len(level.y), [-1] * len(upright.y)
-    kept, dropped = np.zeros(len(level.y), np.bool_), np.zeros(len(upright.y), np.bool_)
+    mate = [-1] * len(level.y)
+    mate_of = [-1] * len(upright.y)
+    kept = np.zeros(len(level.y), np.bool_)
+    dropped = np.zeros(len(upright.y), np.bool_)
     for root in range(len(neighbours)):
         queue = [root]
         reached: dict[int, int] = {}
@@ -119,9 +136,16 @@ def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Boo
 
 
 def _grow(
-    queue: list[int], reached: dict[int, int], neighbours: list[list[int]], mate_of: list[int], dropped: _Bools
+    queue: list[int],
+    reached: dict[int, int],
+    neighbours: list[list[int]],
+    mate_of: list[int],
+    dropped: _Bools,
 ) -> int:
-    """An unmatched line at the end of an alternating path from the first of the queue, which grows; -1 if none."""
+    """An unmatched line at the end of an alternating path from the first of the queue.
+
+    It grows; -1 if none.
+    """
     for one in queue:
         for other in neighbours[one]:
             if other not in reached and not dropped[other]:
@@ -161,7 +185,10 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
 
 
 def always_solid(world: World) -> npt.NDArray[np.bool_]:
-    """The cells that are solid at all times, (height, width) bool; of a world that stands still, its walls."""
+    """The cells that are solid at all times, (height, width) bool.
+
+    Of a world that stands still, its walls.
+    """
     later = world.timeline.only(world.timeline.times > 0)
     opened = later.cells_that_become(CellState.FREE, CellState.BURNING, shape=world.walls.shape)
     always: npt.NDArray[np.bool_] = (world.cells_at(0.0) == CellState.SOLID) & ~opened
@@ -169,14 +196,24 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 
 
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
-    """Boxes one cell thick round the grid, for outside it everything is solid; none where its border stays closed.
+    """Boxes one cell thick round the grid, for outside it everything is solid.
+
+    None where its border stays closed.
 
     Returns:
         (0 or 4, 4) int64 as :func:`merged_boxes`, with cells -1 and beyond the sides.
     """
-    walls, width, height = always_solid(world), world.width, world.height
+    walls = always_solid(world)
+    width = world.width
+    height = world.height
     if walls[0].all() and walls[-1].all() and walls[:, 0].all() and walls[:, -1].all():
         return np.zeros((0, 4), np.int64)
-    right, top = width + 1, height + 1
-    ring = [(-1, -1, right, 0), (-1, 0, 0, height), (width, 0, right, height), (-1, height, right, top)]
+    right = width + 1
+    top = height + 1
+    ring = [
+        (-1, -1, right, 0),
+        (-1, 0, 0, height),
+        (width, 0, right, height),
+        (-1, height, right, top),
+    ]
     return np.array(ring, np.int64)

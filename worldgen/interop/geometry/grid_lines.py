@@ -15,23 +15,28 @@ _FINEST = Fraction(1, 1000)  # of a cell: by no more may rounding move a wall
 
 
 class GridLines:
-    """Exact coordinates, m, of the lines between cells, in a file's frame; from -1 to one beyond the grid.
+    """Exact coordinates, m, of the lines between cells, in a file's frame.
+
+    From -1 to one beyond the grid.
 
     Args:
         world: Whose grid it is.
         destination: Says the frame.
-        bits: Of a coordinate's significand, in the file or the programs that read it: 24 for float32.
+        bits: Of a coordinate's significand, in the file or the programs that read it: 24 for
+            float32.
 
     Raises:
-        InvalidWorld: If cells are so far from the frame's origin that rounding moves a line by more than a thousandth
-            of a cell.
+        InvalidWorld: If cells are so far from the frame's origin that rounding moves a line by more
+            than a thousandth of a cell.
     """
 
     def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
         cell, (x, y) = exact(world.cell_size), (exact(value) for value in destination.origin)
         self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
         self.y = {iy: iy * cell + y for iy in range(-1, world.height + 2)}
-        furthest = max(abs(end) for axis in (self.x, self.y) for end in (axis[-1], max(axis.values())))
+        furthest = max(
+            abs(end) for axis in (self.x, self.y) for end in (axis[-1], max(axis.values()))
+        )
         if furthest / 2**bits > _FINEST * cell:
             raise InvalidWorld(
                 "too-many-digits",

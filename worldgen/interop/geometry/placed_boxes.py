@@ -1,4 +1,7 @@
-"""Walls as boxes in the coordinates of a file: what meshes, stages and the worlds of simulators are made of."""
+"""Walls as boxes in the coordinates of a file.
+
+What meshes, stages and the worlds of simulators are made of.
+"""
 
 from __future__ import annotations
 
@@ -17,20 +20,23 @@ from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.world import World
 
-__all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "Box", "placed_box", "solid_boxes"]
+__all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "PlacedBox", "placed_box", "solid_boxes"]
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
 """Corners of a box: 0 the low end, 1 the high one, of x, y and z."""
 
 BOX_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-"""Faces of a box, as numbers of corners, counter-clockwise seen from outside: -z, +z, -y, +y, -x, +x."""
+"""Faces of a box, as numbers of corners, counter-clockwise seen from outside.
+
+-z, +z, -y, +y, -x, +x.
+"""
 
 BOX_TRIANGLES = tuple((quad[0], *pair) for quad in BOX_QUADS for pair in (quad[1:3], quad[2:4]))
 """The same faces as twelve triangles."""
 
 
 @dataclass(frozen=True)
-class Box:
+class PlacedBox:
     """A box whose sides run along the axes.
 
     Args:
@@ -56,7 +62,9 @@ class Box:
         return (ax + bx) / 2, (ay + by) / 2, (az + bz) / 2
 
 
-def solid_boxes(world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53) -> list[Box]:
+def solid_boxes(
+    world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53
+) -> list[PlacedBox]:
     """The walls, a wall round the grid where its border is open, and a floor if wanted.
 
     Args:
@@ -71,16 +79,27 @@ def solid_boxes(world: World, destination: Destination, *, height: float, floor:
         InvalidWorld: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` does.
     """
     check_between("height", height, *CELL_SIZES, "m")
-    lines, ring, top = GridLines(world, destination, bits=bits), closing_boxes(world), exact(height)
-    boxes = [*_named("wall", merged_boxes(always_solid(world)), lines, top), *_named("border", ring, lines, top)]
+    lines = GridLines(world, destination, bits=bits)
+    ring = closing_boxes(world)
+    top = exact(height)
+    boxes = [
+        *_named("wall", merged_boxes(always_solid(world)), lines, top),
+        *_named("border", ring, lines, top),
+    ]
     if floor:
         more = 1 if len(ring) else 0
         low = (lines.x[-more], lines.y[-more], -exact(world.cell_size))
-        boxes.append(Box("floor", low, (lines.x[world.width + more], lines.y[world.height + more], Fraction(0))))
+        boxes.append(
+            PlacedBox(
+                "floor",
+                low,
+                (lines.x[world.width + more], lines.y[world.height + more], Fraction(0)),
+            )
+        )
     return boxes
 
 
-def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> Box:
+def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> PlacedBox:
     """A box on the floor.
 
     Args:
@@ -90,8 +109,15 @@ def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction)
         top: z of its upper side, m.
     """
     left, bottom, right, upper = cells
-    return Box(name, (lines.x[left], lines.y[bottom], Fraction(0)), (lines.x[right], lines.y[upper], top))
+    return PlacedBox(
+        name, (lines.x[left], lines.y[bottom], Fraction(0)), (lines.x[right], lines.y[upper], top)
+    )
 
 
-def _named(kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction) -> list[Box]:
-    return [placed_box(f"{kind}_{number}", row, lines, top) for number, row in enumerate(cells.tolist(), 1)]
+def _named(
+    kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction
+) -> list[PlacedBox]:
+    return [
+        placed_box(f"{kind}_{number}", row, lines, top)
+        for number, row in enumerate(cells.tolist(), 1)
+    ]

@@ -39,7 +39,9 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
     return shape
 
 
-def cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+def cut_into_rows(
+    shape: Any, rows: slice, columns: slice
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Which cells of each row the shape reaches into, and which it leaves partly free.
 
     Args:
@@ -51,9 +53,13 @@ def cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[npt.NDArray[
         Two arrays (n, 3) int64 of row, first and end column, from the first row and column.
     """
     bands = shapely.box(
-        columns.start, np.arange(rows.start, rows.stop), columns.stop, np.arange(rows.start, rows.stop) + 1
+        columns.start,
+        np.arange(rows.start, rows.stop),
+        columns.stop,
+        np.arange(rows.start, rows.stop) + 1,
     )
-    inside, outside = shapely.intersection(shape, bands), shapely.difference(bands, shape)
+    inside = shapely.intersection(shape, bands)
+    outside = shapely.difference(bands, shape)
     return row_pieces(inside, columns), row_pieces(outside, columns)
 
 
@@ -66,5 +72,9 @@ def row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np
     first = np.floor(bounds[keep, 0] + TOUCH).astype(np.int64)
     end = np.ceil(bounds[keep, 2] - TOUCH).astype(np.int64)
     width = columns.stop - columns.start
-    found = [index[inner][keep], np.clip(first - columns.start, 0, width), np.clip(end - columns.start, 0, width)]
+    found = [
+        index[inner][keep],
+        np.clip(first - columns.start, 0, width),
+        np.clip(end - columns.start, 0, width),
+    ]
     return np.stack(found, axis=1)

@@ -1,8 +1,9 @@
 """Walls as polygons with holes, in cells: what maps and plans are made of.
 
-A corner is where an outline turns. Outlines run with solid cells on their left, from corner to corner: sorted by
-place, the n-th corner that is left eastwards is followed by the n-th that is entered eastwards, and so in every
-direction, for the sides of one line never overlap.
+A corner is where an outline turns. Outlines run with solid cells on their left, from corner to
+    corner: sorted by
+place, the n-th corner that is left eastwards is followed by the n-th that is entered eastwards, and
+so in every direction, for the sides of one line never overlap.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ Ring: TypeAlias = list[tuple[int, int]]
 Polygon: TypeAlias = list[Ring]
 
 _EAST, _NORTH, _WEST, _SOUTH = range(4)
-# Cells about a corner, lower left, lower right, upper left, upper right, as bits 1, 2, 4, 8: solid ones, and the
-# direction in which the corner is entered and left. Diagonal cells are two corners.
+# Cells about a corner, lower left, lower right, upper left, upper right, as bits 1, 2, 4, 8: solid
+# ones, and the direction in which the corner is entered and left. Diagonal cells are two corners.
 _TURNS = (
     (8, _SOUTH, _EAST), (4, _EAST, _NORTH), (1, _NORTH, _WEST), (2, _WEST, _SOUTH),
     (9, _SOUTH, _EAST), (9, _NORTH, _WEST), (6, _EAST, _NORTH), (6, _WEST, _SOUTH),
@@ -31,16 +32,18 @@ _TURNS = (
 
 
 def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]:
-    """Polygons that cover exactly the solid cells; pieces that touch at a corner only are polygons of their own.
+    """Polygons that cover exactly the solid cells.
+
+    Pieces that touch at a corner only are polygons of their own.
 
     Args:
         solid: (height, width) bool, row 0 the lowest y.
         first: Index, in x and y, of the first cell.
 
     Returns:
-        Polygons in order of their first corners; each its outline, counter-clockwise, then its holes, clockwise;
-        each ring from its lowest, of these its leftmost corner on, in cells, without that corner repeated at its end.
-        No ring meets itself, and none crosses another.
+        Polygons in order of their first corners; each its outline, counter-clockwise, then its
+        holes, clockwise; each ring from its lowest, of these its leftmost corner on, in cells,
+        without that corner repeated at its end. No ring meets itself, and none crosses another.
     """
     x, y, entered, left = _corners(solid)
     after = _links(x, y, entered, left)
@@ -50,7 +53,9 @@ def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]
     east = east[np.argsort(places[east])]
     shells = _shells(solid, rings, (places[east], owner[east]))
     polygons: dict[int, Polygon] = {}
-    for number in sorted(range(len(rings)), key=lambda number: (shells[number] != number, rings[number])):
+    for number in sorted(
+        range(len(rings)), key=lambda number: (shells[number] != number, rings[number])
+    ):
         ring = [(ix + first, iy + first) for ix, iy in rings[number]]
         polygons.setdefault(shells[number], []).append(ring)
     return sorted(polygons.values())
@@ -66,14 +71,21 @@ def _corners(solid: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], ...]:
     cells = np.pad(solid, 1).astype(np.uint8)
     about = cells[:-1, :-1] | cells[:-1, 1:] << 1 | cells[1:, :-1] << 2 | cells[1:, 1:] << 3
     found = [np.nonzero(about == pattern) for pattern, _, _ in _TURNS]
-    y, x = (np.concatenate([corners[axis] for corners in found]).astype(np.int64) for axis in (0, 1))
+    y, x = (
+        np.concatenate([corners[axis] for corners in found]).astype(np.int64) for axis in (0, 1)
+    )
     counts = [len(rows) for rows, _ in found]
-    entered, left = (np.repeat([turn[part] for turn in _TURNS], counts).astype(np.int64) for part in (1, 2))
+    entered, left = (
+        np.repeat([turn[part] for turn in _TURNS], counts).astype(np.int64) for part in (1, 2)
+    )
     return x, y, entered, left
 
 
 def _links(
-    x: npt.NDArray[np.int64], y: npt.NDArray[np.int64], entered: npt.NDArray[np.int64], left: npt.NDArray[np.int64]
+    x: npt.NDArray[np.int64],
+    y: npt.NDArray[np.int64],
+    entered: npt.NDArray[np.int64],
+    left: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
     """The number of the corner that comes after each."""
     after = np.empty(len(x), np.int64)
@@ -84,7 +96,9 @@ def _links(
     return after
 
 
-def _rings(x: list[int], y: list[int], after: list[int]) -> tuple[list[Ring], npt.NDArray[np.int64]]:
+def _rings(
+    x: list[int], y: list[int], after: list[int]
+) -> tuple[list[Ring], npt.NDArray[np.int64]]:
     """Rings that do not meet themselves, and the number of the ring that each corner's next side belongs to."""
     rings: list[Ring] = []
     owner = [-1] * len(x)
@@ -121,8 +135,8 @@ def _shells(
 ) -> list[int]:
     """The number of the outline that each ring belongs to: its own, if it is none of a hole.
 
-    Below a hole's first corner is a solid cell; where the solid cells below that end there is a ring of the same piece,
-    whose first corner is lower.
+    Below a hole's first corner is a solid cell; where the solid cells below that end there is a
+    ring of the same piece, whose first corner is lower.
 
     Args:
         solid: The cells.
@@ -134,7 +148,9 @@ def _shells(
     shells = list(range(len(rings)))
     for number in sorted(range(len(rings)), key=lambda number: rings[number][0][1]):
         (x, y), (_, second) = rings[number][:2]
-        if second == y:  # an outline leaves its first corner eastwards, the ring of a hole northwards
+        if (
+            second == y
+        ):  # an outline leaves its first corner eastwards, the ring of a hole northwards
             continue
         below = solid[:y, x][::-1]
         depth = y if below.all() else int(np.argmin(below))

@@ -1,4 +1,7 @@
-"""Shapes of other worlds as cells: solid is what a shape reaches into, so what is reachable here is so there too."""
+"""Shapes of other worlds as cells.
+
+Solid is what a shape reaches into, so what is reachable here is so there too.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,13 @@ from worldgen.domain import MAX_SIDE
 from worldgen.errors import InvalidWorld
 from worldgen.interop.geometry.boxes import merged_boxes
 
-__all__ = ["Box", "Circle", "Raster", "natural_cell_size"]
+__all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size"]
 
-_TOUCH = 1e-6  # cells; a shape that reaches less far into a cell only touches it: its coordinates were rounded
-_MOST_PAINTED = 500_000_000  # cells, each shape's window counted; more is an attack, or cells far too small
+# cells; a shape that reaches less far into a cell only touches it: its coordinates were rounded.
+_TOUCH = 1e-6
+_MOST_PAINTED = (
+    500_000_000  # cells, each shape's window counted; more is an attack, or cells far too small
+)
 _CORNER = 50  # cells that are painted while a corner is looked at in a row
 _FAR = 1e9  # cells; what lies beyond is in no grid
 _MOST_SIDE = 2000  # cells, where the cell size is ours to choose
@@ -25,7 +31,7 @@ _USUAL = Fraction(1, 10)  # m
 _DIVISORS = [factor * 10**power for power in range(7) for factor in (1, 2, 5)]
 
 
-class Box(NamedTuple):
+class RasterBox(NamedTuple):
     """A rectangle along the axes, m, from the grid's corner, exactly."""
 
     left: Fraction
@@ -34,7 +40,7 @@ class Box(NamedTuple):
     high: Fraction
 
 
-class Circle(NamedTuple):
+class RasterDisc(NamedTuple):
     """A disc: centre and radius, m, from the grid's corner."""
 
     x: float
@@ -58,14 +64,15 @@ class Raster:
     def __init__(self, width: int, height: int, cell_size: Fraction) -> None:
         self.solid = np.zeros((height, width), np.bool_)
         self.full = np.zeros((height, width), np.bool_)
-        self._cell_size, self._painted = cell_size, 0
+        self._cell_size = cell_size
+        self._painted = 0
 
     @property
     def partly(self) -> int:
         """How many solid cells lie whole in no shape."""
         return int(np.count_nonzero(self.solid & ~self.full))
 
-    def box(self, box: Box) -> None:
+    def box(self, box: RasterBox) -> None:
         """Paints a rectangle along the axes; its sides count exactly."""
         left, low, right, high = (side / self._cell_size for side in box)
         if right <= left or high <= low:
@@ -82,16 +89,19 @@ class Raster:
             self.full |= solid
             return
         for left, low, right, high in merged_boxes(solid).tolist():
-            self.box(Box(left * across, low * along, right * across, high * along))
+            self.box(RasterBox(left * across, low * along, right * across, high * along))
 
-    def circle(self, circle: Circle) -> None:
+    def circle(self, circle: RasterDisc) -> None:
         """Paints a disc."""
         x, y, radius = (value / float(self._cell_size) for value in circle)
         if not max(abs(x), abs(y), radius) < _FAR:
             return
         window = self._around(x - radius, y - radius, x + radius, y + radius)
         rows, columns = (np.arange(part.start, part.stop, dtype=np.float64) for part in window)
-        near, far = ([_distances(line, at, far) for line, at in ((columns, x), (rows, y))] for far in (False, True))
+        near, far = (
+            [_distances(line, at, far) for line, at in ((columns, x), (rows, y))]
+            for far in (False, True)
+        )
         self.solid[window] |= near[1][:, None] ** 2 + near[0] ** 2 < radius**2 - _TOUCH
         self.full[window] |= far[1][:, None] ** 2 + far[0] ** 2 <= radius**2 + _TOUCH
 
@@ -106,7 +116,8 @@ class Raster:
         window = self._around(*shape.bounds)
         self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
         inside, outside = cut_into_rows(shape, *window)
-        solid, full = self.solid[window], np.ones_like(self.full[window])
+        solid = self.solid[window]
+        full = np.ones_like(self.full[window])
         for row, first, end in inside.tolist():
             solid[row, first:end] = True
         for row, first, end in outside.tolist():
@@ -119,15 +130,19 @@ class Raster:
     def _window(self, left: int, low: int, right: int, high: int) -> tuple[slice, slice]:
         """The part of the grid between columns and rows, ends exclusive."""
         height, width = self.solid.shape
-        first, last = max(low, 0), min(max(high, 0), height)
-        begin, end = max(left, 0), min(max(right, 0), width)
+        first = max(low, 0)
+        last = min(max(high, 0), height)
+        begin = max(left, 0)
+        end = min(max(right, 0), width)
         self._spend(max(last - first, 0) * max(end - begin, 0))
         return slice(first, max(last, first)), slice(begin, max(end, begin))
 
     def _spend(self, work: int) -> None:
         self._painted += work
         if self._painted > _MOST_PAINTED:
-            raise InvalidWorld("too-large", "the obstacles take too many cells", "give a larger cell_size")
+            raise InvalidWorld(
+                "too-large", "the obstacles take too many cells", "give a larger cell_size"
+            )
 
 
 def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:
@@ -137,10 +152,13 @@ def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDAr
     return np.maximum(np.maximum(cells - at, at - cells - 1), 0.0)
 
 
-def natural_cell_size(width: Fraction, height: Fraction, boxes: Iterable[Box]) -> Fraction | None:
-    """The side of the largest cells whose lines all sides of boxes lie on, as somebody may have meant them.
+def natural_cell_size(
+    width: Fraction, height: Fraction, boxes: Iterable[RasterBox]
+) -> Fraction | None:
+    """The side of the largest cells whose lines all sides of boxes lie on.
 
-    Where no box is one such cell thick, the cells are a part of that, at most 0.1 m.
+    As somebody may have meant them. Where no box is one such cell thick, the cells are a part of
+    that, at most 0.1 m.
 
     Args:
         width: Of the world, m.
@@ -150,7 +168,8 @@ def natural_cell_size(width: Fraction, height: Fraction, boxes: Iterable[Box]) -
     Returns:
         m; None if there are no such cells, or too many.
     """
-    common, longest = _common(width, height), max(width, height)
+    common = _common(width, height)
+    longest = max(width, height)
     thinnest = None
     for box in boxes:
         for side in box:
@@ -166,4 +185,7 @@ def natural_cell_size(width: Fraction, height: Fraction, boxes: Iterable[Box]) -
 
 def _common(a: Fraction, b: Fraction) -> Fraction:
     """The largest length of which both are multiples."""
-    return Fraction(math.gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)
+    return Fraction(
+        math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
+        a.denominator * b.denominator,
+    )

@@ -1,10 +1,13 @@
 """A horizontal cut through triangles, as cells: what a lidar at that height would see.
 
-Closed bodies are solid inside: a cell's centre counts as inside if surfaces whose outer side looks away from it wind
-around it more often than others, so a building whose rooms are cavities has free rooms. A cell that a surface passes
-through is solid too. Bodies that are not closed have no inside; their surfaces are walls without thickness.
+Closed bodies are solid inside: a cell's centre counts as inside if surfaces whose outer side looks
+    away from it wind
+around it more often than others, so a building whose rooms are cavities has free rooms. A cell that
+a surface passes through is solid too. Bodies that are not closed have no inside; their surfaces are
+walls without thickness.
 
-trimesh 5.2 makes polygons of a section only with another compiled library, rtree, so the cut is made here.
+trimesh 5.2 makes polygons of a section only with another compiled library, rtree, so the cut is
+made here.
 """
 
 from __future__ import annotations
@@ -22,7 +25,9 @@ __all__ = ["Bodies", "Section", "cut", "paint", "sort_bodies"]
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_SHEET = 1e-3  # cells; half the thickness that a wall without any gets: on a line, it blocks both sides
+_SHEET = (
+    1e-3  # cells; half the thickness that a wall without any gets: on a line, it blocks both sides
+)
 _MOST_VISITS = 400_000_000  # rows of cells that all segments together pass
 _CHUNK = 2_000_000  # of them looked at together
 
@@ -60,8 +65,9 @@ class Section(NamedTuple):
 def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
     """Sort triangles into closed bodies and sheets.
 
-    Vertices at the same place count as one, whatever part of the file they come from, so a wall of two materials is
-    still one body. A body is closed if each of its edges runs as often one way as the other.
+    Vertices at the same place count as one, whatever part of the file they come from, so a wall of
+    two materials is still one body. A body is closed if each of its edges runs as often one way as
+    the other.
 
     Args:
         vertices: (n, 3) float64, finite.
@@ -71,7 +77,9 @@ def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
     _, first, place = np.unique(_as_records(vertices + 0.0), return_index=True, return_inverse=True)
     vertices = vertices[first]
     faces = place.reshape(-1)[faces]
-    proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    proper = (
+        (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    )
     faces, both_sides = _without_copies(faces[proper])
 
     # A body is what hangs together by vertices; one is closed if its edges cancel out.
@@ -98,10 +106,15 @@ def _as_records(rows: npt.NDArray[np.generic]) -> npt.NDArray[np.void]:
 
 
 def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
-    """Each triangle once; and apart from them those that look both ways, which are walls without thickness."""
+    """Each triangle once; and apart from them those that look both ways.
+
+    It are walls without thickness.
+    """
     order = np.argsort(faces, axis=1)
     corners = np.take_along_axis(faces, order, axis=1)
-    even = np.isin(order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2], (5, 15, 19))  # 012, 120, 201: turned, not mirrored
+    even = np.isin(
+        order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2], (5, 15, 19)
+    )  # 012, 120, 201: turned, not mirrored
     _, first, place = np.unique(_as_records(corners), return_index=True, return_inverse=True)
     net = np.bincount(place.reshape(-1), weights=np.where(even, 1.0, -1.0), minlength=len(first))
     once = corners[first]
@@ -129,7 +142,9 @@ def _lone_edges(count: int, faces: Ints) -> Ints:
     end = faces[:, [1, 2, 0]].reshape(-1)
     low = np.minimum(begin, end)
     edges, place = np.unique(low * count + np.maximum(begin, end), return_inverse=True)
-    net = np.bincount(place.reshape(-1), weights=np.where(begin == low, 1.0, -1.0), minlength=len(edges))
+    net = np.bincount(
+        place.reshape(-1), weights=np.where(begin == low, 1.0, -1.0), minlength=len(edges)
+    )
     lone: Ints = edges[net != 0] // max(count, 1)
     return lone
 
@@ -137,9 +152,13 @@ def _lone_edges(count: int, faces: Ints) -> Ints:
 def cut(bodies: Bodies, height: float) -> Section:
     """Cut bodies just above a height, so that no vertex lies in the plane.
 
-    Both triangles at an edge get the same point of it, to the last bit: outlines of closed bodies are closed.
+    Both triangles at an edge get the same point of it, to the last bit: outlines of closed bodies
+        are closed.
     """
-    return Section(_segments(bodies.vertices, bodies.closed, height), _segments(bodies.vertices, bodies.sheets, height))
+    return Section(
+        _segments(bodies.vertices, bodies.closed, height),
+        _segments(bodies.vertices, bodies.sheets, height),
+    )
 
 
 def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
@@ -148,8 +167,8 @@ def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
     faces = faces[(sides.any(axis=1)) & ~(sides.all(axis=1))]
     sides = above[faces]
 
-    # One edge of each such triangle rises through the plane and one sinks; the inside lies left of the way from the
-    # sinking one to the rising one.
+    # One edge of each such triangle rises through the plane and one sinks; the inside lies left of
+    # the way from the sinking one to the rising one.
     after = np.roll(sides, -1, axis=1)
     following = np.roll(faces, -1, axis=1)
     rows = np.arange(len(faces))
@@ -176,7 +195,8 @@ def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArra
         section: In cells, from the grid's corner.
         width: Of the grid, cells.
         height: Of the grid, cells.
-        touch: Cells; an outline that reaches less far into a cell only touches it, because coordinates are rounded.
+        touch: Cells; an outline that reaches less far into a cell only touches it, because
+            coordinates are rounded.
 
     Returns:
         (height, width) bool, row 0 the lowest.
@@ -237,12 +257,16 @@ def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]
     counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)
     totals = np.cumsum(counts)
     if len(totals) and totals[-1] > _MOST_VISITS:
-        raise InvalidWorld("too-large", "the mesh's outlines pass too many cells", "give a larger cell_size")
+        raise InvalidWorld(
+            "too-large", "the mesh's outlines pass too many cells", "give a larger cell_size"
+        )
     at = 0
     while at < len(counts):
         done = totals[at - 1] if at else 0
         stop = max(int(np.searchsorted(totals, done + _CHUNK, side="right")), at + 1)
         which = np.repeat(np.arange(at, stop), counts[at:stop])
-        offset = np.arange(len(which)) - np.repeat(totals[at:stop] - counts[at:stop] - done, counts[at:stop])
+        offset = np.arange(len(which)) - np.repeat(
+            totals[at:stop] - counts[at:stop] - done, counts[at:stop]
+        )
         yield which, begin[which] + offset
         at = stop

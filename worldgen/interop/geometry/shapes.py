@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.interop.geometry.raster import Box, Circle, Raster
+from worldgen.interop.geometry.raster import Raster, RasterBox, RasterDisc
 
 __all__ = ["Shapes", "turned"]
 
@@ -23,35 +23,47 @@ _NEAR_QUARTER = 1e-3  # rad; people write 1.57 for a quarter turn
 class Shapes:
     """What stands in a world, m; boxes along the axes exactly, the rest in floating point."""
 
-    boxes: list[Box] = field(default_factory=list)
-    circles: list[Circle] = field(default_factory=list)
+    boxes: list[RasterBox] = field(default_factory=list)
+    circles: list[RasterDisc] = field(default_factory=list)
     polygons: list[npt.NDArray[np.float64]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def disc(self, middle: Point, radius: Fraction, at: Point, heading: Fraction) -> None:
         """Adds a disc whose middle lies so on a body that stands at a pose."""
         if heading == 0 or not any(middle):
-            x, y = float(middle[0] + at[0]), float(middle[1] + at[1])
+            x = float(middle[0] + at[0])
+            y = float(middle[1] + at[1])
         else:
             x, y = turned(np.array([middle], np.float64), at, float(heading))[0].tolist()
-        self.circles.append(Circle(x, y, float(radius)))
+        self.circles.append(RasterDisc(x, y, float(radius)))
 
-    def outline(self, corners: Sequence[Point], at: Point, heading: Fraction, *, closed: bool = True) -> None:
+    def outline(
+        self, corners: Sequence[Point], at: Point, heading: Fraction, *, closed: bool = True
+    ) -> None:
         """Adds a polygon of a body that stands at a pose, or the lines between its corners."""
         quarters = round(float(heading) / (math.pi / 2))
         off = abs(float(heading) - quarters * math.pi / 2)
         sides = [sorted({corner[axis] for corner in corners}) for axis in (0, 1)]
-        is_box = closed and len(corners) == len(set(corners)) == 4 and len(sides[0]) == len(sides[1]) == 2
+        is_box = (
+            closed
+            and len(corners) == len(set(corners)) == 4
+            and len(sides[0]) == len(sides[1]) == 2
+        )
         if off < _NEAR_QUARTER and is_box:
             if off > 1e-6:
-                self.notes.append(f"a wall turned by {float(heading):g} rad counts as turned by {quarters} quarters")
+                self.notes.append(
+                    f"a wall turned by {float(heading):g} rad counts as turned by {quarters} "
+                    f"quarters"
+                )
             (left, right), (low, high) = sides
             for _ in range(quarters % 4):
                 left, low, right, high = -high, left, -low, right
-            self.boxes.append(Box(left + at[0], low + at[1], right + at[0], high + at[1]))
+            self.boxes.append(RasterBox(left + at[0], low + at[1], right + at[0], high + at[1]))
             return
         points = turned(np.array(corners, np.float64), at, float(heading))
-        self.polygons.extend([points] if closed else [points[index : index + 2] for index in range(len(points) - 1)])
+        self.polygons.extend(
+            [points] if closed else [points[index : index + 2] for index in range(len(points) - 1)]
+        )
 
     def paint(self, raster: Raster) -> None:
         """Paints all of them."""
@@ -65,6 +77,9 @@ class Shapes:
 
 def turned(points: npt.NDArray[np.float64], at: Point, heading: float) -> npt.NDArray[np.float64]:
     """Points of a body, (n, 2), m, where it stands at a pose."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    moved: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(at, np.float64)
+    cos = math.cos(heading)
+    sin = math.sin(heading)
+    moved: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(
+        at, np.float64
+    )
     return moved

@@ -1,4 +1,7 @@
-"""A world as physics engines build it: boxes in m, bodies that come and go, a floor, all as exact decimals."""
+"""A world as physics engines build it.
+
+Boxes in m, bodies that come and go, a floor, all as exact decimals.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,12 @@ from pathlib import PurePath
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.geometry.boxes import always_solid
 from worldgen.interop.geometry.grid_lines import GridLines
-from worldgen.interop.geometry.placed_boxes import Box, placed_box, solid_boxes
+from worldgen.interop.geometry.placed_boxes import PlacedBox, placed_box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["TIMESTEPS", "Body", "Scene", "events_file", "plain_name", "scene"]
+__all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "plain_name", "scene"]
 
 TIMESTEPS = (1e-6, 1e3)  # s
 _LONGEST_NAME = 60  # characters; names become parts of topics and file paths in other programs
@@ -25,7 +28,9 @@ _LONGEST_NAME = 60  # characters; names become parts of topics and file paths in
 
 @dataclass(frozen=True)
 class Body:
-    """A cell that is there at some times: solid ones are ``cell_IX_IY``, burning ones ``fire_IX_IY``.
+    """A cell that is there at some times.
+
+    Solid ones are ``cell_IX_IY``, burning ones ``fire_IX_IY``.
 
     Args:
         name: Of the body.
@@ -36,14 +41,14 @@ class Body:
     """
 
     name: str
-    box: Box
+    box: PlacedBox
     burning: bool
     shown: bool
     changes: tuple[tuple[float, bool], ...]
 
 
 @dataclass(frozen=True)
-class Scene:
+class SolidScene:
     """What stands in a world.
 
     Args:
@@ -52,12 +57,12 @@ class Scene:
         floor: The ground below it all.
     """
 
-    still: tuple[Box, ...]
+    still: tuple[PlacedBox, ...]
     bodies: tuple[Body, ...]
-    floor: Box
+    floor: PlacedBox
 
 
-def scene(world: World, destination: Destination, height: float) -> Scene:
+def scene(world: World, destination: Destination, height: float) -> SolidScene:
     """The world in the file's frame.
 
     Args:
@@ -70,18 +75,23 @@ def scene(world: World, destination: Destination, height: float) -> Scene:
         InvalidWorld: If 64 bits are too few for the coordinates.
     """
     *still, floor = solid_boxes(world, destination, height=height, floor=True)
-    lines, always, top = GridLines(world, destination), always_solid(world), exact(height)
+    lines = GridLines(world, destination)
+    always = always_solid(world)
+    top = exact(height)
     bodies = [
         body
         for (iy, ix), by_time in sorted(_states(world).items())
         if not always[iy, ix]
         for body in _bodies(by_time, placed_box(f"{ix}_{iy}", (ix, iy, ix + 1, iy + 1), lines, top))
     ]
-    return Scene(tuple(still), tuple(bodies), floor)
+    return SolidScene(tuple(still), tuple(bodies), floor)
 
 
 def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
-    """Of every cell that the timeline names, by row and column, its states from a time on; of one time the last."""
+    """Of every cell that the timeline names, by row and column, its states from a time on.
+
+    Of one time the last.
+    """
     states: dict[tuple[int, int], dict[float, CellState]] = {}
     for time, ix, iy, state in world.timeline:
         start = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
@@ -89,7 +99,7 @@ def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
     return states
 
 
-def _bodies(by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
+def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
     """What a cell is at some times, but not at all."""
     for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
         there = [(time, state == kind) for time, state in by_time.items()]
@@ -99,31 +109,48 @@ def _bodies(by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
 
 
 def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
-    """What a player script plays: where bodies stand, and the height of their centres from a time on.
+    """What a player script plays.
+
+    Where bodies stand, and the height of their centres from a time on.
 
     Args:
         model: Name of the file that has the bodies.
-        bodies: As in :class:`Scene`.
-        height: Of the walls, m; what is not there is parked with its upper side half of that below the floor.
+        bodies: As in :class:`SolidScene`.
+        height: Of the walls, m; what is not there is parked with its upper side half of that below
+            the floor.
         world: Name of the world in that file, if it has one.
 
     Returns:
-        JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s, name, z, m, in order
+        JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s,
+            name, z, m, in order
         of time; those of time 0 come first, one a body.
     """
     heights = {True: exact(height) / 2, False: -exact(height)}
     events = [(0.0, body.name, body.shown) for body in bodies]
     later = [(time, body.name, shown) for body in bodies for time, shown in body.changes]
     events += sorted(later, key=lambda event: event[0])
-    places = [f"    {json.dumps(body.name)}: [{', '.join(map(decimal_text, body.box.centre[:2]))}]" for body in bodies]
-    rows = [f"    [{time!r}, {json.dumps(name)}, {decimal_text(heights[shown])}]" for time, name, shown in events]
+    places = [
+        f"    {json.dumps(body.name)}: [{', '.join(map(decimal_text, body.box.centre[:2]))}]"
+        for body in bodies
+    ]
+    rows = [
+        f"    [{time!r}, {json.dumps(name)}, {decimal_text(heights[shown])}]"
+        for time, name, shown in events
+    ]
     named = f'  "world": {json.dumps(world)},\n' if world else ""
     head = f'{{\n  "model": {json.dumps(model)},\n{named}  "bodies": {{\n'
-    return "".join((head, ",\n".join(places), '\n  },\n  "events": [\n', ",\n".join(rows), "\n  ]\n}\n")).encode()
+    return "".join(
+        (head, ",\n".join(places), '\n  },\n  "events": [\n', ",\n".join(rows), "\n  ]\n}\n")
+    ).encode()
 
 
 def plain_name(destination: Destination) -> str:
-    """The file's stem in letters, digits, ``_`` and ``-``: what every program takes as a name, in XML and in topics."""
-    name = re.sub(r"[^A-Za-z0-9_-]+", "_", PurePath(destination.name).stem)[:_LONGEST_NAME].strip("_")
+    """The file's stem in letters, digits, ``_`` and ``-``.
+
+    What every program takes as a name, in XML and in topics.
+    """
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", PurePath(destination.name).stem)[:_LONGEST_NAME].strip(
+        "_"
+    )
     usual = re.match("[A-Za-z]", name) and name != "world"  # which Gazebo keeps for itself
     return name if usual else f"worldgen_{name}".rstrip("_")

@@ -1,1 +1,4 @@
-"""Scripts that go out beside worlds that change; each is a program of its own, and worldgen imports none of them."""
+"""Scripts that go out beside worlds that change.
+
+Each is a program of its own, and worldgen imports none of them.
+"""

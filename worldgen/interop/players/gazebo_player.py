@@ -1,13 +1,15 @@
-"""Plays what changes in a Gazebo world that worldgen wrote: cells that become solid, free or burning.
+"""Plays what changes in a Gazebo world that worldgen wrote.
 
-NAME_player.py lies beside NAME.sdf and NAME_events.json. Start Gazebo paused, and beside it the player:
+Cells that become solid, free or burning. NAME_player.py lies beside NAME.sdf and NAME_events.json.
+Start Gazebo paused, and beside it the player:
 
     ign gazebo NAME.sdf        (Fortress; gz sim NAME.sdf from Garden on)
     python NAME_player.py
 
-It lets the world run to the time of a change, moves the models while time stands still, and lets it run on; so
-every change comes at its own simulated time, however long the commands take. It needs the standard library and
-Gazebo's own command alone. Ctrl-C ends it; Gazebo then stands still until it is told to go on.
+It lets the world run to the time of a change, moves the models while time stands still, and lets it
+run on; so every change comes at its own simulated time, however long the commands take. It needs
+the standard library and Gazebo's own command alone. Ctrl-C ends it; Gazebo then stands still until
+it is told to go on.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ class Gazebo:
         found = next((name for name in ("gz", "ign") if shutil.which(name)), None)
         if found is None:
             sys.exit("neither gz nor ign is on the path; install Gazebo's command-line tools")
-        self._command, self._world = found, f"/world/{world}"
+        self._command = found
+        self._world = f"/world/{world}"
         self._messages = "gz.msgs" if found == "gz" else "ignition.msgs"
 
     def _ask(self, service: str, kind: str, request: str) -> None:
@@ -71,7 +74,9 @@ class Gazebo:
         """The simulated time, s."""
         words = [self._command, "topic", "-e", "-n", "1", "-t", f"{self._world}/stats"]
         try:
-            said = subprocess.run(words, capture_output=True, text=True, check=False, timeout=_SILENCE).stdout
+            said = subprocess.run(
+                words, capture_output=True, text=True, check=False, timeout=_SILENCE
+            ).stdout
         except subprocess.TimeoutExpired:
             sys.exit(f"{self._world}/stats says nothing; is Gazebo running this world?")
         block = re.search(r"sim_time\s*\{([^}]*)\}", said)
@@ -81,11 +86,14 @@ class Gazebo:
     def place(self, poses: dict[str, tuple[float, float, float]]) -> None:
         """Moves models: by name, x, y, z of their centres, m."""
         texts = [
-            f'pose {{ name: "{name}" position {{ x: {x!r} y: {y!r} z: {z!r} }} orientation {{ w: 1 }} }} '
+            f'pose {{ name: "{name}" position {{ x: {x!r} y: {y!r} z: {z!r} }} orientation {{ w: 1 '
+            f"}} }} "
             for name, (x, y, z) in poses.items()
         ]
         while texts:
-            count = max(1, sum(1 for total in itertools.accumulate(map(len, texts)) if total <= _TOO_LONG))
+            count = max(
+                1, sum(1 for total in itertools.accumulate(map(len, texts)) if total <= _TOO_LONG)
+            )
             self._ask("set_pose_vector", "Pose_V", "".join(texts[:count]))
             texts = texts[count:]
 
@@ -98,7 +106,11 @@ def main() -> None:
     for when, group in itertools.groupby(table["events"], key=lambda event: float(event[0])):
         if when > now:
             gazebo.run_to(when)
-        poses = {name: (float(x), float(y), float(z)) for _, name, z in group for x, y in [table["bodies"][name]]}
+        poses = {
+            name: (float(x), float(y), float(z))
+            for _, name, z in group
+            for x, y in [table["bodies"][name]]
+        }
         gazebo.place(poses)
         sys.stderr.write(f"{when:g} s: {', '.join(poses)}"[:120] + "\n")
     gazebo.go_on()

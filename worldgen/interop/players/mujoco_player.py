@@ -1,11 +1,13 @@
-"""Plays what changes in a MuJoCo model that worldgen wrote: cells that become solid, free or burning.
+"""Plays what changes in a MuJoCo model that worldgen wrote.
 
-NAME_player.py lies beside NAME.xml and NAME_events.json. Run it to watch the model in MuJoCo's viewer, or import it:
+Cells that become solid, free or burning. NAME_player.py lies beside NAME.xml and NAME_events.json.
+Run it to watch the model in MuJoCo's viewer, or import it:
 
     model = mujoco.MjModel.from_xml_path("NAME.xml")
     data = mujoco.MjData(model)
     play(model, data, until=30.0)  # mj_step with the events at their times
-    apply(model, data)             # or, in a loop of your own: all bodies where they belong at data.time
+    apply(model, data)             # or, in a loop of your own: all bodies where they belong at
+    data.time
 
 It needs the standard library and mujoco alone.
 """
@@ -21,7 +23,8 @@ import mujoco
 
 __all__ = ["apply", "events", "play"]
 
-_ROUNDING = 1e-9  # s; data.time is a sum of many steps, and a step that ends this close to an event ends on it
+# s; data.time is a sum of many steps, and a step that ends this close to an event ends on it.
+_ROUNDING = 1e-9
 
 
 def _table() -> dict[str, Any]:
@@ -35,7 +38,10 @@ _TABLE = _table()
 
 
 def events() -> list[tuple[float, str, float]]:
-    """Time, s, body, and the height of its centre from then on, m; in order of time, those of time 0 first."""
+    """Time, s, body, and the height of its centre from then on, m.
+
+    In order of time, those of time 0 first.
+    """
     return [(time, name, z) for time, name, z in _TABLE["events"]]
 
 
@@ -57,8 +63,12 @@ def apply(model: Any, data: Any) -> None:
     mujoco.mj_kinematics(model, data)
 
 
-def play(model: Any, data: Any, until: float, control: Callable[[Any, Any], None] | None = None) -> None:
-    """Steps the engine to a time; every change happens before the first step that begins at or after its time.
+def play(
+    model: Any, data: Any, until: float, control: Callable[[Any, Any], None] | None = None
+) -> None:
+    """Steps the engine to a time.
+
+    Every change happens before the first step that begins at or after its time.
 
     Args:
         model: The MjModel.

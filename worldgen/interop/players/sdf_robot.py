@@ -39,20 +39,28 @@ _WHEEL_AT = Fraction(5, 8)  # to the left and to the right
 _GAP = Fraction(1, 4)  # below the chassis
 _TALL = Fraction(3, 4)  # the chassis
 _CASTER_AT = Fraction(3, 4)  # to the front and to the back
-_MASS, _WHEEL_MASS = Fraction(1), Fraction(1, 10)  # kg
+# kg
+_MASS = Fraction(1)
+_WHEEL_MASS = Fraction(1, 10)
 
 
 def robot_lines(world: World, destination: Destination, plugins: str) -> Iterator[str]:
-    """The model ``robot`` at the start: a cylinder of the robot's radius, joints ``left_joint`` and ``right_joint``.
+    """The model ``robot`` at the start.
+
+    A cylinder of the robot's radius, joints ``left_joint`` and ``right_joint``.
 
     Args:
         world: The world.
         destination: Says where the grid's lower-left corner lies.
         plugins: A key of ``SYSTEMS``; with all but ``none`` the robot takes velocity commands.
     """
-    radius, start = exact(world.robot_radius), world.start
+    radius = exact(world.robot_radius)
+    start = world.start
     yield '    <model name="robot">'
-    yield f"      <pose>{destination.x(start.x)} {destination.y(start.y)} 0 0 0 {decimal(start.heading)}</pose>"
+    yield (
+        f"      <pose>{destination.x(start.x)} {destination.y(start.y)} 0 0 0 "
+        f"{decimal(start.heading)}</pose>"
+    )
     yield from _chassis(radius)
     for name, side in (("left", 1), ("right", -1)):
         yield from _wheel(name, side, radius)
@@ -89,8 +97,12 @@ def _chassis(radius: Fraction) -> Iterator[str]:
     yield from _both("disc", "0 0 0 0 0 0", _cylinder(radius, radius * _TALL), smooth)
     ball = radius * _GAP / 2
     for name, side in (("front", 1), ("back", -1)):
-        pose = f"{text(side * radius * _CASTER_AT)} 0 {text(ball - radius * (_GAP + _TALL / 2))} 0 0 0"
-        yield from _both(f"{name}_caster", pose, f"<sphere><radius>{text(ball)}</radius></sphere>", smooth)
+        pose = (
+            f"{text(side * radius * _CASTER_AT)} 0 {text(ball - radius * (_GAP + _TALL / 2))} 0 0 0"
+        )
+        yield from _both(
+            f"{name}_caster", pose, f"<sphere><radius>{text(ball)}</radius></sphere>", smooth
+        )
     yield "      </link>"
 
 
@@ -100,11 +112,16 @@ def _wheel(name: str, side: int, radius: Fraction) -> Iterator[str]:
     yield f'      <link name="{name}_wheel">'
     yield f"        <pose>0 {text(side * radius * _WHEEL_AT)} {text(wheel)} 0 0 0</pose>"
     yield _inertial(_WHEEL_MASS, about, about / 2, axis="y")
-    yield from _both("wheel", "0 0 0 1.5707963267948966 0 0", _cylinder(wheel, radius * _WHEEL_WIDTH))
+    yield from _both(
+        "wheel", "0 0 0 1.5707963267948966 0 0", _cylinder(wheel, radius * _WHEEL_WIDTH)
+    )
     yield "      </link>"
     yield f'      <joint name="{name}_joint" type="revolute">'
     yield f"        <parent>chassis</parent><child>{name}_wheel</child>"
-    yield "        <axis><xyz>0 1 0</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis>"
+    yield (
+        "        <axis><xyz>0 1 "
+        "0</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis>"
+    )
     yield "      </joint>"
 
 

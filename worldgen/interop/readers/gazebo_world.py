@@ -1,6 +1,7 @@
 """Reading worlds of Gazebo: what of their models stops a robot on the floor, and BARN's own idiom.
 
-Source: the SDFormat specification; Daffan/the-barn-challenge, ``run.py`` and ``jackal_helper/worlds/BARN``.
+Source: the SDFormat specification; Daffan/the-barn-challenge, ``run.py`` and
+    ``jackal_helper/worlds/BARN``.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidWorld, Message
 from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.format import Destination, decimal_text
-from worldgen.interop.geometry.raster import Box, Circle, Raster, natural_cell_size
+from worldgen.interop.geometry.raster import Raster, RasterBox, RasterDisc, natural_cell_size
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 from worldgen.lattice import exact
@@ -33,9 +34,13 @@ OURS = "worldgen:"  # prefix of what SDFormat has no words for
 _ROBOT = "robot"  # the model that drives in files of ours
 MAX_BYTES = 64 << 20
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
-_FLOOR, _ABOVE = Fraction(1, 50), Fraction(2)  # m; what ends below, or begins above, stops no robot
+# m; what ends below, or begins above, stops no robot
+_FLOOR = Fraction(1, 50)
+_ABOVE = Fraction(2)
 _FLAT = 1e-6  # rad; a body that rolls or pitches more does not stand upright
-_POST, _LATTICE = Fraction("0.075"), Fraction("0.15")  # BARN's posts, and how far they stand apart, m
+# BARN's posts, and how far they stand apart, m
+_POST = Fraction("0.075")
+_LATTICE = Fraction("0.15")
 _ROUNDED = Fraction(1, 10**6)  # of the lattice's spacing; coordinates come with six digits
 _LEFT, _LOW, _WIDTH, _HEIGHT = (
     Fraction("-4.5"),
@@ -43,17 +48,27 @@ _LEFT, _LOW, _WIDTH, _HEIGHT = (
     Fraction("4.5"),
     Fraction(15),
 )  # m; where BARN's posts stand
-_START, _GOAL, _REACH = ("-2.25", "3", "1.57"), ("-2.25", "13"), 1.0  # the challenge's; it counts as there within 1 m
+# the challenge's; it counts as there within 1 m
+_START = ("-2.25", "3", "1.57")
+_GOAL = ("-2.25", "13")
+_REACH = 1.0
 
 
 def grid_line(world: World, destination: Destination) -> str:
-    """The element of ours, with which a file of Gazebo comes back: corner, sides and cell size of the grid, m."""
+    """The element of ours, with which a file of Gazebo comes back.
+
+    Corner, sides and cell size of the grid, m.
+    """
     side = exact(world.cell_size)
-    grid = [destination.x(0.0), destination.y(0.0), *(decimal_text(n * side) for n in (world.width, world.height, 1))]
+    grid = [
+        destination.x(0.0),
+        destination.y(0.0),
+        *(decimal_text(n * side) for n in (world.width, world.height, 1)),
+    ]
     return f"    <{OURS}grid>{' '.join(grid)}</{OURS}grid>"
 
 
-class _Pose(NamedTuple):
+class _BodyPose(NamedTuple):
     """Where a body stands, m, and how it is turned, rad."""
 
     x: Fraction = Fraction(0)
@@ -63,13 +78,16 @@ class _Pose(NamedTuple):
     pitch: Fraction = Fraction(0)
     yaw: Fraction = Fraction(0)
 
-    def then(self, inner: _Pose) -> _Pose:
+    def then(self, inner: _BodyPose) -> _BodyPose:
         """Of a body that stands so in one that stands here upright."""
-        x, y = inner.x, inner.y
+        x = inner.x
+        y = inner.y
         if self.yaw != 0 and (x or y):
-            moved = turned(np.array([[x, y]], np.float64), (Fraction(0), Fraction(0)), float(self.yaw))[0]
+            moved = turned(
+                np.array([[x, y]], np.float64), (Fraction(0), Fraction(0)), float(self.yaw)
+            )[0]
             x, y = (Fraction(float(value)) for value in moved)
-        return _Pose(
+        return _BodyPose(
             self.x + x, self.y + y, self.z + inner.z, self.roll + inner.roll, self.pitch + inner.pitch,
             self.yaw + inner.yaw,
         )  # fmt: skip
@@ -80,7 +98,10 @@ class _Pose(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """The part of the world that becomes cells: its lower-left corner and its sides, m, and the side of a cell."""
+    """The part of the world that becomes cells.
+
+    Its lower-left corner and its sides, m, and the side of a cell.
+    """
 
     left: Fraction
     low: Fraction
@@ -90,34 +111,40 @@ class _Frame(NamedTuple):
 
 
 @dataclass
-class _Scene:
+class _GazeboScene:
     source: str
     shapes: Shapes = field(default_factory=Shapes)
     posts: list[tuple[Fraction, Fraction, Fraction]] = field(default_factory=list)
-    models: dict[str, _Pose] = field(default_factory=dict)
+    models: dict[str, _BodyPose] = field(default_factory=dict)
     low_or_high: int = 0
     unread: Counter[str] = field(default_factory=Counter)
 
 
-def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["outer", "inner"] = "outer") -> ForeignMap:
+def read_gazebo_world(
+    path: Path, *, cell_size: float = 0.0, raster: Literal["outer", "inner"] = "outer"
+) -> ForeignMap:
     """A world file of Gazebo, BARN's among them.
 
     Args:
         path: The ``.world`` or ``.sdf`` file.
-        cell_size: Side of a cell, m; 0: as our files say, 0.15 of BARN's, else as large as boxes let it be, or 0.1.
+        cell_size: Side of a cell, m; 0: as our files say, 0.15 of BARN's, else as large as boxes
+            let it be, or 0.1.
         raster: Whether a cell is solid if a shape reaches into it, or only if it lies in one.
 
     Raises:
         FormatError: If the file breaks a rule, with the line where there is one.
     """
-    data, source = read_bounded(path, MAX_BYTES), str(path)
+    data = read_bounded(path, MAX_BYTES)
+    source = str(path)
     root = read_xml(data, source)
     world = root.first("world")
     if root.name not in ("sdf", "gazebo") or world is None:
         raise FormatError(
-            "missing-element", "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>", source=source
+            "missing-element",
+            "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>",
+            source=source,
         )
-    scene = _Scene(source)
+    scene = _GazeboScene(source)
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
     barn = _is_barn(scene)
@@ -125,14 +152,22 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     walls, notes = _cells(scene, frame, inner=raster == "inner")
     if own is None:
         notes.append("beyond these cells everything is solid here and open ground in Gazebo")
-    params: dict[str, Value] = {"format": "barn", "source": path.name, "sha256": digest(data), "raster": raster}
+    params: dict[str, Value] = {
+        "format": "barn",
+        "source": path.name,
+        "sha256": digest(data),
+        "raster": raster,
+    }
     start, target = _ends(scene, frame, barn=barn and own is None, ours=own is not None)
-    radius, speed = None, _number(world, f"{OURS}robot_speed", scene)
+    radius = None
+    speed = _number(world, f"{OURS}robot_speed", scene)
     if own is not None and target is not None:
         target = (*target, *_disc_radius(world, "target", scene))
         radius = next(iter(_disc_radius(world, "start", scene)), None)
     if scene.low_or_high:
-        notes.append(f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are left out")
+        notes.append(
+            f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are left out"
+        )
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
         walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), (), None,
@@ -140,18 +175,19 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     )  # fmt: skip
 
 
-def _unread(scene: _Scene) -> tuple[str, ...]:
+def _unread(scene: _GazeboScene) -> tuple[str, ...]:
     """What stands in the world and was not read, counted."""
     return tuple(
-        f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}" for what, count in sorted(scene.unread.items())
+        f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}"
+        for what, count in sorted(scene.unread.items())
     )
 
 
-def _fault(scene: _Scene, element: XmlElement, message: Message) -> FormatError:
+def _fault(scene: _GazeboScene, element: XmlElement, message: Message) -> FormatError:
     return FormatError.of(message, line=element.line, source=scene.source)
 
 
-def _numbers(scene: _Scene, element: XmlElement, count: int) -> list[Fraction]:
+def _numbers(scene: _GazeboScene, element: XmlElement, count: int) -> list[Fraction]:
     words = element.text.split()
     if len(words) != count or not all(map(_NUMBER.fullmatch, words)):
         name = f"<{element.name}>"
@@ -170,44 +206,57 @@ def _numbers(scene: _Scene, element: XmlElement, count: int) -> list[Fraction]:
     return [Fraction(word) for word in words]
 
 
-def _length(scene: _Scene, element: XmlElement, name: str) -> Fraction:
+def _length(scene: _GazeboScene, element: XmlElement, name: str) -> Fraction:
     found = element.first(name)
     value = _numbers(scene, found, 1)[0] if found is not None else Fraction(0)
     if not 0 < value < 10**9:
         raise _fault(
             scene,
             found or element,
-            Message("not-positive", "<{name}> needs a <{child}> above 0 m", name=element.name, child=name),
+            Message(
+                "not-positive",
+                "<{name}> needs a <{child}> above 0 m",
+                name=element.name,
+                child=name,
+            ),
         )
     return value
 
 
-def _number(world: XmlElement, name: str, scene: _Scene) -> float | None:
+def _number(world: XmlElement, name: str, scene: _GazeboScene) -> float | None:
     found = world.first(name)
     value = None if found is None else float(_numbers(scene, found, 1)[0])
     if found is not None and value is not None and value <= 0:
         raise _fault(
-            scene, found, Message("not-positive", "<{name}> is {value:g}; it is above 0", name=name, value=value)
+            scene,
+            found,
+            Message("not-positive", "<{name}> is {value:g}; it is above 0", name=name, value=value),
         )
     return value
 
 
-def _pose(scene: _Scene, element: XmlElement) -> _Pose:
+def _pose(scene: _GazeboScene, element: XmlElement) -> _BodyPose:
     found = element.first("pose")
     if found is None:
-        return _Pose()
-    if found.attributes.get("relative_to", "") or found.attributes.get("frame", "") or "degrees" in found.attributes:
+        return _BodyPose()
+    if (
+        found.attributes.get("relative_to", "")
+        or found.attributes.get("frame", "")
+        or "degrees" in found.attributes
+    ):
         raise _fault(
             scene,
             found,
             Message(
-                "unsupported", "the pose is in a frame or unit of its own", "write it in m and rad of what it lies in"
+                "unsupported",
+                "the pose is in a frame or unit of its own",
+                "write it in m and rad of what it lies in",
             ),
         )
-    return _Pose(*_numbers(scene, found, 6))
+    return _BodyPose(*_numbers(scene, found, 6))
 
 
-def _add_models(scene: _Scene, world: XmlElement, *, passed_over: str) -> None:
+def _add_models(scene: _GazeboScene, world: XmlElement, *, passed_over: str) -> None:
     states = {
         model.attributes.get("name", ""): _pose(scene, model)
         for model in world.all("state", "model") if model.first("pose") is not None
@@ -220,30 +269,37 @@ def _add_models(scene: _Scene, world: XmlElement, *, passed_over: str) -> None:
             _add_model(scene, model, pose)
     _count_includes(scene, world)
     scene.unread["populations of models"] += sum(1 for _ in world.all("population"))
-    scene.unread["models inserted by <state>"] += sum(1 for _ in world.all("state", "insertions", "model"))
+    scene.unread["models inserted by <state>"] += sum(
+        1 for _ in world.all("state", "insertions", "model")
+    )
     scene.unread = +scene.unread
 
 
-def _count_includes(scene: _Scene, parent: XmlElement) -> None:
+def _count_includes(scene: _GazeboScene, parent: XmlElement) -> None:
     for include in parent.all("include"):
         name = include.word("uri").rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
         if name not in ("sun", "ground_plane"):
             scene.unread["models of other files"] += 1
 
 
-def _add_model(scene: _Scene, model: XmlElement, pose: _Pose) -> None:
+def _add_model(scene: _GazeboScene, model: XmlElement, pose: _BodyPose) -> None:
     for link in model.all("link"):
         here = pose.then(_pose(scene, link))
         for collision in link.all("collision"):
             for geometry in collision.all("geometry"):
                 for shape in geometry.children:
-                    _add_shape(scene, shape, here.then(_pose(scene, collision)), upright=pose.upright and here.upright)
+                    _add_shape(
+                        scene,
+                        shape,
+                        here.then(_pose(scene, collision)),
+                        upright=pose.upright and here.upright,
+                    )
     _count_includes(scene, model)
     for inner in model.all("model"):
         _add_model(scene, inner, pose.then(_pose(scene, inner)))
 
 
-def _add_shape(scene: _Scene, shape: XmlElement, pose: _Pose, *, upright: bool) -> None:
+def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
     if shape.name == "empty":
         return
     if shape.name == "plane":
@@ -269,15 +325,19 @@ def _add_shape(scene: _Scene, shape: XmlElement, pose: _Pose, *, upright: bool) 
         scene.posts.append((pose.x, pose.y, _length(scene, shape, "radius")))
 
 
-def _add_plane(scene: _Scene, plane: XmlElement, pose: _Pose, *, upright: bool) -> None:
+def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
     """A plane is the floor; one that stands on edge is a wall, and is not read."""
     normal = plane.first("normal")
-    x, y, _ = _numbers(scene, normal, 3) if normal is not None else (Fraction(0), Fraction(0), Fraction(1))
+    x, y, _ = (
+        _numbers(scene, normal, 3)
+        if normal is not None
+        else (Fraction(0), Fraction(0), Fraction(1))
+    )
     if x != 0 or y != 0 or not upright:
         scene.unread["tilted shapes of <plane>"] += 1
 
 
-def _is_barn(scene: _Scene) -> bool:
+def _is_barn(scene: _GazeboScene) -> bool:
     """Whether all that stands there are BARN's posts, each in its cell of the lattice, where BARN has them."""
     return (
         bool(scene.posts)
@@ -292,8 +352,11 @@ def _is_barn(scene: _Scene) -> bool:
     )
 
 
-def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
-    """The part of the world that becomes cells: what the file says, BARN's, or all that stands there."""
+def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
+    """The part of the world that becomes cells.
+
+    What the file says, BARN's, or all that stands there.
+    """
     size = Fraction(repr(wanted)) if wanted else None
     if own is not None:
         left, low, width, height, cell = _numbers(scene, own, 5)
@@ -302,7 +365,9 @@ def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) 
                 scene,
                 own,
                 Message(
-                    "wrong-form", "<{ours}grid> has its corner, then its sides and its cells' above 0 m", ours=OURS
+                    "wrong-form",
+                    "<{ours}grid> has its corner, then its sides and its cells' above 0 m",
+                    ours=OURS,
                 ),
             )
         return _Frame(left, low, width, height, size or cell)
@@ -319,7 +384,11 @@ def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) 
         )
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
     right, high = (max(bound[axis] for bound in bounds) for axis in (2, 3))
-    boxes = [] if scene.posts or scene.shapes.polygons else [_shifted(box, left, low) for box in scene.shapes.boxes]
+    boxes = (
+        []
+        if scene.posts or scene.shapes.polygons
+        else [_shifted(box, left, low) for box in scene.shapes.boxes]
+    )
     cell = (
         size
         or (natural_cell_size(right - left, high - low, boxes) if boxes else None)
@@ -328,22 +397,29 @@ def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) 
     return _Frame(left, low, right - left, high - low, cell)
 
 
-def _bounds(scene: _Scene) -> Iterator[Box]:
+def _bounds(scene: _GazeboScene) -> Iterator[RasterBox]:
     yield from scene.shapes.boxes
-    yield from (Box(x - r, y - r, x + r, y + r) for x, y, r in scene.posts)
+    yield from (RasterBox(x - r, y - r, x + r, y + r) for x, y, r in scene.posts)
     for polygon in scene.shapes.polygons:
         ends = [*polygon.min(axis=0).tolist(), *polygon.max(axis=0).tolist()]
-        yield Box(*map(Fraction, ends))
+        yield RasterBox(*map(Fraction, ends))
 
 
-def _shifted(box: Box, left: Fraction, low: Fraction) -> Box:
-    return Box(box.left - left, box.low - low, box.right - left, box.high - low)
+def _shifted(box: RasterBox, left: Fraction, low: Fraction) -> RasterBox:
+    return RasterBox(box.left - left, box.low - low, box.right - left, box.high - low)
 
 
-def _cells(scene: _Scene, frame: _Frame, *, inner: bool) -> tuple[npt.NDArray[np.bool_], list[str]]:
+def _cells(
+    scene: _GazeboScene, frame: _Frame, *, inner: bool
+) -> tuple[npt.NDArray[np.bool_], list[str]]:
     size = frame.cell_size
-    width, height = math.ceil(frame.width / size), math.ceil(frame.height / size)
-    if not CELL_SIZES[0] <= size <= CELL_SIZES[1] or max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
+    width = math.ceil(frame.width / size)
+    height = math.ceil(frame.height / size)
+    if (
+        not CELL_SIZES[0] <= size <= CELL_SIZES[1]
+        or max(width, height) > MAX_SIDE
+        or width * height > MAX_CELLS
+    ):
         message = Message(
             "wrong-size",
             "the world takes {width} x {height} cells of {cell_size:g} m",
@@ -357,7 +433,10 @@ def _cells(scene: _Scene, frame: _Frame, *, inner: bool) -> tuple[npt.NDArray[np
     corner = np.array([frame.left, frame.low], np.float64)
     placed = Shapes(
         [_shifted(box, frame.left, frame.low) for box in scene.shapes.boxes],
-        [Circle(float(x - frame.left), float(y - frame.low), float(radius)) for x, y, radius in scene.posts],
+        [
+            RasterDisc(float(x - frame.left), float(y - frame.low), float(radius))
+            for x, y, radius in scene.posts
+        ],
         [polygon - corner for polygon in scene.shapes.polygons],
     )
     try:
@@ -366,21 +445,27 @@ def _cells(scene: _Scene, frame: _Frame, *, inner: bool) -> tuple[npt.NDArray[np
         raise FormatError.of(error.message, source=scene.source) from error
     if inner:
         return raster.full, [
-            "cells are solid that lie in a shape whole; where a robot gets through here it may not there"
+            "cells are solid that lie in a shape whole; where a robot gets through here it may not "
+            "there"
         ]
     count = f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m"
     return raster.solid, [f"{count} are only partly covered, by posts say"] if raster.partly else []
 
 
 def _ends(
-    scene: _Scene, frame: _Frame, *, barn: bool, ours: bool
+    scene: _GazeboScene, frame: _Frame, *, barn: bool, ours: bool
 ) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
     """Start and target: the challenge's, or the models of these names."""
     if barn:
         x, y, heading = map(Fraction, _START)
-        goal = (float(Fraction(_GOAL[0]) - frame.left), float(Fraction(_GOAL[1]) - frame.low), _REACH)
+        goal = (
+            float(Fraction(_GOAL[0]) - frame.left),
+            float(Fraction(_GOAL[1]) - frame.low),
+            _REACH,
+        )
         return (float(x - frame.left), float(y - frame.low), float(heading)), goal
-    start, target = scene.models.get("start"), scene.models.get("target")
+    start = scene.models.get("start")
+    target = scene.models.get("target")
     if not ours or start is None or target is None:
         return None, None
     return (
@@ -389,7 +474,7 @@ def _ends(
     )
 
 
-def _disc_radius(world: XmlElement, name: str, scene: _Scene) -> tuple[float, ...]:
+def _disc_radius(world: XmlElement, name: str, scene: _GazeboScene) -> tuple[float, ...]:
     """Of the disc that marks a place, m; empty where there is none."""
     for model in world.all("model"):
         if model.attributes.get("name") == name:

@@ -1,6 +1,7 @@
-"""The JSON of a glTF file, checked before a library builds what it claims: a tree, of bounded size, without surprises.
+"""The JSON of a glTF file, checked before a library builds what it claims.
 
-trimesh 5.2 allocates whatever an accessor claims: a file of 400 bytes can ask for 22 GiB. Of nodes that break
+A tree, of bounded size, without surprises. trimesh 5.2 allocates whatever an accessor claims: a
+    file of 400 bytes can ask for 22 GiB. Of nodes that break
 the rule of one parent it drops some without a word.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
@@ -37,17 +38,24 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
     text = data
     if data[:4] == b"glTF":
         if len(data) < 20:
-            raise FormatError("ends-early", "ends within its header", "export it again", source=source)
+            raise FormatError(
+                "ends-early", "ends within its header", "export it again", source=source
+            )
         version, _, size, kind = struct.unpack_from("<III4s", data, 4)
         if version != 2 or kind != b"JSON" or 20 + size > len(data):
             raise FormatError(
-                "wrong-header", "is not binary glTF 2.0 of the length it claims", "export it again", source=source
+                "wrong-header",
+                "is not binary glTF 2.0 of the length it claims",
+                "export it again",
+                source=source,
             )
         text = data[20 : 20 + size]
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise FormatError("not-json", "has no readable JSON in it", "export it again", source=source) from error
+        raise FormatError(
+            "not-json", "has no readable JSON in it", "export it again", source=source
+        ) from error
     if not isinstance(document, dict):
         raise FormatError("not-json", "is not a glTF document", "export it again", source=source)
     return document
@@ -57,7 +65,8 @@ def check_gltf(document: dict[str, Any], source: str) -> None:
     """Refuse what a reader would choke on, or would read wrongly.
 
     Raises:
-        FormatError: If the nodes are no trees, there is too much of anything, or the triangles are compressed.
+        FormatError: If the nodes are no trees, there is too much of anything, or the triangles are
+            compressed.
     """
     try:
         _check_extensions(document, source)
@@ -95,18 +104,27 @@ def _check_sizes(document: dict[str, Any], source: str) -> None:
             raise ValueError(f"a count of {count!r}"[:60])
         values += count * _PARTS.get(accessor.get("type"), 1)
     if values > _MOST_VALUES or len(document.get("nodes", [])) > _MOST_NODES:
-        raise FormatError("too-large", "holds more than is read", "export a smaller part of it", source=source)
+        raise FormatError(
+            "too-large", "holds more than is read", "export a smaller part of it", source=source
+        )
 
 
 def _check_nodes(document: dict[str, Any], source: str) -> None:
-    """Each node has one parent at most, and none is above itself; instances count as often as they stand there."""
+    """Each node has one parent at most, and none is above itself.
+
+    Instances count as often as they stand there.
+    """
     nodes = document.get("nodes", [])
     parent = [-1] * len(nodes)
     for number, node in enumerate(nodes):
         for child in node.get("children", []):
             if not isinstance(child, int) or not 0 <= child < len(nodes) or parent[child] >= 0:
                 raise FormatError(
-                    "no-tree", "node {node} is no child as glTF allows it", "export it again", node=child, source=source
+                    "no-tree",
+                    "node {node} is no child as glTF allows it",
+                    "export it again",
+                    node=child,
+                    source=source,
                 )
             parent[child] = number
 
@@ -122,7 +140,11 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
         raise FormatError("no-tree", "its nodes run in a circle", "export it again", source=source)
     if depth > _MOST_DEPTH:
         raise FormatError(
-            "too-deep", "its nodes are {depth} deep; {most} are read", depth=depth, most=_MOST_DEPTH, source=source
+            "too-deep",
+            "its nodes are {depth} deep; {most} are read",
+            depth=depth,
+            most=_MOST_DEPTH,
+            source=source,
         )
 
     sizes = [_faces(document, mesh) for mesh in document.get("meshes", [])]
@@ -143,7 +165,9 @@ def _faces(document: dict[str, Any], mesh: dict[str, Any]) -> int:
     for primitive in mesh.get("primitives", []):
         if primitive.get("mode", 4) in _TRIANGLES:
             accessor = primitive.get("indices", primitive["attributes"].get("POSITION"))
-            count += document["accessors"][accessor]["count"] // (3 if primitive.get("mode", 4) == _TRIANGLES[0] else 1)
+            count += document["accessors"][accessor]["count"] // (
+                3 if primitive.get("mode", 4) == _TRIANGLES[0] else 1
+            )
     return count
 
 

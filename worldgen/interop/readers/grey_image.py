@@ -53,7 +53,10 @@ class GreyImage:
 
 
 def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
-    """A binary PGM of greys, top row first; its maximum is 255, for some loaders misread any other."""
+    """A binary PGM of greys, top row first.
+
+    Its maximum is 255, for some loaders misread any other.
+    """
     height, width = values.shape
     return b"P5\n%d %d\n255\n" % (width, height) + values.tobytes()
 
@@ -99,7 +102,8 @@ def read_grey_image(data: bytes, source: str) -> GreyImage:
 
 
 def _read_pgm(data: bytes, source: str) -> GreyImage:
-    at, fields = 2, []
+    at = 2
+    fields = []
     for name in ("width", "height", "maximum"):
         match = _FIELD.match(data, at)
         if match is None:
@@ -144,14 +148,17 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
     return GreyImage(grey.reshape(height, width), maximum)
 
 
-def _binary_raster(data: bytes, at: int, count: int, width: int, source: str) -> npt.NDArray[np.integer[Any]]:
+def _binary_raster(
+    data: bytes, at: int, count: int, width: int, source: str
+) -> npt.NDArray[np.integer[Any]]:
     """Pixels of ``width`` bytes, high byte first, behind the one white space that ends the header."""
     size = count * width
     rest = len(data) - at - 1
     if rest < size or not data[at : at + 1].isspace():
         raise FormatError(
             "wrong-length",
-            "{bytes} bytes of pixels; the header's sizes need {needed}; the file is cut off, copy it again",
+            "{bytes} bytes of pixels; the header's sizes need {needed}; the file is cut off, copy "
+            "it again",
             bytes=max(rest, 0),
             needed=size,
             source=source,
@@ -159,7 +166,8 @@ def _binary_raster(data: bytes, at: int, count: int, width: int, source: str) ->
     if data[at + 1 + size :].strip():
         raise FormatError(
             "wrong-length",
-            "{excess} bytes more than the header's sizes need ({needed}); the file was changed, perhaps copied as text",
+            "{excess} bytes more than the header's sizes need ({needed}); the file was changed, "
+            "perhaps copied as text",
             "copy it as binary",
             excess=rest - size,
             needed=size,
@@ -177,7 +185,8 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     if not (is_digit | is_space).all():
         _wrong_word(data, text, int(np.argmin(is_digit | is_space)), source)
     edges = np.flatnonzero(np.diff(is_digit.astype(np.int8), prepend=np.int8(0), append=np.int8(0)))
-    begin, end = edges[::2], edges[1::2]
+    begin = edges[::2]
+    end = edges[1::2]
     if len(begin) != count:
         raise FormatError(
             "wrong-length",
@@ -216,7 +225,9 @@ def _line(data: bytes, at: int) -> int:
 def _read_with_pillow(data: bytes, source: str) -> GreyImage:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a bomb is refused by check_sides below, before it is unpacked
+            warnings.simplefilter(
+                "ignore"
+            )  # a bomb is refused by check_sides below, before it is unpacked
             with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
                 check_sides(*image.size, source=source)
                 return _to_grey(image)
@@ -227,7 +238,9 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
             "too-large", "has more pixels than any map needs", "cut or shrink it", source=source
         ) from error
     except UnidentifiedImageError as error:
-        raise FormatError("unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source) from error
+        raise FormatError(
+            "unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source
+        ) from error
     except Exception as error:  # Pillow's decoders raise whatever a damaged file leads them to
         raise FormatError(
             "damaged-file",

@@ -1,6 +1,7 @@
 """Reading worlds of IR-SIM: what its YAML files say of walls, robot and goal.
 
-Source: IR-SIM 2.12, ``world/world.py``, ``object_factory.py``, ``geometry_handler.py`` and ``image_map_generator.py``.
+Source: IR-SIM 2.12, ``world/world.py``, ``object_factory.py``, ``geometry_handler.py`` and
+    ``image_map_generator.py``.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from worldgen.domain import CELL_SIZES, MAX_SIDE
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bounded
-from worldgen.interop.geometry.raster import Box, Raster, natural_cell_size
+from worldgen.interop.geometry.raster import Raster, RasterBox, natural_cell_size
 from worldgen.interop.geometry.shapes import Shapes, turned
 from worldgen.interop.readers.grey_image import read_grey_image
-from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.yaml_table import YamlTable, read_yaml
 from worldgen.support.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
@@ -30,11 +31,12 @@ __all__ = ["MAX_YAML_BYTES", "read_irsim"]
 MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
 _MOST_OBJECTS = 1_000_000
 _SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
-_STATE, _GOAL = [Fraction(1), Fraction(1), Fraction(0)], [Fraction(1), Fraction(9), Fraction(0)]
+_STATE = [Fraction(1), Fraction(1), Fraction(0)]
+_GOAL = [Fraction(1), Fraction(9), Fraction(0)]
 
 
 @dataclass
-class _Scene:
+class _IrsimScene:
     """What the file has, m, from the world's corner."""
 
     width: Fraction
@@ -51,21 +53,26 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
 
     Args:
         path: The YAML file.
-        cell_size: Side of a cell, m; 0: that of the obstacle map, or on whose lines all walls lie, or 0.1.
-        threshold: How dark a pixel of the obstacle map must at least be to be solid, 0 white to 1 black.
+        cell_size: Side of a cell, m; 0: that of the obstacle map, or on whose lines all walls lie,
+            or 0.1.
+        threshold: How dark a pixel of the obstacle map must at least be to be solid, 0 white to 1
+            black.
 
     Raises:
         FormatError: If the file breaks a rule, with the line where there is one.
     """
     check_between("threshold", threshold, 0.0, 1.0)
-    data, source = read_bounded(path, MAX_YAML_BYTES), str(path)
+    data = read_bounded(path, MAX_YAML_BYTES)
+    source = str(path)
     top = read_yaml(data, source, "an IR-SIM world has `world:` with width and height")
     if "world" not in top:
         raise FormatError(
-            "missing-key", "world is missing; an IR-SIM world has `world:` with width and height", source=source
+            "missing-key",
+            "world is missing; an IR-SIM world has `world:` with width and height",
+            source=source,
         )
     world = top.tables("world")[0] if not top.is_null("world") else None
-    scene = _Scene(_length(world, "width"), _length(world, "height"), _corner(world))
+    scene = _IrsimScene(_length(world, "width"), _length(world, "height"), _corner(world))
     if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
         scene.image = _picture(world, path, threshold)
     for table in _tables(top, "obstacle"):
@@ -98,7 +105,13 @@ def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fra
     value = _fraction(table, key, default)
     if table is not None and key in table and not 0 < value < 10**9:
         raise table.fault(
-            key, Message("not-positive", "{key} is {value:g}; it is a length above 0 m", key=key, value=float(value))
+            key,
+            Message(
+                "not-positive",
+                "{key} is {value:g}; it is a length above 0 m",
+                key=key,
+                value=float(value),
+            ),
         )
     return value
 
@@ -112,11 +125,13 @@ def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
     return rows[0][0], rows[0][1]
 
 
-def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[npt.NDArray[np.bool_], str, str]:
+def _picture(
+    world: YamlTable, path: Path, threshold: float
+) -> tuple[npt.NDArray[np.bool_], str, str]:
     """Solid cells, lowest row first, of the obstacle map, its name and digest."""
     word = _picture_name(world)
     try:
-        image = companion(path, "obstacle_map", word)
+        image = sibling_file(path, "obstacle_map", word)
     except InvalidParameter as error:
         raise world.fault("obstacle_map", error.message) from error
     data = read_bounded(image)
@@ -125,9 +140,13 @@ def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[npt.NDArra
     step = int(_fraction(world, "mdownsample", Fraction(1)))
     if not 1 <= step <= min(dark.shape):
         raise world.fault(
-            "mdownsample", Message("wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step)
+            "mdownsample",
+            Message(
+                "wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step
+            ),
         )
-    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is just as dark counts too.
+    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is just as dark counts
+    # too.
     solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
     return flip_rows(solid)[::step, ::step], image.name, digest(data)
 
@@ -152,8 +171,11 @@ def _picture_name(world: YamlTable) -> str:
     return table.word("path")
 
 
-def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
-    """The obstacles of one entry: ``number`` of them, with a shape and a state each, the last for the rest."""
+def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
+    """The obstacles of one entry.
+
+    ``number`` of them, with a shape and a state each, the last for the rest.
+    """
     number = int(_fraction(table, "number", Fraction(1)))
     if not 0 <= number <= _MOST_OBJECTS:
         raise table.fault(
@@ -182,7 +204,9 @@ def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
     for index in range(min(number, max(len(states), len(shapes)))):
         state = states[0] if flat else states[min(index, len(states) - 1)]
         if len(state) < 2:
-            raise table.fault("state", Message("wrong-type", "state must have x and y, [1.5, 2, 0]"))
+            raise table.fault(
+                "state", Message("wrong-type", "state must have x and y, [1.5, 2, 0]")
+            )
         _add_shape(scene, table, shapes[min(index, len(shapes) - 1)], state)
 
 
@@ -191,7 +215,9 @@ def _placing(table: YamlTable) -> str:
     return _word(found[0], "name", "manual") if found else "manual"
 
 
-def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]) -> None:
+def _add_shape(
+    scene: _IrsimScene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]
+) -> None:
     """One shape at a state; the parts of a compound one after the other."""
     x, y, heading = (*state, Fraction(0))[:3]
     at = (x - scene.corner[0], y - scene.corner[1])
@@ -204,7 +230,9 @@ def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: 
         scene.shapes.disc(middle, radius, at, heading)
     elif shape is not None and name == "rectangle":
         half = _length(shape, "length", Fraction(1)) / 2, _length(shape, "width", Fraction(1)) / 2
-        back = half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
+        back = (
+            half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
+        )
         scene.shapes.outline(_corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
     elif shape is not None and name in ("polygon", "linestring") and "vertices" in shape:
         scene.shapes.outline(_vertices(shape), at, heading, closed=name == "polygon")
@@ -214,13 +242,19 @@ def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: 
         raise owner.fault(
             "shape",
             Message(
-                "unsupported", "shape {shape!q} is not read; circle, rectangle, polygon and linestring are", shape=name
+                "unsupported",
+                "shape {shape!q} is not read; circle, rectangle, polygon and linestring are",
+                shape=name,
             ),
         )
 
 
 def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
-    rows = shape.rows("center") if shape is not None and "center" in shape else [[Fraction(0), Fraction(0)]]
+    rows = (
+        shape.rows("center")
+        if shape is not None and "center" in shape
+        else [[Fraction(0), Fraction(0)]]
+    )
     if shape is not None and len(rows[0]) != 2:
         raise shape.fault("center", Message("wrong-type", "center must be two numbers, [x m, y m]"))
     return rows[0][0], rows[0][1]
@@ -232,30 +266,51 @@ def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:
     if len(rows) < least or any(len(row) != 2 for row in rows):
         raise shape.fault(
             "vertices",
-            Message("wrong-count", "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]", least=least),
+            Message(
+                "wrong-count",
+                "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]",
+                least=least,
+            ),
         )
     return [(row[0], row[1]) for row in rows]
 
 
-def _corners(left: Fraction, low: Fraction, right: Fraction, high: Fraction) -> list[tuple[Fraction, Fraction]]:
+def _corners(
+    left: Fraction, low: Fraction, right: Fraction, high: Fraction
+) -> list[tuple[Fraction, Fraction]]:
     return [(left, low), (right, low), (right, high), (left, high)]
 
 
-def _add_parts(scene: _Scene, owner: YamlTable, shape: YamlTable, pose: tuple[Fraction, Fraction, Fraction]) -> None:
+def _add_parts(
+    scene: _IrsimScene,
+    owner: YamlTable,
+    shape: YamlTable,
+    pose: tuple[Fraction, Fraction, Fraction],
+) -> None:
     x, y, heading = pose
     for part in _tables(shape, "parts"):
         if _word(part, "name", "circle") == "compound":
             raise part.fault(
                 "name",
-                Message("unsupported", "a compound in a compound is not read", "put its parts into the outer one"),
+                Message(
+                    "unsupported",
+                    "a compound in a compound is not read",
+                    "put its parts into the outer one",
+                ),
             )
-        own = [*part.rows("pose")[0], Fraction(0), Fraction(0)] if "pose" in part else [Fraction(0)] * 3
-        turned_point = turned(np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading))[0]
+        own = (
+            [*part.rows("pose")[0], Fraction(0), Fraction(0)]
+            if "pose" in part
+            else [Fraction(0)] * 3
+        )
+        turned_point = turned(
+            np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading)
+        )[0]
         moved = own[:2] if heading == 0 else [Fraction(float(value)) for value in turned_point]
         _add_shape(scene, owner, part, [x + moved[0], y + moved[1], heading + own[2]])
 
 
-def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
     """The walls, and the side of a cell, m."""
     size = _cell_size(scene, wanted)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
@@ -268,8 +323,10 @@ def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bo
             high=CELL_SIZES[1],
             source=source,
         )
-    across, along = scene.width / size, scene.height / size
-    width, height = math.ceil(across), math.ceil(along)
+    across = scene.width / size
+    along = scene.height / size
+    width = math.ceil(across)
+    height = math.ceil(along)
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
         message = Message(
             "wrong-size",
@@ -287,13 +344,14 @@ def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bo
         raise FormatError.of(error.message, source=source) from error
     if raster.partly:
         scene.notes.append(
-            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "
+            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
+            f"are only partly "
             "covered; a smaller cell_size comes closer"
         )
     return raster.solid, float(size)
 
 
-def _cell_size(scene: _Scene, wanted: float) -> Fraction:
+def _cell_size(scene: _IrsimScene, wanted: float) -> Fraction:
     if wanted:
         return Fraction(repr(wanted))
     if scene.image is not None:
@@ -303,20 +361,22 @@ def _cell_size(scene: _Scene, wanted: float) -> Fraction:
     return natural_cell_size(scene.width, scene.height, scene.shapes.boxes) or usual
 
 
-def _paint(raster: Raster, scene: _Scene, size: Fraction) -> None:
+def _paint(raster: Raster, scene: _IrsimScene, size: Fraction) -> None:
     height, width = raster.solid.shape
     if scene.image is not None:
         rows, columns = scene.image[0].shape
         raster.picture(scene.image[0], scene.width / int(columns), scene.height / int(rows))
     scene.shapes.paint(raster)
-    raster.box(Box(scene.width, Fraction(0), width * size, height * size))  # where the last cells stick out
-    raster.box(Box(Fraction(0), scene.height, width * size, height * size))
+    raster.box(
+        RasterBox(scene.width, Fraction(0), width * size, height * size)
+    )  # where the last cells stick out
+    raster.box(RasterBox(Fraction(0), scene.height, width * size, height * size))
 
 
 _Point = tuple[float, ...] | None
 
 
-def _robot(top: YamlTable, scene: _Scene) -> tuple[_Point, _Point, float | None, float | None]:
+def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | None, float | None]:
     """Start, target, radius and speed of the first robot."""
     tables = _tables(top, "robot")
     if not tables:
@@ -325,7 +385,9 @@ def _robot(top: YamlTable, scene: _Scene) -> tuple[_Point, _Point, float | None,
     first = tables[0]
     number = sum(int(_fraction(table, "number", Fraction(1))) for table in tables)
     if number > 1:
-        scene.notes.append(f"the file has {number} robots; the first was taken, the others left out")
+        scene.notes.append(
+            f"the file has {number} robots; the first was taken, the others left out"
+        )
     start: _Point = None
     target: _Point = None
     reach = float(_length(first, "goal_threshold", Fraction(1, 10)))
@@ -337,42 +399,61 @@ def _robot(top: YamlTable, scene: _Scene) -> tuple[_Point, _Point, float | None,
         start = (*_from_corner(scene, first, "state", state), float((*state, Fraction(0))[2]))
         target = (*_from_corner(scene, first, "goal", goals[-1]), reach)
     else:
-        scene.notes.append(f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed here")
+        scene.notes.append(
+            f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed "
+            f"here"
+        )
     speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
     if speeds[0] <= 0:
         raise first.fault(
             "vel_max",
-            Message("not-positive", "vel_max begins with {speed:g}; it is a speed above 0 m/s", speed=float(speeds[0])),
+            Message(
+                "not-positive",
+                "vel_max begins with {speed:g}; it is a speed above 0 m/s",
+                speed=float(speeds[0]),
+            ),
         )
     return start, target, _radius(first, scene), float(speeds[0])
 
 
-def _from_corner(scene: _Scene, table: YamlTable, key: str, point: list[Fraction]) -> tuple[float, float]:
+def _from_corner(
+    scene: _IrsimScene, table: YamlTable, key: str, point: list[Fraction]
+) -> tuple[float, float]:
     if len(point) < 2:
-        raise table.fault(key, Message("wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key))
+        raise table.fault(
+            key, Message("wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key)
+        )
     return float(point[0] - scene.corner[0]), float(point[1] - scene.corner[1])
 
 
-def _radius(robot: YamlTable, scene: _Scene) -> float:
+def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
     """Of the disc round the robot's own point that covers it."""
     shapes = _tables(robot, "shape")
     if not shapes:
         return 1.0
-    shape, name = shapes[0], _word(shapes[0], "name", "circle")
+    shape = shapes[0]
+    name = _word(shapes[0], "name", "circle")
     if name == "circle":
         return float(_length(shape, "radius", Fraction(1, 5)))
-    around = _Scene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
+    around = _IrsimScene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
     _add_shape(around, robot, shape, [Fraction(0)] * 3)
     boxes = [corner for box in around.shapes.boxes for corner in _corners(*box)]
     points = [*boxes, *(point for polygon in around.shapes.polygons for point in polygon.tolist())]
     radius = max((math.sqrt(float(x) ** 2 + float(y) ** 2) for x, y in points), default=0.0)
-    radius = max([radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)])
+    radius = max(
+        [radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)]
+    )
     if radius <= 0.0:
         raise robot.fault(
             "shape",
             Message(
-                "unsupported", "the robot's shape {shape!q} is not read", "give it a circle with a radius", shape=name
+                "unsupported",
+                "the robot's shape {shape!q} is not read",
+                "give it a circle with a radius",
+                shape=name,
             ),
         )
-    scene.notes.append(f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m")
+    scene.notes.append(
+        f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m"
+    )
     return radius

@@ -1,6 +1,9 @@
-"""Whole numbers in a stream of Java's serialisation: what ``ObjectOutputStream.writeInt`` leaves behind.
+"""Whole numbers in a stream of Java's serialisation.
 
-Source: Java Object Serialization Specification, version 6, chapter 6, "Object Serialization Stream Protocol".
+What ``ObjectOutputStream.writeInt`` leaves behind.
+
+Source: Java Object Serialization Specification, version 6, chapter 6, "Object Serialization Stream
+    Protocol".
 """
 
 from __future__ import annotations
@@ -19,13 +22,25 @@ Ints = npt.NDArray[np.int32]
 MAGIC = b"\xac\xed"
 _VERSION = 5
 _HEADER = MAGIC + _VERSION.to_bytes(2, "big")
-_SHORT, _LONG = 0x77, 0x7A  # records of bare bytes: their length in one byte, or in four
+# records of bare bytes: their length in one byte, or in four
+_SHORT = 0x77
+_LONG = 0x7A
 _BLOCK = 1024  # bytes that ObjectOutputStream gathers before it writes a record
 _RECORDS = {
-    0x70: "a null", 0x71: "a reference", 0x72: "a class description", 0x73: "an object", 0x74: "a string",
-    0x75: "an array", 0x76: "a class", 0x78: "an end of block data", 0x79: "a reset", 0x7B: "an exception",
-    0x7C: "a long string", 0x7D: "a proxy class", 0x7E: "an enum constant",
-}  # fmt: skip
+    0x70: "a null",
+    0x71: "a reference",
+    0x72: "a class description",
+    0x73: "an object",
+    0x74: "a string",
+    0x75: "an array",
+    0x76: "a class",
+    0x78: "an end of block data",
+    0x79: "a reset",
+    0x7B: "an exception",
+    0x7C: "a long string",
+    0x7D: "a proxy class",
+    0x7E: "an enum constant",
+}
 
 
 def read_ints(data: bytes, source: str) -> Ints:
@@ -39,8 +54,8 @@ def read_ints(data: bytes, source: str) -> Ints:
         (n,) int32.
 
     Raises:
-        FormatError: If the header is another, a record holds no bare bytes, is empty or is cut short, or the
-            bytes end within a number.
+        FormatError: If the header is another, a record holds no bare bytes, is empty or is cut
+            short, or the bytes end within a number.
     """
     _check_header(data, source)
     payload = bytearray()
@@ -49,12 +64,16 @@ def read_ints(data: bytes, source: str) -> Ints:
         first, length = _record(data, at, source)
         if length == 0:
             raise FormatError(
-                "empty-block", "byte {at}: an empty block; every block of a map holds numbers", at=at, source=source
+                "empty-block",
+                "byte {at}: an empty block; every block of a map holds numbers",
+                at=at,
+                source=source,
             )
         if length > len(data) - first:
             raise FormatError(
                 "cut-short",
-                "byte {at}: a block of {length} bytes, of which the file has {left}; it is cut short or damaged",
+                "byte {at}: a block of {length} bytes, of which the file has {left}; it is cut "
+                "short or damaged",
                 "fetch it again",
                 at=at,
                 length=length,
@@ -112,7 +131,11 @@ def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
     first = at + (2 if kind == _SHORT else 5)
     if first > len(data):
         raise FormatError(
-            "cut-short", "byte {at}: ends within a block's length", "fetch the file again", at=at, source=source
+            "cut-short",
+            "byte {at}: ends within a block's length",
+            "fetch the file again",
+            at=at,
+            source=source,
         )
     return first, int.from_bytes(data[at + 1 : first], "big")
 
@@ -131,7 +154,9 @@ def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
 
 
 def write_ints(values: npt.NDArray[np.integer]) -> bytes:
-    """The stream as ``ObjectOutputStream`` writes it, byte for byte: full blocks, then what is left.
+    """The stream as ``ObjectOutputStream`` writes it, byte for byte.
+
+    Full blocks, then what is left.
 
     Args:
         values: Numbers within 32 bits, in the order of writing.

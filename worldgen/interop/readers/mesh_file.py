@@ -1,4 +1,7 @@
-"""Triangles of a mesh file, all of them in one frame: trimesh reads, this checks what goes in and what comes out."""
+"""Triangles of a mesh file, all of them in one frame.
+
+Trimesh reads, this checks what goes in and what comes out.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ import trimesh
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.interop.foreign_map import MAX_FILE_BYTES, read_bounded
 from worldgen.interop.readers.gltf_tree import MOST_FACES, check_gltf, gltf_json, root_extras
-from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.threemf_file import read_threemf
 
 __all__ = ["RawMesh", "load_mesh"]
@@ -83,14 +86,21 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
 
 def _check_counts(data: bytes, kind: str, source: str) -> None:
     """Refuse headers that claim more parts than the file has bytes."""
-    if kind == "ply" and any(int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])):
-        raise FormatError("ends-early", "claims more parts than it has bytes", "export it again", source=source)
+    if kind == "ply" and any(
+        int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])
+    ):
+        raise FormatError(
+            "ends-early", "claims more parts than it has bytes", "export it again", source=source
+        )
     if (kind in ("obj", "ply") and b"\0" in data[:4]) or not data.strip():
         raise FormatError("empty", "holds no mesh", "give a file with triangles", source=source)
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
-    """What a file of ours says of its world: in comments, as TOML, or in the header of an STL file."""
+    """What a file of ours says of its world.
+
+    In comments, as TOML, or in the header of an STL file.
+    """
     if kind == "stl":
         found = _STL_FRAME.match(data[:80])
         if found is None:
@@ -114,7 +124,7 @@ class _Beside(trimesh.resolvers.Resolver):
         self._left = MAX_FILE_BYTES
 
     def get(self, name: str) -> bytes:
-        data = read_bounded(companion(self._path, "uri", name), self._left)
+        data = read_bounded(sibling_file(self._path, "uri", name), self._left)
         self._left -= len(data)
         return data
 
@@ -150,7 +160,11 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
     try:
         with _quiet():
             return trimesh.load_scene(
-                io.BytesIO(data), file_type=kind, resolver=_Beside(path), process=False, skip_materials=True
+                io.BytesIO(data),
+                file_type=kind,
+                resolver=_Beside(path),
+                process=False,
+                skip_materials=True,
             )
     except InvalidParameter as error:  # of a file that it names
         raise FormatError.of(error.message, source=str(path)) from error
@@ -167,7 +181,9 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
         ) from error
 
 
-def _in_one_frame(scene: Any, source: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
+def _in_one_frame(
+    scene: Any, source: str
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
     """All triangles of a scene, each instance where it stands; and how many parts have none."""
     places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
     triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]
@@ -192,7 +208,9 @@ def _in_one_frame(scene: Any, source: str) -> tuple[npt.NDArray[np.float64], npt
         vertices = np.asarray(part.vertices, np.float64)
         corners = np.asarray(part.faces, np.int64)
         if corners.min() < 0 or corners.max() >= len(vertices):
-            raise FormatError("out-of-range", "has a triangle without vertices", "export it again", source=source)
+            raise FormatError(
+                "out-of-range", "has a triangle without vertices", "export it again", source=source
+            )
         with np.errstate(all="ignore"):
             # One rounding for each product and sum, so that every machine has the same bits.
             moved = sum(vertices[:, [axis]] * matrix[:3, axis] for axis in range(3)) + matrix[:3, 3]
@@ -203,11 +221,21 @@ def _in_one_frame(scene: Any, source: str) -> tuple[npt.NDArray[np.float64], npt
     return np.concatenate(places), np.concatenate(triangles), left_out
 
 
-def _check_arrays(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], source: str) -> None:
+def _check_arrays(
+    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], source: str
+) -> None:
     if not len(faces):
-        raise FormatError("no-triangles", "has no triangles", "export surfaces, not points or lines", source=source)
+        raise FormatError(
+            "no-triangles",
+            "has no triangles",
+            "export surfaces, not points or lines",
+            source=source,
+        )
     used = vertices[faces.reshape(-1)]
     if not (np.isfinite(used).all() and np.abs(used).max() < _FURTHEST):
         raise FormatError(
-            "not-a-number", "has a vertex whose coordinates are no usable numbers", "export it again", source=source
+            "not-a-number",
+            "has a vertex whose coordinates are no usable numbers",
+            "export it again",
+            source=source,
         )

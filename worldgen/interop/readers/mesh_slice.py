@@ -1,6 +1,7 @@
 """A mesh cut at the height of a robot's lidar: floors, the plane, the cells.
 
-What stands lower or higher than the plane is not seen, as a lidar does not see it: a table is its legs.
+What stands lower or higher than the plane is not seen, as a lidar does not see it: a table is its
+    legs.
 """
 
 from __future__ import annotations
@@ -27,12 +28,23 @@ __all__ = ["Plane", "read_slice"]
 
 _USUAL_CELL = 0.05  # m, where neither user nor file say it
 _FLAT = 0.99  # cosine of the steepest slope that counts as a floor
-_SAME_FLOOR = 0.5  # m; levels that are nearer to each other are one floor, with a step or a platform
+_SAME_FLOOR = (
+    0.5  # m; levels that are nearer to each other are one floor, with a step or a platform
+)
 _SMALL = 0.25  # of the largest floor's area; less is a landing, or furniture
 _ROUNDED = 2.0**-22  # of the largest coordinate: meshes are mostly kept as float32
 _TOUCH = 1e-6  # cells; as in `worldgen.interop.geometry.raster`
 _ODD_SIDES = (0.5, 1000.0)  # m; a building that is smaller or larger is mostly in another unit
-_OURS = ("start", "heading", "target", "target_radius", "robot_radius", "robot_speed", "cell_size", "origin")
+_OURS = (
+    "start",
+    "heading",
+    "target",
+    "target_radius",
+    "robot_radius",
+    "robot_speed",
+    "cell_size",
+    "origin",
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +106,8 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     if not len(section.closed) and not len(section.sheets):
         raise FormatError(
             "nothing-there",
-            "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh reaches from {low:g} "
+            "nothing stands {height:g} m above floor {floor}, which is at {level:g} m; the mesh "
+            "reaches from {low:g} "
             "to {high:g} m",
             "give another slice_height, floor, unit or up axis",
             height=plane.height,
@@ -123,7 +136,10 @@ class _Told:
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:
-    """What a file of ours says, if all of it has the right form; else it is read as any other file."""
+    """What a file of ours says, if all of it has the right form.
+
+    Else it is read as any other file.
+    """
     numbers: dict[str, Any] = {}
     for name in ("size", *_OURS):
         value = held.get(name)
@@ -131,20 +147,32 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
             continue
         pair = name in ("size", "start", "target", "origin")
         items = value if isinstance(value, list) else [value]
-        if len(items) != 1 + pair or any(isinstance(one, bool) or not isinstance(one, int | float) for one in items):
+        if len(items) != 1 + pair or any(
+            isinstance(one, bool) or not isinstance(one, int | float) for one in items
+        ):
             return {}
         if not all(math.isfinite(one) and abs(one) < 1e15 for one in items):
             return {}
-        if name in ("size", "cell_size", "robot_radius", "robot_speed", "target_radius") and min(items) <= 0:
+        if (
+            name in ("size", "cell_size", "robot_radius", "robot_speed", "target_radius")
+            and min(items) <= 0
+        ):
             return {}
-        numbers[name] = [int(one) for one in items] if name == "size" else [float(one) for one in items]
+        numbers[name] = (
+            [int(one) for one in items] if name == "size" else [float(one) for one in items]
+        )
     if not {"size", "cell_size", "origin"} <= numbers.keys():
         return {}
     return {name: value if len(value) > 1 else value[0] for name, value in numbers.items()}
 
 
-def _floors(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float) -> list[float]:
-    """Heights, m, of large level surfaces that look up and have something above them; else the mesh's lowest point."""
+def _floors(
+    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float
+) -> list[float]:
+    """Heights, m, of large level surfaces that look up and have something above them.
+
+    Else the mesh's lowest point.
+    """
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(across, axis=1) / 2.0
@@ -152,7 +180,8 @@ def _floors(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], hei
     top = float(vertices[faces.reshape(-1), 2].max())
     lowest = float(vertices[faces.reshape(-1), 2].min())
 
-    # Area by height, to the millimetre; heights near each other are one floor, at the height of most of it.
+    # Area by height, to the millimetre; heights near each other are one floor, at the height of
+    # most of it.
     heights, place = np.unique(np.round(corners[level, :, 2].mean(axis=1), 3), return_inverse=True)
     by_height = np.bincount(place.reshape(-1), weights=areas[level], minlength=len(heights))
     groups: list[list[int]] = []
@@ -163,7 +192,10 @@ def _floors(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], hei
             groups[-1].append(number)
         else:
             groups.append([number])
-    found = [(max(group, key=lambda number: by_height[number]), by_height[group].sum()) for group in groups]
+    found = [
+        (max(group, key=lambda number: by_height[number]), by_height[group].sum())
+        for group in groups
+    ]
     largest = max((area for _, area in found), default=0.0)
     floors = [float(heights[number]) for number, area in found if area >= _SMALL * largest]
     return floors or [lowest]
@@ -176,7 +208,10 @@ def _frame(
     size: list[int] | None,
     source: str,
 ) -> tuple[tuple[float, float], int, int]:
-    """The grid's corner, m, and its sides, cells: as a file of ours says, else around the mesh, on whole cells."""
+    """The grid's corner, m, and its sides, cells.
+
+    As a file of ours says, else around the mesh, on whole cells.
+    """
     if origin is not None and size is not None:
         check_sides(size[0], size[1], source=source)
         return (origin[0], origin[1]), size[0], size[1]
@@ -200,7 +235,10 @@ def _cells(
 ) -> npt.NDArray[np.bool_]:
     corner = np.array([float(exact(value) / exact(cell_size)) for value in origin])
     in_cells = Section(*(segments / cell_size - corner for segments in section))
-    furthest = max((float(np.abs(segments).max()) for segments in section if len(segments)), default=0.0) / cell_size
+    furthest = (
+        max((float(np.abs(segments).max()) for segments in section if len(segments)), default=0.0)
+        / cell_size
+    )
     return paint(in_cells, width, height, _slack(furthest))
 
 
@@ -227,7 +265,9 @@ def _map(
         () if held else _notes(told, mesh.left_out),
         () if held else _warnings(told),
         start=None if start is None else (*start, held.get("heading", 0.0)),
-        target=None if target is None else (*target, *([held["target_radius"]] if "target_radius" in held else [])),
+        target=None
+        if target is None
+        else (*target, *([held["target_radius"]] if "target_radius" in held else [])),
         robot_radius=held.get("robot_radius"),
         robot_speed=held.get("robot_speed"),
         origin=origin,
@@ -235,18 +275,29 @@ def _map(
 
 
 def _notes(told: _Told, left_out: int) -> tuple[str, ...]:
-    plane, floors, bodies = told.plane, told.floors, told.bodies
+    plane = told.plane
+    floors = told.floors
+    bodies = told.bodies
     level = floors[plane.floor]
-    notes = [f"cut {plane.height:g} m above the floor at {level:g} m; what ends below or begins above is not seen"]
+    notes = [
+        f"cut {plane.height:g} m above the floor at {level:g} m; what ends below or begins above "
+        f"is not seen"
+    ]
     if len(floors) > 1:
-        notes.append(f"the mesh has {len(floors)} floors, at {_listed(floors)} m; this is floor {plane.floor}")
+        notes.append(
+            f"the mesh has {len(floors)} floors, at {_listed(floors)} m; this is floor "
+            f"{plane.floor}"
+        )
     if bodies.open_count:
         notes.append(
-            f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not closed; "
+            f"{bodies.open_count} of {bodies.open_count + bodies.closed_count} bodies are not "
+            f"closed; "
             "their surfaces are walls, and their insides stay free"
         )
     if left_out:
-        notes.append(f"{left_out} parts that are no surfaces, such as points and lines, are left out")
+        notes.append(
+            f"{left_out} parts that are no surfaces, such as points and lines, are left out"
+        )
     return (*notes, "beyond these cells everything is solid")
 
 
@@ -254,7 +305,10 @@ def _warnings(told: _Told) -> tuple[str, ...]:
     sides = (told.vertices.max(axis=0) - told.vertices.min(axis=0)).tolist()
     if _ODD_SIDES[0] <= max(sides[:2]) <= _ODD_SIDES[1]:
         return ()
-    return (f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, say so with +unit",)
+    return (
+        f"the mesh is {sides[0]:g} x {sides[1]:g} x {sides[2]:g} m; if it is in another unit, say "
+        f"so with +unit",
+    )
 
 
 def _listed(floors: list[float]) -> str:

@@ -1,4 +1,7 @@
-"""Start, target and robot as words, for files with room for words: keys of a table, a picture's text, properties."""
+"""Start, target and robot as words, for files with room for words.
+
+Keys of a table, a picture's text, properties.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
 """Names of what is said, and of how many numbers each is."""
 
 # More digits than any sum of two float64 of a world has.
-_NUMBER = re.compile(r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?")
+_NUMBER = re.compile(
+    r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?"
+)
 
 
 @dataclass(frozen=True)
@@ -39,8 +44,12 @@ class Places:
 
 
 def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
-    """The words by the names of :data:`KEYS`: exact decimals, m and rad, points in the file's frame."""
-    start, target = world.start, world.target
+    """The words by the names of :data:`KEYS`.
+
+    Exact decimals, m and rad, points in the file's frame.
+    """
+    start = world.start
+    target = world.target
     return {
         "start": [destination.x(start.x), destination.y(start.y), decimal(start.heading)],
         "target": [destination.x(target.x), destination.y(target.y), decimal(target.radius)],
@@ -57,7 +66,8 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
 
     Raises:
-        InvalidParameter: If there are too few or too many numbers, one is none, or a length is not above 0.
+        InvalidParameter: If there are too few or too many numbers, one is none, or a length is not
+            above 0.
     """
     found: dict[str, tuple[float, ...]] = {}
     for key, count in KEYS.items():
@@ -74,17 +84,25 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
                 count=count,
             )
         shifts = (*origin, 0.0) if count == 3 else (0.0,)
-        found[key] = tuple(from_decimal(word, shift) for word, shift in zip(words[key], shifts, strict=True))
+        found[key] = tuple(
+            from_decimal(word, shift) for word, shift in zip(words[key], shifts, strict=True)
+        )
         if key != "start" and found[key][-1] <= 0.0:
             raise InvalidParameter(
-                "not-positive", "{key} has a length of {length:g}; it must be above 0", key=key, length=found[key][-1]
+                "not-positive",
+                "{key} has a length of {length:g}; it must be above 0",
+                key=key,
+                length=found[key][-1],
             )
-    radius, speed = found.get("robot_radius", (None,)), found.get("robot_speed", (None,))
+    radius = found.get("robot_radius", (None,))
+    speed = found.get("robot_speed", (None,))
     return Places(found.get("start"), found.get("target"), radius[0], speed[0])
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
-    """The number that a word says, less a shift, rounded once: what :func:`~worldgen.interop.format.decimal` wrote.
+    """The number that a word says, less a shift, rounded once.
+
+    What :func:`~worldgen.interop.format.decimal` wrote.
 
     Raises:
         InvalidParameter: If it is no finite number.
@@ -94,4 +112,6 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
             return float(Fraction(word) - exact(shift))
         except OverflowError:
             pass
-    raise InvalidParameter("not-a-number", "{word!q} is no finite number", "write one like 0.05", word=word)
+    raise InvalidParameter(
+        "not-a-number", "{word!q} is no finite number", "write one like 0.05", word=word
+    )

@@ -8,10 +8,10 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.support.plain_text import quote
 
-__all__ = ["companion"]
+__all__ = ["sibling_file"]
 
 
-def companion(path: Path, key: str, name: str) -> Path:
+def sibling_file(path: Path, key: str, name: str) -> Path:
     """The path of a file that a map file names.
 
     Args:
@@ -20,10 +20,13 @@ def companion(path: Path, key: str, name: str) -> Path:
         name: Its name as it stands there.
 
     Raises:
-        InvalidParameter: If it leads out of the map's folder, or nothing is there; callers add the line.
+        InvalidParameter: If it leads out of the map's folder, or nothing is there; callers add the
+            line.
     """
     if "\0" in name:
-        raise InvalidParameter("not-a-file-name", "{key} has a NUL in its name", "correct it", key=key)
+        raise InvalidParameter(
+            "not-a-file-name", "{key} has a NUL in its name", "correct it", key=key
+        )
     folder = Path(os.path.realpath(path.parent))
     other = Path(os.path.realpath(folder / name))
     if not other.is_relative_to(folder):

@@ -1,6 +1,8 @@
-"""The grammar of Stage's world files: ``name value``, ``name [ ... ]``, ``name ( ... )``, ``define name base ( ... )``.
+"""The grammar of Stage's world files.
 
-A file is untrusted: it is bounded, and so is what its definitions grow to. Source: rtv/Stage 4.3, ``worldfile.cc``.
+``name value``, ``name [ ... ]``, ``name ( ... )``, ``define name base ( ... )``. A file is
+untrusted: it is bounded, and so is what its definitions grow to. Source: rtv/Stage 4.3,
+    ``worldfile.cc``.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ _TOKEN = re.compile(
 )
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
 _MOST_DEPTH = 16  # parts of parts, and definitions that build on definitions
-_MOST_TOKENS = 700_000  # looked at, a definition's again wherever it is used; hospital.world of Stage has 498,236
+# Looked at, a definition's again wherever it is used; hospital.world of Stage has 498,236.
+_MOST_TOKENS = 700_000
 
 
 class _Token(NamedTuple):
@@ -42,7 +45,8 @@ class Entity:
     """A thing with its properties, those of its definition included.
 
     Args:
-        kind: What it is in the end, ``model`` or ``position``, or a name that the file does not define.
+        kind: What it is in the end, ``model`` or ``position``, or a name that the file does not
+            define.
         line: Where it begins.
         source: The file that has it, for messages.
         names: The definitions it builds on, its own word first.
@@ -94,7 +98,7 @@ class Entity:
 
 
 @dataclass
-class _Reader:
+class _StageReader:
     """Goes along the tokens; knows the definitions so far."""
 
     tokens: list[_Token]
@@ -112,14 +116,22 @@ class _Reader:
             elif token.kind == "word":
                 self._named(entity, depth)
             else:
-                raise _fault(token, Message("wrong-form", "{came!q} came where a name belongs", came=token.text))
+                raise _fault(
+                    token,
+                    Message("wrong-form", "{came!q} came where a name belongs", came=token.text),
+                )
 
     def _spend(self, count: int, token: _Token) -> None:
         self.spent += count
         if self.spent > _MOST_TOKENS:
             raise _fault(
                 token,
-                Message("too-large", "definitions grow to more than {most} words", "take some out", most=_MOST_TOKENS),
+                Message(
+                    "too-large",
+                    "definitions grow to more than {most} words",
+                    "take some out",
+                    most=_MOST_TOKENS,
+                ),
             )
 
     def _define(self) -> None:
@@ -127,7 +139,11 @@ class _Reader:
         if len(words) < 2 or any(word.kind != "word" for word in words):
             raise _fault(
                 self.tokens[self.at],
-                Message("wrong-form", "define needs a name and what it builds on", "write `define wall model ( ... )`"),
+                Message(
+                    "wrong-form",
+                    "define needs a name and what it builds on",
+                    "write `define wall model ( ... )`",
+                ),
             )
         begin = self.at + 3
         self.at = begin
@@ -136,7 +152,8 @@ class _Reader:
     def _skip(self) -> int:
         """Goes behind the bracket that closes the one here; its place."""
         begin = self.at
-        first, depth = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1], 0
+        first = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1]
+        depth = 0
         while self.at < len(self.tokens):
             text = self.tokens[self.at].text if self.tokens[self.at].kind == "mark" else ""
             depth += (text == "(") - (text == ")")
@@ -145,11 +162,17 @@ class _Reader:
                 break
         self._spend(self.at - begin, first)
         if depth or self.tokens[self.at - 1].text != ")":
-            raise _fault(first, Message("wrong-form", "a bracket ( is missing or not closed", "write `name ( ... )`"))
+            raise _fault(
+                first,
+                Message(
+                    "wrong-form", "a bracket ( is missing or not closed", "write `name ( ... )`"
+                ),
+            )
         return self.at - 1
 
     def _named(self, entity: Entity, depth: int) -> None:
-        name, after = self.tokens[self.at], self.tokens[self.at + 1] if self.at + 1 < len(self.tokens) else None
+        name = self.tokens[self.at]
+        after = self.tokens[self.at + 1] if self.at + 1 < len(self.tokens) else None
         if after is not None and after.text == "(" and after.kind == "mark":
             self.at += 1
             begin = self.at + 1
@@ -181,7 +204,10 @@ class _Reader:
             if token.kind not in ("number", "text"):
                 break
             yield token
-        raise _fault(first, Message("wrong-form", 'a list [ has a number or a "word" too few', "close it with ]"))
+        raise _fault(
+            first,
+            Message("wrong-form", 'a list [ has a number or a "word" too few', "close it with ]"),
+        )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
         """What stands between two tokens, on top of what its definition says."""
@@ -189,14 +215,19 @@ class _Reader:
             raise _fault(
                 name,
                 Message(
-                    "nested-too-deep", "things are nested deeper than {most} levels", "flatten them", most=_MOST_DEPTH
+                    "nested-too-deep",
+                    "things are nested deeper than {most} levels",
+                    "flatten them",
+                    most=_MOST_DEPTH,
                 ),
             )
         after = self.at
         if name.text in self.defined:
             base, first, last = self.defined[name.text]
             entity = self._entity(name._replace(text=base), first, last, depth + 1)
-            entity.names, entity.line, entity.source = (name.text, *entity.names), name.line, name.source
+            entity.names = (name.text, *entity.names)
+            entity.line = name.line
+            entity.source = name.source
         else:
             entity = Entity(name.text, name.line, name.source, (name.text,))
         self.at = begin
@@ -209,20 +240,23 @@ def _fault(token: _Token, message: Message) -> FormatError:
     return FormatError.of(message, line=token.line, source=token.source)
 
 
-def read_stage_file(text: str, source: str, include: Callable[[str, int], tuple[str, str] | None]) -> Entity:
+def read_stage_file(
+    text: str, source: str, include: Callable[[str, int], tuple[str, str] | None]
+) -> Entity:
     """The whole file as one entity without a kind.
 
     Args:
         text: The file.
         source: Its name for messages.
-        include: Given a name and its line, the text and source of an included file, or None to go on without.
+        include: Given a name and its line, the text and source of an included file, or None to go
+            on without.
 
     Raises:
         FormatError: If it is no world file of Stage, with the line.
     """
     tokens = list(_tokens(text, source, include, 0))
     world = Entity("", 1, source)
-    _Reader(tokens).fill(world, 0, len(tokens))
+    _StageReader(tokens).fill(world, 0, len(tokens))
     return world
 
 
@@ -230,7 +264,9 @@ def _tokens(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
 ) -> Iterator[_Token]:
     """The tokens, those of included files in their place."""
-    at, line, including = 0, 1, False
+    at = 0
+    line = 1
+    including = False
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
@@ -241,7 +277,8 @@ def _tokens(
                 line=line,
                 source=source,
             )
-        at, kind = match.end(), str(match.lastgroup)
+        at = match.end()
+        kind = str(match.lastgroup)
         line += kind == "end"
         if kind in ("space", "end"):
             continue

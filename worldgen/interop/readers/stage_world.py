@@ -21,7 +21,7 @@ from worldgen.interop.foreign_map import MAX_CELLS, ForeignMap, digest, read_bou
 from worldgen.interop.geometry.degrees import radians
 from worldgen.interop.geometry.raster import Raster
 from worldgen.interop.readers.grey_image import read_grey_image
-from worldgen.interop.readers.sibling_file import companion
+from worldgen.interop.readers.sibling_file import sibling_file
 from worldgen.interop.readers.stage_file import Entity, read_stage_file
 from worldgen.support.rows import flip_rows
 from worldgen.world import Value
@@ -59,11 +59,14 @@ class _Includes:
         self.read += 1
         if self.read > _MOST_INCLUDES:
             message = Message(
-                "too-large", "more than {most} files are included", "does one include itself?", most=_MOST_INCLUDES
+                "too-large",
+                "more than {most} files are included",
+                "does one include itself?",
+                most=_MOST_INCLUDES,
             )
             raise FormatError.of(message, line=line, source=str(self.path))
         try:
-            file = companion(self.path, "include", name)
+            file = sibling_file(self.path, "include", name)
         except InvalidParameter as error:
             self.notes.append(f"{error}; what it defines is not known")
             return None
@@ -94,7 +97,8 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     Raises:
         FormatError: If a file breaks a rule, with the line where there is one.
     """
-    source, includes = str(path), _Includes(path)
+    source = str(path)
+    includes = _Includes(path)
     data = read_bounded(path, _MAX_BYTES)
     world = read_stage_file(_text(path), source, includes)
     unit, turn = _units(world)
@@ -121,14 +125,23 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 
 def _units(world: Entity) -> tuple[Fraction, bool]:
     """A unit of length in m, and whether angles are in degrees."""
-    length, angle = world.text("unit_length", "m"), world.text("unit_angle", "degrees")
+    length = world.text("unit_length", "m")
+    angle = world.text("unit_angle", "degrees")
     if length not in _UNITS:
         raise world.fault(
-            "unit_length", Message("unknown-name", "unit_length is {name!q}; Stage knows m, cm and mm", name=length)
+            "unit_length",
+            Message(
+                "unknown-name", "unit_length is {name!q}; Stage knows m, cm and mm", name=length
+            ),
         )
     if angle not in ("degrees", "radians"):
         raise world.fault(
-            "unit_angle", Message("unknown-name", "unit_angle is {name!q}; Stage knows degrees and radians", name=angle)
+            "unit_angle",
+            Message(
+                "unknown-name",
+                "unit_angle is {name!q}; Stage knows degrees and radians",
+                name=angle,
+            ),
         )
     return _UNITS[length], angle == "degrees"
 
@@ -139,18 +152,21 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
     if not found:
         message = Message(
             "no-map-found",
-            'has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( bitmap "map.png" )`',
+            "has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( "
+            'bitmap "map.png" )`',
         )
         raise FormatError.of(message, source=source)
     if len(found) > 1:
-        notes.append(f"{len(found)} models have pictures; the largest was taken, the others left out")
+        notes.append(
+            f"{len(found)} models have pictures; the largest was taken, the others left out"
+        )
     return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
 
 
 def _picture(floor: Entity, path: Path) -> Path:
     """The picture lies beside the world file, also where an included file names it."""
     try:
-        return companion(path, "bitmap", floor.text("bitmap"))
+        return sibling_file(path, "bitmap", floor.text("bitmap"))
     except InvalidParameter as error:
         raise floor.fault("bitmap", error.message) from error
 
@@ -161,12 +177,20 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
     rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         raise FormatError(
-            "empty", "has no black pixel, so Stage has no walls to stretch", "draw some", source=str(image)
+            "empty",
+            "has no black pixel, so Stage has no walls to stretch",
+            "draw some",
+            source=str(image),
         )
-    size, pose = floor.numbers("size"), [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
+    size = floor.numbers("size")
+    pose = [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
     if len(size) < 2 or min(size[:2]) <= 0:
         raise floor.fault(
-            "size", Message("wrong-type", "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]")
+            "size",
+            Message(
+                "wrong-type",
+                "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]",
+            ),
         )
     if pose[3] != 0 or any(floor.numbers("origin")):
         raise floor.fault(
@@ -182,17 +206,24 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
     (low, high), (left, right) = ((int(index[0]), int(index[-1]) + 1) for index in (rows, columns))
     if (right - left, high - low) != solid.shape[::-1]:
         notes.append(
-            f"black takes {right - left} x {high - low} of the picture's {solid.shape[1]} x {solid.shape[0]} pixels; "
+            f"black takes {right - left} x {high - low} of the picture's {solid.shape[1]} x "
+            f"{solid.shape[0]} pixels; "
             "Stage stretches this part over the size, not the picture"
         )
-    across, along = size[0] * unit / (right - left), size[1] * unit / (high - low)
-    corner = (pose[0] * unit - size[0] * unit / 2 - left * across, pose[1] * unit - size[1] * unit / 2 - low * along)
+    across = size[0] * unit / (right - left)
+    along = size[1] * unit / (high - low)
+    corner = (
+        pose[0] * unit - size[0] * unit / 2 - left * across,
+        pose[1] * unit - size[1] * unit / 2 - low * along,
+    )
     if floor.text("name") == RINGED and min(solid.shape) > 2:
         return _Plan(solid[1:-1, 1:-1], across, along, (corner[0] + across, corner[1] + along))
     return _Plan(solid, across, along, corner)
 
 
-def _cells(plan: _Plan, wanted: float, notes: list[str], source: str) -> tuple[npt.NDArray[np.bool_], float]:
+def _cells(
+    plan: _Plan, wanted: float, notes: list[str], source: str
+) -> tuple[npt.NDArray[np.bool_], float]:
     """The walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
@@ -206,7 +237,8 @@ def _cells(plan: _Plan, wanted: float, notes: list[str], source: str) -> tuple[n
         )
         raise FormatError.of(message, source=source)
     height, width = (
-        math.ceil(count * side / size) for count, side in zip(plan.solid.shape, (plan.along, plan.across), strict=True)
+        math.ceil(count * side / size)
+        for count, side in zip(plan.solid.shape, (plan.along, plan.across), strict=True)
     )
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
         message = Message(
@@ -225,8 +257,10 @@ def _cells(plan: _Plan, wanted: float, notes: list[str], source: str) -> tuple[n
         raise FormatError.of(error.message, source=source) from error
     if raster.partly:
         notes.append(
-            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "
-            f"black, for pixels are {float(plan.across):g} x {float(plan.along):g} m; a smaller cell_size comes closer"
+            f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m "
+            f"are only partly "
+            f"black, for pixels are {float(plan.across):g} x {float(plan.along):g} m; a smaller "
+            f"cell_size comes closer"
         )
     return raster.solid, float(size)
 
@@ -254,13 +288,19 @@ def _target(world: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[flo
 def _pose(entity: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[float, ...]:
     """X and y from the grid's corner, m, and heading, rad."""
     pose = [*entity.numbers("pose"), *[Fraction(0)] * 4][:4]
-    x, y = (float(value * unit - corner) for value, corner in zip(pose[:2], plan.corner, strict=True))
+    x, y = (
+        float(value * unit - corner) for value, corner in zip(pose[:2], plan.corner, strict=True)
+    )
     return x, y, radians(pose[3]) if turn else float(pose[3])
 
 
 def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
-    """Of the disc round the robot's own point that covers its blocks; None where its size is not known."""
-    size, shift = robot.numbers("size"), [*robot.numbers("origin"), Fraction(0), Fraction(0)]
+    """Of the disc round the robot's own point that covers its blocks.
+
+    None where its size is not known.
+    """
+    size = robot.numbers("size")
+    shift = [*robot.numbers("origin"), Fraction(0), Fraction(0)]
     if len(size) < 2 or min(size[:2]) <= 0:
         notes.append("the robot's size is not in the file")
         return None
@@ -269,7 +309,9 @@ def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
     squared = Fraction(0)
     for point in points:
         at = [
-            ((value - (low + high) / 2) / (high - low) * length + move) * unit if high > low else Fraction(0)
+            ((value - (low + high) / 2) / (high - low) * length + move) * unit
+            if high > low
+            else Fraction(0)
             for value, (low, high), length, move in zip(point, spans, size, shift, strict=False)
         ]
         squared = max(squared, at[0] ** 2 + at[1] ** 2)
@@ -277,7 +319,8 @@ def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
 
 
 def _root(squared: Fraction) -> Fraction | float:
-    above, below = math.isqrt(squared.numerator), math.isqrt(squared.denominator)
+    above = math.isqrt(squared.numerator)
+    below = math.isqrt(squared.denominator)
     if above**2 == squared.numerator and below**2 == squared.denominator:
         return Fraction(above, below)
     return math.sqrt(squared)

@@ -1,7 +1,8 @@
 """Map files of the thesis's simulator (``.gex``, ``.map``): the signal of every cell, row by row.
 
-A cell holds -2 for a wall, 0 for the target, and else its squared distance to the target in cells, which the
-map editor's noise filter may have changed. The file has no header: the map is a square, y down.
+A cell holds -2 for a wall, 0 for the target, and else its squared distance to the target in cells,
+which the map editor's noise filter may have changed. The file has no header: the map is a square, y
+down.
 
 Source: the thesis's listing, ``fileOps.saveFile``, ``loadFile``, ``Grid.lightGridGenrtr`` and
 ``simWorldCreator.noiseMapGen``; bytes as in files that its save routine wrote.
@@ -69,9 +70,11 @@ def _light(size: int, target: tuple[int, int]) -> Ints:
 def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     """The signal after the noise filter went once over all inner walls, in the program's order.
 
-    A wall changes the cells within two of it: one that now holds more than the wall's own distance gets one
-    and a half times its undisturbed value, any other nine tenths, unless that is 0. What a cell ends with
-    depends on the order of the walls round it, and on no other cell; so all cells take their turns at once.
+    A wall changes the cells within two of it: one that now holds more than the wall's own distance
+        gets one
+    and a half times its undisturbed value, any other nine tenths, unless that is 0. What a cell
+    ends with depends on the order of the walls round it, and on no other cell; so all cells take
+    their turns at once.
 
     Args:
         values: As :func:`signal` gives them.
@@ -82,10 +85,13 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     inner[1:-1, 1:-1] = values[1:-1, 1:-1] == WALL
     walls = np.pad(inner, _REACH)
     at_wall = np.pad(light, _REACH)
-    raised, lowered = (1.5 * light).astype(np.int32), (0.9 * light).astype(np.int32)
+    raised = (1.5 * light).astype(np.int32)
+    lowered = (0.9 * light).astype(np.int32)
     result = values.copy()
     size = values.shape[0]
-    for down in range(2 * _REACH + 1):  # the wall's row and column, as seen from the cell, in scan order
+    for down in range(
+        2 * _REACH + 1
+    ):  # the wall's row and column, as seen from the cell, in scan order
         for right in range(2 * _REACH + 1):
             there = np.s_[down : down + size, right : right + size]
             struck = walls[there] & (result > 0)
@@ -98,7 +104,9 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
 def program_start(size: int, cell_size: float) -> Pose:
     """Where the program starts its robot: 35 px from the left and from the top, of 10 px a cell."""
     halves = round(2 * _START_CELLS)
-    x, y = (lattice_to_metres(cells * UNIT // 2, cell_size) for cells in (halves, 2 * size - halves))
+    x, y = (
+        lattice_to_metres(cells * UNIT // 2, cell_size) for cells in (halves, 2 * size - halves)
+    )
     return Pose(x, y, math.pi - _START_HEADING)
 
 
@@ -107,7 +115,10 @@ def unloadable(size: int) -> str | None:
     low, high = _LOADABLE
     if low <= size <= high and size % 2 == 0:
         return None
-    return f"the thesis's program does not load {size} x {size} cells: it takes even sizes of {low} to {high}"
+    return (
+        f"the thesis's program does not load {size} x {size} cells: it takes even sizes of "
+        f"{low} to {high}"
+    )
 
 
 def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
@@ -154,7 +165,8 @@ def _explain(
     return notes, (
         Note(
             "signal-unknown",
-            "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
+            "the values are neither squared distances to the target nor what the noise filter "
+            "makes of these in one go "
             "({cells} cells fit neither)",
             "walls and target are kept, and export --to thesis will write the plain map",
             at_terminal=True,
@@ -165,7 +177,8 @@ def _explain(
 
 _THROUGH_NOISE = Note(
     "noise-filtered",
-    "the map has been through the noise filter, which a world has no room for: run it with thesis-1+noise",
+    "the map has been through the noise filter, which a world has no room for: run it with "
+    "thesis-1+noise",
     "export --to thesis filters it again",
     at_terminal=True,
 )
@@ -223,7 +236,8 @@ def _check_values(values: Ints, source: str) -> None:
         row, column = (int(index) for index in opened[0])
         raise FormatError(
             "open-border",
-            "the border is open in column {column}, row {row} from the top; a map has walls all round",
+            "the border is open in column {column}, row {row} from the top; a map has walls all "
+            "round",
             "close it in the program's map editor",
             column=column,
             row=row,

@@ -1,7 +1,8 @@
 """Reading 3MF: a ZIP archive with an XML model.
 
-trimesh 5.2 reads 3MF too, with two more libraries, but in time that grows with the square of the number of parts:
-4,000 parts take it 2.7 s, 40,000 more than 90 s, and worldgen writes a part per wall. It also unpacks archives without
+trimesh 5.2 reads 3MF too, with two more libraries, but in time that grows with the square of the
+number of parts: 4,000 parts take it 2.7 s, 40,000 more than 90 s, and worldgen writes a part per
+    wall. It also unpacks archives without
 a limit.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
@@ -25,7 +26,14 @@ from worldgen.interop.readers.xml_tree import XmlElement, read_xml
 
 __all__ = ["UNITS", "read_threemf"]
 
-UNITS = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
+UNITS = {
+    "micron": 1e-6,
+    "millimeter": 1e-3,
+    "centimeter": 1e-2,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "meter": 1.0,
+}
 _MODEL = "3D/3dmodel.model"
 _MOST_XML = 256 << 20  # bytes, unpacked
 _MOST_DEPTH = 16  # components within components
@@ -53,7 +61,9 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
     root = read_xml(_unpacked(data, source), source)
     unit = root.attributes.get("unit", "millimeter")
     if _plain(root.name) != "model" or unit not in UNITS:
-        raise FormatError("wrong-structure", "has no <model> in a unit of 3MF", "export it again", source=source)
+        raise FormatError(
+            "wrong-structure", "has no <model> in a unit of 3MF", "export it again", source=source
+        )
     objects = {
         element.attributes.get("id", ""): element
         for element in _children(root, "resources", "object")
@@ -84,13 +94,29 @@ def _unpacked(data: bytes, source: str) -> bytes:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, archive.open(_MODEL) as stream:
             text = stream.read(_MOST_XML + 1)
-    except (zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, RuntimeError, ValueError) as error:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        KeyError,
+        EOFError,
+        OSError,
+        RuntimeError,
+        ValueError,
+    ) as error:
         raise FormatError(
-            "not-an-archive", "is no ZIP archive with {model} in it", "export it again", model=_MODEL, source=source
+            "not-an-archive",
+            "is no ZIP archive with {model} in it",
+            "export it again",
+            model=_MODEL,
+            source=source,
         ) from error
     if len(text) > _MOST_XML:
         raise FormatError(
-            "too-large", "unpacks to more than {most} bytes", "simplify it", most=_MOST_XML, source=source
+            "too-large",
+            "unpacks to more than {most} bytes",
+            "simplify it",
+            most=_MOST_XML,
+            source=source,
         )
     return text
 
@@ -102,7 +128,11 @@ def _plain(name: str) -> str:
 def _children(element: XmlElement, *names: str) -> list[XmlElement]:
     """The elements at the end of a path of names, whatever their prefixes."""
     found = [child for child in element.children if _plain(child.name) == names[0]]
-    return [deeper for child in found for deeper in _children(child, *names[1:])] if names[1:] else found
+    return (
+        [deeper for child in found for deeper in _children(child, *names[1:])]
+        if names[1:]
+        else found
+    )
 
 
 def _transform(element: XmlElement) -> Floats:
@@ -124,7 +154,9 @@ def _placed(
 ) -> list[Mesh]:
     """The meshes of an object and of its components, each where it stands."""
     if depth == 0:
-        raise FormatError("too-deep", "its components nest too deep", "export it flat", source=source)
+        raise FormatError(
+            "too-deep", "its components nest too deep", "export it flat", source=source
+        )
     left.parts -= 1
     if left.parts < 0 or left.faces < 0:
         raise FormatError(
@@ -146,14 +178,19 @@ def _placed(
         found.append((np.asarray(moved), faces[:, ::-1] if mirrored else faces))
     for component in _children(element, "components", "component"):
         inner = _transform(component)
-        whole = np.concatenate([inner[:3] @ transform[:3], inner[3:] @ transform[:3] + transform[3]])
-        found += _placed(objects, meshes, component.attributes["objectid"], whole, source, depth - 1, left)
+        whole = np.concatenate(
+            [inner[:3] @ transform[:3], inner[3:] @ transform[:3] + transform[3]]
+        )
+        found += _placed(
+            objects, meshes, component.attributes["objectid"], whole, source, depth - 1, left
+        )
     return found
 
 
 def _mesh(mesh: XmlElement) -> Mesh:
     places = [
-        [float(vertex.attributes[axis]) for axis in ("x", "y", "z")] for vertex in _children(mesh, "vertices", "vertex")
+        [float(vertex.attributes[axis]) for axis in ("x", "y", "z")]
+        for vertex in _children(mesh, "vertices", "vertex")
     ]
     corners = [
         [int(triangle.attributes[corner]) for corner in ("v1", "v2", "v3")]
@@ -169,7 +206,10 @@ def _mesh(mesh: XmlElement) -> Mesh:
 def _joined(found: list[Mesh]) -> Mesh:
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in found)])
     vertices = [np.zeros((0, 3)), *(vertices for vertices, _ in found)]
-    faces = [np.zeros((0, 3), np.int64), *(faces + start for (_, faces), start in zip(found, starts, strict=False))]
+    faces = [
+        np.zeros((0, 3), np.int64),
+        *(faces + start for (_, faces), start in zip(found, starts, strict=False)),
+    ]
     return np.concatenate(vertices), np.concatenate(faces)
 
 

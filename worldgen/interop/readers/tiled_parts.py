@@ -1,4 +1,7 @@
-"""Parts of a Tiled map: layers, tiles, objects and properties, none of them believed before it is checked."""
+"""Parts of a Tiled map.
+
+Layers, tiles, objects and properties, none of them believed before it is checked.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +47,26 @@ def parse_tiled(data: bytes, source: str) -> Part:
     try:
         parsed = json.loads(data)
     except UnicodeDecodeError as error:
-        raise FormatError("not-utf8", "is no UTF-8 text", "save it from Tiled as JSON", source=source) from error
-    except json.JSONDecodeError as error:
-        message = Message("not-json", "is no JSON: {reason}", "save it from Tiled as JSON (.tmj)", reason=error.msg)
-        raise FormatError.of(message, line=error.lineno, source=source) from error
-    except (RecursionError, ValueError) as error:  # nested too deep; a number of thousands of digits
         raise FormatError(
-            "wrong-form", "is no map that Tiled would write", "save it from Tiled anew", source=source
+            "not-utf8", "is no UTF-8 text", "save it from Tiled as JSON", source=source
+        ) from error
+    except json.JSONDecodeError as error:
+        message = Message(
+            "not-json",
+            "is no JSON: {reason}",
+            "save it from Tiled as JSON (.tmj)",
+            reason=error.msg,
+        )
+        raise FormatError.of(message, line=error.lineno, source=source) from error
+    except (
+        RecursionError,
+        ValueError,
+    ) as error:  # nested too deep; a number of thousands of digits
+        raise FormatError(
+            "wrong-form",
+            "is no map that Tiled would write",
+            "save it from Tiled anew",
+            source=source,
         ) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
@@ -61,7 +77,10 @@ def parse_tiled(data: bytes, source: str) -> Part:
         )
     if parsed.get("infinite") is True:
         raise FormatError(
-            "endless-map", "is endless", "take the tick off Infinite in Tiled's Map Properties", source=source
+            "endless-map",
+            "is endless",
+            "take the tick off Infinite in Tiled's Map Properties",
+            source=source,
         )
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
@@ -158,10 +177,13 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
 
 
 def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
-    """Numbers of tiles, (height, width), top row first, 0 where there is none; how they are flipped is left out.
+    """Numbers of tiles, (height, width), top row first, 0 where there is none.
+
+    How they are flipped is left out.
 
     Raises:
-        FormatError: If the layer has another size, or its data cannot be unpacked to that many numbers.
+        FormatError: If the layer has another size, or its data cannot be unpacked to that many
+            numbers.
     """
     name = f"layer {quote(layer['name'])}"
     size = layer.get("width", width), layer.get("height", height)
@@ -202,9 +224,17 @@ def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
     if isinstance(data, list) and not any(isinstance(value, list) for value in data[:1]):
         with contextlib.suppress(ValueError, OverflowError):
             numbers = np.array(data)
-    if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or (len(numbers) and int(numbers.min()) < 0):
+    if (
+        numbers.ndim != 1
+        or numbers.dtype.kind not in "iu"
+        or (len(numbers) and int(numbers.min()) < 0)
+    ):
         raise FormatError(
-            "wrong-type", "{name} has no list of tile numbers as its data", "save it anew", name=name, source=source
+            "wrong-type",
+            "{name} has no list of tile numbers as its data",
+            "save it anew",
+            name=name,
+            source=source,
         )
     return numbers.astype(np.int64)
 
@@ -271,12 +301,25 @@ def _objects(layers: list[Part]) -> Iterator[Part]:
 
 
 def numbers_of(part: Part, *keys: str) -> dict[str, float]:
-    """Finite numbers of a part by those keys; without any, of its custom properties by their names."""
+    """Finite numbers of a part by those keys.
+
+    Without any, of its custom properties by their names.
+    """
     if keys:
         pairs = [(key, part.get(key)) for key in keys]
     else:
         properties = part.get("properties")
-        named = [each for each in properties if isinstance(each, dict)] if isinstance(properties, list) else []
+        named = (
+            [each for each in properties if isinstance(each, dict)]
+            if isinstance(properties, list)
+            else []
+        )
         pairs = [(str(each.get("name")), each.get("value")) for each in named]
-    plain = [(key, value) for key, value in pairs if isinstance(value, int | float) and not isinstance(value, bool)]
-    return {key: float(value) for key, value in plain if abs(value) < 1e300 and math.isfinite(value)}
+    plain = [
+        (key, value)
+        for key, value in pairs
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    ]
+    return {
+        key: float(value) for key, value in plain if abs(value) < 1e300 and math.isfinite(value)
+    }

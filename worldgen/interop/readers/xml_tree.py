@@ -1,4 +1,7 @@
-"""XML read as a tree of names and words: no document type, no entity, no endless depth, every fault with its line."""
+"""XML read as a tree of names and words.
+
+No document type, no entity, no endless depth, every fault with its line.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +62,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
     Raises:
         FormatError: If it is no well-formed XML, declares a document type, or is nested too deep.
     """
-    reader = _Reader(source)
+    reader = _TreeBuilder(source)
     try:
         for at in range(0, len(data), _CHUNK):
             reader.parser.Parse(data[at : at + _CHUNK], False)
@@ -78,16 +81,23 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         raise
     except (ValueError, LookupError) as error:  # an encoding that Python does not have
         raise FormatError(
-            "not-xml", "is no XML: {reason}", "save it as UTF-8", reason=str(error), line=1, source=source
+            "not-xml",
+            "is no XML: {reason}",
+            "save it as UTF-8",
+            reason=str(error),
+            line=1,
+            source=source,
         ) from error
     return reader.open[0].children[0]
 
 
-class _Reader:
+class _TreeBuilder:
     """Builds the tree; everything that could make a small file large is refused as soon as it is named."""
 
     def __init__(self, source: str) -> None:
-        self.source, self.open, self._count = source, [XmlElement("", 0)], 0
+        self.source = source
+        self.open = [XmlElement("", 0)]
+        self._count = 0
         self._texts: list[list[str]] = [[]]
         self.parser = expat.ParserCreate()
         self.parser.buffer_text = True
@@ -104,14 +114,20 @@ class _Reader:
         raise self._fault(
             Message(
                 "unsupported",
-                "a document type ({name!q}) is declared; worlds have none, delete the <!DOCTYPE ...>",
+                "a document type ({name!q}) is declared; worlds have none, delete the <!DOCTYPE "
+                "...>",
                 name=name,
             )
         )
 
     def _entity(self, name: str, *_: object) -> None:
         raise self._fault(
-            Message("unsupported", "an entity ({name!q}) is declared", "write its text where it is used", name=name)
+            Message(
+                "unsupported",
+                "an entity ({name!q}) is declared",
+                "write its text where it is used",
+                name=name,
+            )
         )
 
     def _begin(self, name: str, attributes: dict[str, str]) -> None:

@@ -41,7 +41,9 @@ class _Entry(NamedTuple):
 
 
 class YamlTable:
-    """Keys with their values, as words and numbers; asked for what is not so, it raises with the line.
+    """Keys with their values, as words and numbers.
+
+    Asked for what is not so, it raises with the line.
 
     Args:
         node: The mapping.
@@ -52,13 +54,21 @@ class YamlTable:
     """
 
     def __init__(self, node: yaml.MappingNode, source: str) -> None:
-        self.source, self.line = source, node.start_mark.line + 1
+        self.source = source
+        self.line = node.start_mark.line + 1
         self._entries: dict[str, _Entry] = {}
         for key, value in node.value:
             line = key.start_mark.line + 1
             name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
             if name in self._entries:
-                raise FormatError("twice", "{name!q} is given twice", "keep one", name=name, line=line, source=source)
+                raise FormatError(
+                    "twice",
+                    "{name!q} is given twice",
+                    "keep one",
+                    name=name,
+                    line=line,
+                    source=source,
+                )
             self._entries[name] = _Entry(value, line)
 
     def __contains__(self, key: str) -> bool:
@@ -80,7 +90,12 @@ class YamlTable:
         node = self._entries[key].node
         if not isinstance(node, yaml.ScalarNode) or not node.value:
             raise self.fault(
-                key, Message("wrong-type", "{key} must be one value on its line, not a list and not empty", key=key)
+                key,
+                Message(
+                    "wrong-type",
+                    "{key} must be one value on its line, not a list and not empty",
+                    key=key,
+                ),
             )
         return str(node.value)
 
@@ -96,7 +111,11 @@ class YamlTable:
             raise self.fault(
                 key,
                 Message(
-                    "not-a-number", "{key} is {word!q}, no finite number", "write one like 0.05", key=key, word=word
+                    "not-a-number",
+                    "{key} is {word!q}, no finite number",
+                    "write one like 0.05",
+                    key=key,
+                    word=word,
                 ),
             )
         return value
@@ -109,7 +128,10 @@ class YamlTable:
         """
         word = self.word(key)
         if word.lower() not in _TRUTH:
-            raise self.fault(key, Message("not-a-number", "{key} is {word!q}", "write 0 or 1", key=key, word=word))
+            raise self.fault(
+                key,
+                Message("not-a-number", "{key} is {word!q}", "write 0 or 1", key=key, word=word),
+            )
         return _TRUTH[word.lower()]
 
     def words(self, key: str) -> list[str] | None:
@@ -139,12 +161,21 @@ class YamlTable:
         word = self.word(key)
         if not _is_exact(word):
             raise self.fault(
-                key, Message("not-a-number", "{key} is {word!q}, no number", "write one like 0.05", key=key, word=word)
+                key,
+                Message(
+                    "not-a-number",
+                    "{key} is {word!q}, no number",
+                    "write one like 0.05",
+                    key=key,
+                    word=word,
+                ),
             )
         return Fraction(word)
 
     def rows(self, key: str) -> list[list[Fraction]]:
-        """The lists of numbers of a key, exactly; a single list counts as one row, and so does a list of one.
+        """The lists of numbers of a key, exactly.
+
+        A single list counts as one row, and so does a list of one.
 
         Raises:
             FormatError: If it is something else.
@@ -155,11 +186,18 @@ class YamlTable:
             items = items[0].value
         nested = [item.value for item in items if isinstance(item, yaml.SequenceNode)]
         rows = nested if nested and len(nested) == len(items) else [items]
-        words = [[item.value if isinstance(item, yaml.ScalarNode) else "" for item in row] for row in rows]
+        words = [
+            [item.value if isinstance(item, yaml.ScalarNode) else "" for item in row]
+            for row in rows
+        ]
         if not all(row and all(map(_is_exact, row)) for row in words):
             raise self.fault(
                 key,
-                Message("wrong-type", "{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists", key=key),
+                Message(
+                    "wrong-type",
+                    "{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists",
+                    key=key,
+                ),
             )
         return [[Fraction(word) for word in row] for row in words]
 
@@ -174,7 +212,12 @@ class YamlTable:
         tables = [item for item in items if isinstance(item, yaml.MappingNode)]
         if len(tables) < len(items):
             raise self.fault(
-                key, Message("wrong-type", "{key} must have keys of its own, `name: value`, indented below it", key=key)
+                key,
+                Message(
+                    "wrong-type",
+                    "{key} must have keys of its own, `name: value`, indented below it",
+                    key=key,
+                ),
             )
         return [YamlTable(item, self.source) for item in tables]
 
@@ -192,7 +235,9 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
     """
     root = _compose(text, source)
     if not isinstance(root, yaml.MappingNode):
-        raise FormatError("empty", "holds no keys; {example}", example=example, line=1, source=source)
+        raise FormatError(
+            "empty", "holds no keys; {example}", example=example, line=1, source=source
+        )
     return YamlTable(root, source)
 
 
@@ -222,15 +267,26 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
         mark = error.problem_mark or error.context_mark
         line = 1 if mark is None else mark.line + 1
         message = Message(
-            "not-yaml", "is no YAML: {reason}", "write `key: value` lines", reason=error.problem or error.context
+            "not-yaml",
+            "is no YAML: {reason}",
+            "write `key: value` lines",
+            reason=error.problem or error.context,
         )
         raise FormatError.of(message, line=line, source=source) from error
     except FormatError:
         raise
-    except (yaml.YAMLError, ValueError, OverflowError) as error:  # a forbidden character, raw or as an escape
+    except (
+        yaml.YAMLError,
+        ValueError,
+        OverflowError,
+    ) as error:  # a forbidden character, raw or as an escape
         line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
         raise FormatError(
-            "forbidden-character", "has a character that YAML forbids", "remove it", line=line, source=source
+            "forbidden-character",
+            "has a character that YAML forbids",
+            "remove it",
+            line=line,
+            source=source,
         ) from error
 
 
@@ -247,7 +303,9 @@ def _refuse_tricks(text: str, source: str) -> None:
                 line=line,
                 source=source,
             )
-        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(
+            event, yaml.CollectionEndEvent
+        )
         if depth > _MAX_DEPTH:
             raise FormatError(
                 "nested-too-deep",

@@ -1,8 +1,9 @@
 """Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
 
-A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A cut's gaps
-and its winding are whole numbers of cells and halves, so they are checked exactly; of a target's disc that reaches
-over the chain, the poses that count are worked out to 180 digits, and what is doubtful goes against the certificate.
+A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A
+cut's gaps and its winding are whole numbers of cells and halves, so they are checked exactly; of a
+target's disc that reaches over the chain, the poses that count are worked out to 180 digits, and
+what is doubtful goes against the certificate.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ __all__ = [
     "BlockedSpans",
     "CheckReport",
     "Floats",
-    "Path",
+    "WitnessPoints",
     "blocked_spans",
     "check_certificate",
     "path_of",
@@ -46,8 +47,8 @@ class CheckReport:
     Args:
         valid: Whether the certificate proves what it claims, for the radius asked.
         reason: One sentence: what does not hold, or what does.
-        clearance: m. Of a witness, the largest disc that it lets through, as measured; of a cut, half its
-            widest gap. 0 where the certificate broke before it was measured.
+        clearance: m. Of a witness, the largest disc that it lets through, as measured; of a cut,
+            half its widest gap. 0 where the certificate broke before it was measured.
     """
 
     valid: bool
@@ -93,7 +94,10 @@ def _require(holds: bool, otherwise: str) -> None:
 
 @dataclass(frozen=True)
 class BlockedSpans:
-    """When the cells that change are blocked (solid or burning): from ``begin`` to before ``end``, s."""
+    """When the cells that change are blocked (solid or burning).
+
+    From ``begin`` to before ``end``, s.
+    """
 
     ix: Cells
     iy: Cells
@@ -105,16 +109,26 @@ def blocked_spans(world: World) -> BlockedSpans:
     """One row per uninterrupted state of each cell that changes."""
     line = world.timeline
     order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
-    ix, iy = line.ix[order], line.iy[order]
-    begin, state = line.times[order], line.states[order].astype(np.int64)
+    ix = line.ix[order]
+    iy = line.iy[order]
+    begin = line.times[order]
+    state = line.states[order].astype(np.int64)
     changes = (np.diff(ix) != 0) | (np.diff(iy) != 0)
-    first, last = np.ones(len(ix), np.bool_), np.ones(len(ix), np.bool_)
-    first[1:], last[:-1] = changes, changes
+    first = np.ones(len(ix), np.bool_)
+    last = np.ones(len(ix), np.bool_)
+    first[1:] = changes
+    last[:-1] = changes
     end = np.full(len(ix), math.inf)
     end[:-1][~changes] = begin[1:][~changes]
-    ix, iy = np.concatenate([ix, ix[first]]), np.concatenate([iy, iy[first]])
-    begin, end = np.concatenate([begin, np.zeros(int(first.sum()))]), np.concatenate([end, begin[first]])
-    wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
+    ix = np.concatenate([ix, ix[first]])
+    iy = np.concatenate([iy, iy[first]])
+    begin, end = (
+        np.concatenate([begin, np.zeros(int(first.sum()))]),
+        np.concatenate([end, begin[first]]),
+    )
+    wall = np.where(
+        world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE)
+    )
     state = np.concatenate([state, wall])
     kept = (state != int(CellState.FREE)) & (begin < end)
     return BlockedSpans(ix[kept], iy[kept], begin[kept], end[kept])
@@ -140,7 +154,7 @@ def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class Path:
+class WitnessPoints:
     """A witness in cells and seconds; of two points at least."""
 
     times: Floats
@@ -154,11 +168,14 @@ class Path:
 
     def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
         """What the robot drives of each piece between the times ``low`` and ``high``."""
-        begin, length = self.times[piece], np.diff(self.times)[piece]
+        begin = self.times[piece]
+        length = np.diff(self.times)[piece]
         length = np.where(length > 0, length, 1.0)
         ends = []
         for share in ((low - begin) / length, (high - begin) / length):
-            ends.append(np.stack([v[piece] + share * np.diff(v)[piece] for v in (self.x, self.y)], axis=1))
+            ends.append(
+                np.stack([v[piece] + share * np.diff(v)[piece] for v in (self.x, self.y)], axis=1)
+            )
         return _lines(ends[0], ends[1])
 
 
@@ -174,7 +191,9 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     path = path_of(world, witness)
     clearance, where = _static_clearance(world, path)
     if world.is_dynamic:
-        clearance, where = _timed_clearance(world, path, clearance, where, max(radius, witness.clearance) / size)
+        clearance, where = _timed_clearance(
+            world, path, clearance, where, max(radius, witness.clearance) / size
+        )
     measured[0] = max(clearance * size, 0.0)
     _require(
         clearance >= radius / size - TOLERANCE,
@@ -182,73 +201,108 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     )
     _require(
         clearance >= witness.clearance / size - TOLERANCE,
-        f"the witness claims {witness.clearance} m of clearance and has {clearance * size:.9g} m, at {where}",
+        f"the witness claims {witness.clearance} m of clearance and has {clearance * size:.9g} m, "
+        f"at {where}",
     )
 
 
-def path_of(world: World, witness: Witness) -> Path:
+def path_of(world: World, witness: Witness) -> WitnessPoints:
     """The witness, once it starts and ends where it must, stays in the grid and keeps to the speed."""
-    times, x, y, size = witness.times, witness.x, witness.y, world.cell_size
+    times = witness.times
+    x = witness.x
+    y = witness.y
+    size = world.cell_size
     finite = all(np.isfinite(values).all() for values in (times, x, y))
     _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
     _require(bool(times[0] == 0.0), f"the witness starts at {times[0]} s, not at 0 s")
     falls = np.nonzero(times[1:] < times[:-1])[0]
     _require(not len(falls), f"the witness goes back in time after point {_first(falls)}")
-    x, y = x / size, y / size
+    x = x / size
+    y = y / size
     inside = (x >= 0) & (y >= 0) & (x <= world.width + TOLERANCE) & (y <= world.height + TOLERANCE)
-    _require(bool(inside.all()), f"the witness leaves the grid at point {_first(np.nonzero(~inside)[0])}")
+    _require(
+        bool(inside.all()), f"the witness leaves the grid at point {_first(np.nonzero(~inside)[0])}"
+    )
     off = math.dist((x[0], y[0]), (world.start.x / size, world.start.y / size))
     _require(off <= TOLERANCE, f"the witness starts {off * size:.3g} m from the start")
-    missed = math.dist((x[-1], y[-1]), (world.target.x / size, world.target.y / size)) - world.target.radius / size
-    _require(missed <= TOLERANCE, f"the witness ends {missed * size:.3g} m outside the target's disc")
-    steps, waits = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2), np.diff(times)
+    missed = (
+        math.dist((x[-1], y[-1]), (world.target.x / size, world.target.y / size))
+        - world.target.radius / size
+    )
+    _require(
+        missed <= TOLERANCE, f"the witness ends {missed * size:.3g} m outside the target's disc"
+    )
+    steps = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
+    waits = np.diff(times)
     fast = np.nonzero(steps > world.robot_speed / size * waits * (1 + SPEED_TOLERANCE) + 1e-11)[0]
-    _require(not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {_first(fast)}")
+    _require(
+        not len(fast),
+        f"the witness is faster than {world.robot_speed} m/s after point {_first(fast)}",
+    )
     if len(times) == 1:
-        return Path(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
-    return Path(times, x, y)
+        return WitnessPoints(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
+    return WitnessPoints(times, x, y)
 
 
 def _first(found: npt.NDArray[np.intp]) -> int:
     return int(found[0]) if len(found) else 0
 
 
-def _static_clearance(world: World, path: Path) -> tuple[float, str]:
+def _static_clearance(world: World, path: WitnessPoints) -> tuple[float, str]:
     """Distance, cells, from a path to the nearest cell that is solid and never changes, or to the outside."""
     # The outside is the complement of a convex box: the path is nearest to it at one of its points.
     rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
-    clearance, where = float(rim), "the outside of the grid"
+    clearance = float(rim)
+    where = "the outside of the grid"
     runs = np.diff(np.pad(world.still_walls, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     iy, begin = np.nonzero(runs == 1)
     end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
     if len(iy):
         tree = shapely.STRtree(shapely.box(begin, iy, end, iy + 1))
-        (_, boxes), distances = tree.query_nearest(path.shapes(), all_matches=False, return_distance=True)
+        (_, boxes), distances = tree.query_nearest(
+            path.shapes(), all_matches=False, return_distance=True
+        )
         nearest = int(np.argmin(distances))
         if distances[nearest] < clearance:
             box = boxes[nearest]
-            clearance, where = float(distances[nearest]), f"cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
+            clearance = float(distances[nearest])
+            where = f"cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
     return clearance, where
 
 
-def _timed_clearance(world: World, path: Path, clearance: float, where: str, claim: float) -> tuple[float, str]:
-    """The same with the cells that change, each while it is solid or burning; at most the claim and a cell."""
-    spans, begin, end = blocked_spans(world), path.times[:-1], path.times[1:]
+def _timed_clearance(
+    world: World, path: WitnessPoints, clearance: float, where: str, claim: float
+) -> tuple[float, str]:
+    """The same with the cells that change, each while it is solid or burning.
+
+    At most the claim and a cell.
+    """
+    spans = blocked_spans(world)
+    begin = path.times[:-1]
+    end = path.times[1:]
     early = spans.begin <= end[-1]
-    ix, iy, since, until = spans.ix[early], spans.iy[early], spans.begin[early], spans.end[early]
+    ix = spans.ix[early]
+    iy = spans.iy[early]
+    since = spans.begin[early]
+    until = spans.end[early]
     reach = max(0.0, min(clearance, claim + 1.0))
     boxes = shapely.box(ix, iy, ix + 1, iy + 1)
     cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
     meet = (since[cell] <= end[piece]) & (until[cell] > begin[piece])
-    cell, piece = cell[meet], piece[meet]
+    cell = cell[meet]
+    piece = piece[meet]
     if not len(cell):
         return reach, where
-    low, high = np.maximum(since[cell], begin[piece]), np.minimum(until[cell], end[piece])
+    low = np.maximum(since[cell], begin[piece])
+    high = np.minimum(until[cell], end[piece])
     distances = shapely.distance(path.parts(piece, low, high), boxes[cell])
     at = int(np.argmin(distances))
     if distances[at] >= reach:
         return reach, where
-    named = f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked meanwhile, between {low[at]:.6g} s and {high[at]:.6g} s"
+    named = (
+        f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked meanwhile, between {low[at]:.6g} s "
+        f"and {high[at]:.6g} s"
+    )
     return float(distances[at]), named
 
 
@@ -258,10 +312,14 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     gaps = [_gap_sq(a, b) for a, b in zip(cells, [*cells[1:], cells[0]], strict=True)]
     wide = max(gaps)
     measured[0] = math.sqrt(wide) / 2 * world.cell_size
-    _require(cut.clearance < radius, f"the cut stops discs above {cut.clearance} m; the radius is {radius} m")
+    _require(
+        cut.clearance < radius,
+        f"the cut stops discs above {cut.clearance} m; the radius is {radius} m",
+    )
     _require(
         cut.clearance * (1 + 1e-12) >= measured[0],
-        f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m",
+        f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice "
+        f"{measured[0]:.9g} m",
     )
     for ix, iy in cells:
         near = -1 <= ix <= world.width and -1 <= iy <= world.height
@@ -270,7 +328,8 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     at = gaps.index(wide)
     _require(
         wide < (2 * in_cells) ** 2,
-        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower than the disc",
+        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower "
+        f"than the disc",
     )
     spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
@@ -280,7 +339,9 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     blocked = _always_blocked(world, spans)
     for ix, iy in cells:
         outside = not (0 <= ix < world.width and 0 <= iy < world.height)
-        _require(outside or bool(blocked[iy, ix]), f"cell ({ix}, {iy}) of the cut is free at some time")
+        _require(
+            outside or bool(blocked[iy, ix]), f"cell ({ix}, {iy}) of the cut is free at some time"
+        )
     return _check_sides(world, cells, in_cells, blocked)
 
 
@@ -293,7 +354,9 @@ def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
     return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
 
 
-def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans) -> bool:
+def _start_is_covered(
+    world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans
+) -> bool:
     """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
     now = world.still_walls
     at_once = spans.begin == 0.0
@@ -308,16 +371,22 @@ def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fracti
     return False
 
 
-def _check_sides(world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]) -> str:
+def _check_sides(
+    world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]
+) -> str:
     """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
     size = _decimal(world.cell_size)
     start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
     target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
-    line, reach = _closed_line(cells), _decimal(world.target.radius) / size
+    line = _closed_line(cells)
+    reach = _decimal(world.target.radius) / size
     home = _winds_round(line, start)
     if home != _winds_round(line, target) and len(cells) > 1:
         ring = shapely.LineString([(float(px), float(py)) for px, py in line])
-        if shapely.Point(float(target[0]), float(target[1])).distance(ring) > float(reach) + TOLERANCE:
+        if (
+            shapely.Point(float(target[0]), float(target[1])).distance(ring)
+            > float(reach) + TOLERANCE
+        ):
             return "the chain parts the start from the whole target"
     try:
         poses = poses_to_part(blocked, radius, target, reach)
@@ -331,8 +400,12 @@ def _check_sides(world: World, cells: list[tuple[int, int]], radius: Fraction, b
 
 
 def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
-    """Centre of each cell, closest points of it and the next, and so on, back to the first; in cells."""
-    half, line = Fraction(1, 2), []
+    """Centre of each cell, closest points of it and the next, and so on, back to the first.
+
+    In cells.
+    """
+    half = Fraction(1, 2)
+    line = []
     for a, b in zip(cells, [*cells[1:], cells[0]], strict=True):
         toward = [(b[k] > a[k]) - (b[k] < a[k]) for k in (0, 1)]
         line.append((a[0] + half, a[1] + half))

@@ -1,6 +1,7 @@
 """Checks a confinement without any of the code that made it: fractions, numpy, plain Python.
 
-It does not search. It asks of each stay whether every place where a robot in it can be one slab later is in some stay.
+It does not search. It asks of each stay whether every place where a robot in it can be one slab
+later is in some stay.
 """
 
 from __future__ import annotations
@@ -18,19 +19,21 @@ from worldgen.world import World
 
 __all__ = ["check_confinement"]
 
-SLACK = (
-    1e-9  # tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or as there
-)
+# tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or
+# as there.
+SLACK = 1e-9
 
 Tile: TypeAlias = tuple[int, int]
 Slabs: TypeAlias = tuple[int, int]
 
 
-class _Refused(Exception):
+class _ConfinementRefused(Exception):
     """The confinement does not hold; the message says why."""
 
 
-def check_confinement(world: World, proof: Confinement, *, radius: float | None = None) -> CheckReport:
+def check_confinement(
+    world: World, proof: Confinement, *, radius: float | None = None
+) -> CheckReport:
     """Whether a confinement proves that a disc does not get to the target, or not by its deadline.
 
     Args:
@@ -41,12 +44,16 @@ def check_confinement(world: World, proof: Confinement, *, radius: float | None 
     radius = world.robot_radius if radius is None else radius
     try:
         _Check(world, proof, radius).run()
-    except _Refused as refusal:
+    except _ConfinementRefused as refusal:
         return CheckReport(False, str(refusal), 0.0)
     within = "" if proof.deadline is None else f" within {proof.deadline:g} s"
     if not len(proof.stays):
         return CheckReport(True, f"no robot gets so far{within}", 0.0)
-    return CheckReport(True, f"no robot gets out of {len(proof.stays)} stays{within}, and none is at the target", 0.0)
+    return CheckReport(
+        True,
+        f"no robot gets out of {len(proof.stays)} stays{within}, and none is at the target",
+        0.0,
+    )
 
 
 def _decimal(value: float) -> Fraction:
@@ -55,16 +62,29 @@ def _decimal(value: float) -> Fraction:
 
 class _Check:
     def __init__(self, world: World, proof: Confinement, radius: float) -> None:
-        self.world, self.proof, self.k = world, proof, proof.k
+        self.world = world
+        self.proof = proof
+        self.k = proof.k
         if not (isinstance(proof.k, int) and proof.k >= 1 and proof.slab > 0):
-            raise _Refused("a tile or a slab has no size")
-        size, speed = _decimal(world.cell_size), _decimal(world.robot_speed)
+            raise _ConfinementRefused("a tile or a slab has no size")
+        size = _decimal(world.cell_size)
+        speed = _decimal(world.robot_speed)
         if proof.slab * speed > size / proof.k:
-            raise _Refused(f"in a slab of {float(proof.slab):g} s the robot gets farther than one tile's side")
+            raise _ConfinementRefused(
+                f"in a slab of {float(proof.slab):g} s the robot gets farther than one tile's side"
+            )
         self.radius = _decimal(radius) / size
         self.pace = float(proof.slab * speed * proof.k / size)  # tiles a slab
-        self.way = math.inf if proof.deadline is None else float(_decimal(proof.deadline) * speed * proof.k / size)
-        self.last = FOR_EVER if proof.deadline is None else math.floor(_decimal(proof.deadline) / proof.slab)
+        self.way = (
+            math.inf
+            if proof.deadline is None
+            else float(_decimal(proof.deadline) * speed * proof.k / size)
+        )
+        self.last = (
+            FOR_EVER
+            if proof.deadline is None
+            else math.floor(_decimal(proof.deadline) / proof.slab)
+        )
         self.home = math.floor(self._tiles(world.start.x)), math.floor(self._tiles(world.start.y))
         self.start = float(self._tiles(world.start.x)), float(self._tiles(world.start.y))
         self.target = float(self._tiles(world.target.x)), float(self._tiles(world.target.y))
@@ -73,9 +93,15 @@ class _Check:
         self.spans: dict[Tile, list[tuple[Fraction | float, Fraction | float]]] = defaultdict(list)
         spans = blocked_spans(world)
         for ix, iy, begin, end in zip(
-            spans.ix.tolist(), spans.iy.tolist(), spans.begin.tolist(), spans.end.tolist(), strict=True
+            spans.ix.tolist(),
+            spans.iy.tolist(),
+            spans.begin.tolist(),
+            spans.end.tolist(),
+            strict=True,
         ):
-            self.spans[ix, iy].append((_decimal(begin), math.inf if end == math.inf else _decimal(end)))
+            self.spans[ix, iy].append(
+                (_decimal(begin), math.inf if end == math.inf else _decimal(end))
+            )
         self.offsets: dict[Tile, list[Tile]] = {}
         self.alive: dict[Tile, list[Slabs]] = {}
         self.stays: dict[Tile, list[Slabs]] = defaultdict(list)
@@ -88,10 +114,12 @@ class _Check:
         for ix, iy, first, last in self.proof.stays.tolist():
             inside = 0 <= ix < self.world.width * self.k and 0 <= iy < self.world.height * self.k
             if not (inside and 0 <= first <= last):
-                raise _Refused(f"a stay in tile ({ix}, {iy}) from slab {first} to {last} is none")
+                raise _ConfinementRefused(
+                    f"a stay in tile ({ix}, {iy}) from slab {first} to {last} is none"
+                )
             self.stays[ix, iy].append((first, last))
             if first <= self.last and self._apart((ix, iy), self.target) <= self.reach + SLACK:
-                raise _Refused(f"the stay in tile ({ix}, {iy}) is at the target")
+                raise _ConfinementRefused(f"the stay in tile ({ix}, {iy}) is at the target")
         for stays in self.stays.values():
             stays.sort()
         for tile in self._around(self.home):
@@ -105,7 +133,8 @@ class _Check:
                         self._require(tile, max(begin + 1, first), min(end + 1, last))
 
     def _around(self, tile: Tile) -> Iterator[Tile]:
-        width, height = self.world.width * self.k, self.world.height * self.k
+        width = self.world.width * self.k
+        height = self.world.height * self.k
         for iy in range(max(tile[1] - 1, 0), min(tile[1] + 2, height)):
             for ix in range(max(tile[0] - 1, 0), min(tile[0] + 2, width)):
                 yield ix, iy
@@ -117,7 +146,9 @@ class _Check:
         stays = self.stays.get(tile, [])
         at = bisect.bisect_right(stays, (first, 2 * FOR_EVER)) - 1
         if not any(begin <= first and end >= last for begin, end in stays[: at + 1]):
-            raise _Refused(f"a robot gets out of its stay into tile {tile} in slab {first}")
+            raise _ConfinementRefused(
+                f"a robot gets out of its stay into tile {tile} in slab {first}"
+            )
 
     @staticmethod
     def _apart(tile: Tile, point: tuple[float, float]) -> float:
@@ -132,7 +163,8 @@ class _Check:
             soonest = (self._apart(tile, self.start) - SLACK) / self.pace - 1
             to_go = max(self._apart(tile, self.target) - self.reach, 0.0)
             latest = (self.way - to_go + SLACK) / self.pace if self.way < math.inf else math.inf
-            low, high = math.ceil(soonest), FOR_EVER if latest == math.inf else math.floor(latest)
+            low = math.ceil(soonest)
+            high = FOR_EVER if latest == math.inf else math.floor(latest)
             high = min(high, self.last)
             kept = ((max(first, low), min(last, high)) for first, last in self._clear(tile))
             self.alive[tile] = [(first, last) for first, last in kept if first <= last]
@@ -157,7 +189,8 @@ class _Check:
 
     def _covering(self, tile: Tile) -> Iterator[Tile]:
         """Cells of which every point of the tile is nearer than the radius."""
-        x, y = tile[0] // self.k, tile[1] // self.k
+        x = tile[0] // self.k
+        y = tile[1] // self.k
         place = tile[0] % self.k, tile[1] % self.k
         if place not in self.offsets:
             reach = math.ceil(self.radius) + 1
@@ -166,11 +199,19 @@ class _Check:
                 (dx, dy)
                 for dx in span
                 for dy in span
-                if self._farthest(place[0], dx) ** 2 + self._farthest(place[1], dy) ** 2 < self.radius**2
+                if self._farthest(place[0], dx) ** 2 + self._farthest(place[1], dy) ** 2
+                < self.radius**2
             ]
         for dx, dy in self.offsets[place]:
             yield x + dx, y + dy
 
     def _farthest(self, tile: int, cell: int) -> Fraction:
-        """How far, along one axis, a point of a tile can be from a cell; both counted from the same cell."""
-        return max(Fraction(cell * self.k - tile, self.k), Fraction(tile + 1, self.k) - cell - 1, Fraction(0))
+        """How far, along one axis, a point of a tile can be from a cell.
+
+        Both counted from the same cell.
+        """
+        return max(
+            Fraction(cell * self.k - tile, self.k),
+            Fraction(tile + 1, self.k) - cell - 1,
+            Fraction(0),
+        )

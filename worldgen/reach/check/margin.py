@@ -1,4 +1,7 @@
-"""How much later a witness may begin: measured, like all that checks, without any of the code that made it."""
+"""How much later a witness may begin.
+
+Measured, like all that checks, without any of the code that made it.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,13 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from worldgen.reach.check.certificate import TOLERANCE, Floats, Path, blocked_spans, path_of
+from worldgen.reach.check.certificate import (
+    TOLERANCE,
+    Floats,
+    WitnessPoints,
+    blocked_spans,
+    path_of,
+)
 from worldgen.world import Witness, World
 
 __all__ = ["delayed", "witness_margin"]
@@ -23,10 +32,11 @@ def delayed(world: World, witness: Witness, delay: float) -> Witness:
 
 
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
-    """The delay, s, below which every delay of a witness that holds leaves it one that holds; may be infinite.
+    """The delay, s, below which every delay of a witness that holds leaves it one that holds.
 
-    The robot waits at the start meanwhile, and must be safe there. A cell that the disc is nearer to than the radius
-    from time u to time v, and that is blocked from b to e, is met at a delay between b - v and e - u.
+    May be infinite. The robot waits at the start meanwhile, and must be safe there. A cell that the
+    disc is nearer to than the radius from time u to time v, and that is blocked from b to e, is met
+    at a delay between b - v and e - u.
 
     Args:
         world: The world.
@@ -36,40 +46,61 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     radius = world.robot_radius if radius is None else radius
     path = path_of(world, witness)
     spans = blocked_spans(world)
-    reach = radius / world.cell_size - TOLERANCE / 2  # half, so that what is found holds within the checker's own
+    reach = (
+        radius / world.cell_size - TOLERANCE / 2
+    )  # half, so that what is found holds within the checker's own
     boxes = shapely.box(spans.ix, spans.iy, spans.ix + 1, spans.iy + 1)
     cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
     first, last = _near(path, piece, spans.ix[cell], spans.iy[cell], reach)
     met = first < last
-    begin, length = path.times[piece], np.diff(path.times)[piece]
-    since, until = begin + first * length, begin + last * length
-    ahead = met & (spans.end[cell] > (since + until) / 2)  # those behind were over before the disc came near
+    begin = path.times[piece]
+    length = np.diff(path.times)[piece]
+    since = begin + first * length
+    until = begin + last * length
+    ahead = met & (
+        spans.end[cell] > (since + until) / 2
+    )  # those behind were over before the disc came near
     left = spans.begin[cell][ahead] - until[ahead]
     return float(max(left.min(initial=np.inf), 0.0))
 
 
 def _near(
-    path: Path, piece: npt.NDArray[np.intp], ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64], reach: float
+    path: WitnessPoints,
+    piece: npt.NDArray[np.intp],
+    ix: npt.NDArray[np.int64],
+    iy: npt.NDArray[np.int64],
+    reach: float,
 ) -> tuple[Floats, Floats]:
-    """From which share to which share of each piece it is nearer than ``reach`` to a cell; from 1 to 0 if nowhere.
+    """From which share to which share of each piece it is nearer than ``reach`` to a cell.
 
-    The points nearer than that to a square are those in two rectangles and in four discs round its corners. They are a
-    convex set, so the shares are an interval.
+    From 1 to 0 if nowhere. The points nearer than that to a square are those in two rectangles and
+    in four discs round its corners. They are a convex set, so the shares are an interval.
     """
-    x, y = path.x[piece], path.y[piece]
-    dx, dy = np.diff(path.x)[piece], np.diff(path.y)[piece]
-    first, last = np.ones(len(piece)), np.zeros(len(piece))
-    parts = [_in_box(x - ix, y - iy, dx, dy, wide, high) for wide, high in ((reach, 0.0), (0.0, reach))]
-    parts += [_in_disc(x - ix - right, y - iy - up, dx, dy, reach) for right in (0, 1) for up in (0, 1)]
+    x = path.x[piece]
+    y = path.y[piece]
+    dx = np.diff(path.x)[piece]
+    dy = np.diff(path.y)[piece]
+    first = np.ones(len(piece))
+    last = np.zeros(len(piece))
+    parts = [
+        _in_box(x - ix, y - iy, dx, dy, wide, high) for wide, high in ((reach, 0.0), (0.0, reach))
+    ]
+    parts += [
+        _in_disc(x - ix - right, y - iy - up, dx, dy, reach) for right in (0, 1) for up in (0, 1)
+    ]
     for low, high in parts:
         some = low < high
-        first, last = np.where(some, np.minimum(first, low), first), np.where(some, np.maximum(last, high), last)
+        first = np.where(some, np.minimum(first, low), first)
+        last = np.where(some, np.maximum(last, high), last)
     return first, last
 
 
-def _in_box(x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: float) -> tuple[Floats, Floats]:
+def _in_box(
+    x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: float
+) -> tuple[Floats, Floats]:
     """Shares between which a piece is in the unit square, made wider by ``wide`` and higher by ``high`` all round."""
-    first, last = np.zeros(len(x)), np.ones(len(x))
+    first = np.zeros(len(x))
+    last = np.ones(len(x))
     with np.errstate(all="ignore"):
         for at, step, more in ((x, dx, wide), (y, dy, high)):
             ends = np.stack([(-more - at) / step, (1.0 + more - at) / step])
@@ -77,16 +108,23 @@ def _in_box(x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: flo
             stands = np.abs(step) < 1e-12
             low = np.where(stands, np.where(inside, 0.0, 1.0), ends.min(axis=0))
             high_ = np.where(stands, np.where(inside, 1.0, 0.0), ends.max(axis=0))
-            first, last = np.maximum(first, low), np.minimum(last, high_)
+            first = np.maximum(first, low)
+            last = np.minimum(last, high_)
     return first, last
 
 
 def _in_disc(x: Floats, y: Floats, dx: Floats, dy: Floats, reach: float) -> tuple[Floats, Floats]:
     """Shares between which a piece is nearer than ``reach`` to the origin."""
-    length_sq, half, apart = dx * dx + dy * dy, x * dx + y * dy, x * x + y * y - reach * reach
+    length_sq = dx * dx + dy * dy
+    half = x * dx + y * dy
+    apart = x * x + y * y - reach * reach
     stands = length_sq < 1e-24
     with np.errstate(all="ignore"):
         root = np.sqrt(half * half - length_sq * apart)  # nan where the line passes by
-        low, high = np.maximum((-half - root) / length_sq, 0.0), np.minimum((-half + root) / length_sq, 1.0)
-    low, high = np.where(np.isnan(low), 1.0, low), np.where(np.isnan(high), 0.0, high)
-    return np.where(stands, np.where(apart < 0, 0.0, 1.0), low), np.where(stands, np.where(apart < 0, 1.0, 0.0), high)
+        low = np.maximum((-half - root) / length_sq, 0.0)
+        high = np.minimum((-half + root) / length_sq, 1.0)
+    low = np.where(np.isnan(low), 1.0, low)
+    high = np.where(np.isnan(high), 0.0, high)
+    return np.where(stands, np.where(apart < 0, 0.0, 1.0), low), np.where(
+        stands, np.where(apart < 0, 1.0, 0.0), high
+    )

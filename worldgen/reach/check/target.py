@@ -1,10 +1,12 @@
-"""Checks that a cut parts the start from every clear pose of the target's disc; shares nothing with the prover.
+"""Checks that a cut parts the start from every clear pose of the target's disc.
 
-Each connected part of those poses has one that is nearest to the disc's centre. There the way to the centre is
-barred by one cell or by two: so it is the centre, the nearest point to it on the edge of one cell's neighbourhood, or a
-point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 180
-digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
-is doubtful goes against the certificate. Only how near a thing has to be to be looked at is decided in floats.
+Shares nothing with the prover. Each connected part of those poses has one that is nearest to the
+disc's centre. There the way to the centre is barred by one cell or by two: so it is the centre, the
+nearest point to it on the edge of one cell's neighbourhood, or a point on the edges of two
+(docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 180
+digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as
+in the disc: so what is doubtful goes against the certificate. Only how near a thing has to be to be
+    looked at is decided in floats.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ import numpy.typing as npt
 
 __all__ = ["TooMuch", "poses_to_part"]
 
-_DIGITS = 180  # of places, of what is left of them beside the least radius, and of the roots of that
+_DIGITS = (
+    180  # of places, of what is left of them beside the least radius, and of the roots of that
+)
 _CERTAIN = 80  # digits that a root near zero keeps of them
 _MOST = 4_000_000  # points looked at
 
@@ -35,7 +39,10 @@ class TooMuch(Exception):
 
 
 def poses_to_part(
-    blocked: npt.NDArray[np.bool_], radius: Fraction, centre: tuple[Fraction, Fraction], reach: Fraction
+    blocked: npt.NDArray[np.bool_],
+    radius: Fraction,
+    centre: tuple[Fraction, Fraction],
+    reach: Fraction,
 ) -> list[tuple[Fraction, Fraction]]:
     """Poses of a disc of centre and ``reach``, cells, one at least in each connected part of the clear ones.
 
@@ -51,7 +58,9 @@ def poses_to_part(
     with decimal.localcontext() as context:
         context.prec = _DIGITS
         doubt = Decimal(10) ** -_CERTAIN  # cells
-        size, middle, width = _decimal(radius), (_decimal(centre[0]), _decimal(centre[1])), _decimal(reach)
+        size = _decimal(radius)
+        middle = (_decimal(centre[0]), _decimal(centre[1]))
+        width = _decimal(reach)
         cells = _cells_near(blocked, float(radius) + float(reach) + 0.01, centre)
         there = set(cells)
         kept: dict[Place, None] = {}
@@ -69,21 +78,33 @@ def _decimal(value: Fraction) -> Decimal:
     return Decimal(value.numerator) / Decimal(value.denominator)
 
 
-def _cells_near(blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]) -> list[Cell]:
+def _cells_near(
+    blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]
+) -> list[Cell]:
     """Blocked cells near a point, those just outside the grid included."""
     ring = np.pad(blocked, 1, constant_values=True)
-    x, y = float(centre[0]), float(centre[1])
+    x = float(centre[0])
+    y = float(centre[1])
     low_x, low_y = (max(math.floor(value - far), 0) for value in (x, y))
     rows, columns = np.nonzero(ring[low_y : math.ceil(y + far) + 2, low_x : math.ceil(x + far) + 2])
-    return [(int(column) + low_x - 1, int(row) + low_y - 1) for row, column in zip(rows, columns, strict=True)]
+    return [
+        (int(column) + low_x - 1, int(row) + low_y - 1)
+        for row, column in zip(rows, columns, strict=True)
+    ]
 
 
 def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -> Iterator[Place]:
     """The points that may count."""
     x, y = middle
-    rows = sorted({Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells})
-    columns = sorted({Decimal(ix) - radius for ix, _ in cells} | {Decimal(ix + 1) + radius for ix, _ in cells})
-    corners = sorted({(ix + i, iy + j) for ix, iy in cells for i, j in itertools.product((0, 1), repeat=2)})
+    rows = sorted(
+        {Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells}
+    )
+    columns = sorted(
+        {Decimal(ix) - radius for ix, _ in cells} | {Decimal(ix + 1) + radius for ix, _ in cells}
+    )
+    corners = sorted(
+        {(ix + i, iy + j) for ix, iy in cells for i, j in itertools.product((0, 1), repeat=2)}
+    )
     yield middle
     yield from ((x, row) for row in rows)
     yield from ((column, y) for column in columns)
@@ -115,7 +136,8 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
     for cx, cy in corners:
         for column in range(cx, cx + reach + 1):
             for other in by_column.get(column, ()):
-                dx, dy = column - cx, other - cy
+                dx = column - cx
+                dy = other - cy
                 half = _half_chord(radius, Decimal(dx * dx + dy * dy).sqrt() / 2, doubt)
                 if (dx, dy) <= (0, 0) or half is None:
                     continue
@@ -130,8 +152,10 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
 def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
     """Whether a place is, but for a doubt, at least the radius from all cells."""
     x, y = place
-    reach, least = math.ceil(radius) + 1, (radius - doubt) ** 2
-    base_x, base_y = math.floor(x), math.floor(y)
+    reach = math.ceil(radius) + 1
+    least = (radius - doubt) ** 2
+    base_x = math.floor(x)
+    base_y = math.floor(y)
     for iy in range(base_y - reach, base_y + reach + 1):
         dy = max(iy - y, y - iy - 1, Decimal(0))
         for ix in range(base_x - reach, base_x + reach + 1):

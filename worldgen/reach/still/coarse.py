@@ -1,8 +1,9 @@
-"""A way for a square as wide as the disc, over whole cells: quick, and one byte a cell, but not every way is one.
+"""A way for a square as wide as the disc, over whole cells.
 
-The half cells of a world of 20,000 x 20,000 would take 20 GB. A square of whole cells at least as wide as the disc that
-is free leaves the disc clear in its middle, and on straight lines between the middles of neighbouring squares. So
-what is found is a proof; what is not found has to be sought among the half cells after all.
+Quick, and one byte a cell, but not every way is one. The half cells of a world of 20,000 x 20,000
+would take 20 GB. A square of whole cells at least as wide as the disc that is free leaves the disc
+clear in its middle, and on straight lines between the middles of neighbouring squares. So what is
+found is a proof; what is not found has to be sought among the half cells after all.
 """
 
 from __future__ import annotations
@@ -17,25 +18,35 @@ from worldgen.lattice import UNIT
 from worldgen.reach.still.walls import ExactPoint, Walls
 from worldgen.support.ccall import check, writable
 
-__all__ = ["FROM_CELLS", "coarse_way", "walk_squares"]
+__all__ = ["FROM_CELLS", "coarse_path", "walk_squares"]
 
 FROM_CELLS = 4_000_000
-"""Cells above which this way is sought first: families made no larger worlds before, so no seed's witness changes."""
+"""Cells above which this way is sought first.
+
+Families made no larger worlds before, so no seed's witness changes.
+"""
 
 _HALF = UNIT // 2
 _PORTION = 50_000_000  # cells between two looks at Ctrl-C: 0.2 s
 
 
-def coarse_way(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[ExactPoint]:
-    """Points from one clear pose to another, lu, with a clear line between each two; empty if no square gets there."""
+def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[ExactPoint]:
+    """Points from one clear pose to another, lu, with a clear line between each two.
+
+    Empty if no square gets there.
+    """
     side = max(1, math.ceil(2 * walls.radius))
-    begin, end = _square_round(walls, start, side), _square_round(walls, goal, side)
+    begin = _square_round(walls, start, side)
+    end = _square_round(walls, goal, side)
     if begin is None or end is None:
         return []
     stride = walls.width + 2
     source, target = ((iy + 1) * stride + ix + 1 for ix, iy in (begin, end))
     way = walk_squares(walls, side, source, target)
-    middles = [((2 * (at % stride - 1) + side) * _HALF, (2 * (at // stride - 1) + side) * _HALF) for at in way]
+    middles = [
+        ((2 * (at % stride - 1) + side) * _HALF, (2 * (at // stride - 1) + side) * _HALF)
+        for at in way
+    ]
     return [start, *middles, goal] if middles else []
 
 
@@ -43,7 +54,8 @@ def _square_round(walls: Walls, point: ExactPoint, side: int) -> tuple[int, int]
     """The first cell of a free square from whose middle the disc may go straight to a point."""
     nearest = [round((value / _HALF - side) / 2) for value in point]
     for dx, dy in itertools.product((0, -1, 1), repeat=2):
-        ix, iy = nearest[0] + dx, nearest[1] + dy
+        ix = nearest[0] + dx
+        iy = nearest[1] + dy
         inside = 0 <= ix <= walls.width - side and 0 <= iy <= walls.height - side
         if not inside or walls.solid[iy : iy + side, ix : ix + side].any():
             continue
@@ -62,7 +74,8 @@ def walk_squares(walls: Walls, side: int, source: int, goal: int) -> list[int]:
         goal: Where to end.
 
     Returns:
-        Squares from source to goal, without those in the middle of a straight line; none if there is no way.
+        Squares from source to goal, without those in the middle of a straight line; none if there
+        is no way.
     """
     made = ffi.new("WgSquares **")
     progress = ffi.new("WgProgress *")

@@ -13,7 +13,12 @@ from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach.still.cut import link_limit, refinement
 from worldgen.reach.still.disc import disc_of, lattice_centre
 from worldgen.reach.still.lattice_graph import clear_from
-from worldgen.reach.still.path import metres_per_unit, root_down, ticks_per_second, ticks_per_unit_sq
+from worldgen.reach.still.path import (
+    metres_per_unit,
+    root_down,
+    ticks_per_second,
+    ticks_per_unit_sq,
+)
 from worldgen.reach.still.target_poses import described_target
 from worldgen.reach.still.walls import ExactPoint, described_disc
 from worldgen.world import Witness, World
@@ -42,7 +47,9 @@ def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
 
 
 @functools.lru_cache(maxsize=1024)  # by floats: hashing a fraction takes as long as ten of these
-def _known(radius: float, cell_size: float, speed: float, place: tuple[float, float, float], rounded: bool) -> Any:
+def _known(
+    radius: float, cell_size: float, speed: float, place: tuple[float, float, float], rounded: bool
+) -> Any:
     cells = in_cells(radius, cell_size)
     disc = disc_of(*place, cell_size)
     known = _numbers_of(radius, cell_size, speed)
@@ -52,7 +59,8 @@ def _known(radius: float, cell_size: float, speed: float, place: tuple[float, fl
     made = ffi.new("WgStill *", known[0])
     made.target = target[0]
     made.both = described_disc(cells + disc.radius / UNIT)[0]
-    made.toward_x, made.toward_y = round(disc.x / _HALF), round(disc.y / _HALF)
+    made.toward_x = round(disc.x / _HALF)
+    made.toward_y = round(disc.y / _HALF)
     goal = lattice_centre(disc)
     if goal is not None:
         made.has_goal = 1
@@ -75,7 +83,11 @@ def _numbers_of(metres: float, cell_size: float, speed: float) -> Any:
         made.disc = described_disc(radius)[0]
         made.start_disc = made.start_core = made.disc
         made.goal_disc = described_disc(radius * (1 - ROUNDING))[0]
-        made.pace = (*metres_per_unit(cell_size), *ticks_per_unit_sq(cell_size, speed, ticks), ticks)
+        made.pace = (
+            *metres_per_unit(cell_size),
+            *ticks_per_unit_sq(cell_size, speed, ticks),
+            ticks,
+        )
     except OverflowError:
         return None
     return made if made.pace.metre_under < 2**53 and ticks < 2**53 else None
@@ -89,18 +101,26 @@ def points_of(found: Any) -> list[ExactPoint]:
 
 def witness_of(found: Any, cell_size: float) -> Witness:
     """Return the witness that an answer holds; it may be freed after that."""
-    count, room = found.count, found.room
+    count = found.count
+    room = found.room
     floats = np.frombuffer(ffi.buffer(found.metres, 24 * room), np.float64)
     x, y, times = (floats[begin : begin + count] for begin in (0, room, 2 * room))
     corners: tuple[tuple[int, int], ...] = ()
     if found.corners:
-        sides, lengths_sq = (ffi.unpack(found.points + part * room, found.corners) for part in (2, 3))
+        sides, lengths_sq = (
+            ffi.unpack(found.points + part * room, found.corners) for part in (2, 3)
+        )
         corners = tuple(zip(sides, lengths_sq, strict=True))
     return Witness(times, x, y, _clearance(found.least, corners, cell_size))
 
 
 @functools.lru_cache(maxsize=1024)
 def _clearance(least: int, corners: tuple[tuple[int, int], ...], cell_size: float) -> float:
-    """Return the clearance, m: the least of a square, and of those of distances from corners, lu."""
-    square = min([Fraction(least), *(Fraction(side * side, length_sq) for side, length_sq in corners)])
+    """Return the clearance, m.
+
+    The least of a square, and of those of distances from corners, lu.
+    """
+    square = min(
+        [Fraction(least), *(Fraction(side * side, length_sq) for side, length_sq in corners)]
+    )
     return root_down(square * (exact(cell_size) / UNIT) ** 2)

@@ -1,15 +1,17 @@
 """Finds a cut: a closed chain of solid cells, gaps below 2 r, that winds round start or target but not both.
 
-Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre, closest
-point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A cycle
-whose bits add up to an odd number parts start from target, and there is one exactly if the two lie in
-different components of the clear poses (docs/reachability.md). A breadth-first search over (cell, bit) in C tells
-whether there is one, and then finds a short one.
+Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre,
+    closest
+point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A
+cycle whose bits add up to an odd number parts start from target, and there is one exactly if the
+two lie in different components of the clear poses (docs/reachability.md). A breadth-first search
+over (cell, bit) in C tells whether there is one, and then finds a short one.
 
-Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from them all.
+Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from
+them all.
 
-Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and a link passes it
-closely, so every crossing is decided exactly.
+Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and
+a link passes it closely, so every crossing is decided exactly.
 """
 
 from __future__ import annotations
@@ -52,7 +54,8 @@ def find_chain(
         solid: (height, width) bool.
         radius: Of the disc, cells.
         start: A clear pose, 1/1024 cell.
-        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
+        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the
+            start.
     """
     whole, limbs, rest = _digits(radius, (start, *targets))
     held = np.ascontiguousarray(solid)
@@ -75,7 +78,10 @@ def find_chain(
 
 
 def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], int, list[int]]:
-    """Return points in half cells, rounded down; and the number and the digits of what that left off."""
+    """Return points in half cells, rounded down.
+
+    And the number and the digits of what that left off.
+    """
     values = [value for point in points for value in point]
     finer = 0 if all(value == int(value) for value in values) else refinement(radius)
     bits = _HALF_BITS + finer

@@ -17,7 +17,16 @@ from worldgen.reach.still.walls import ExactPoint, Number, Point
 from worldgen.support.ccall import check, pointer
 from worldgen.world import World
 
-__all__ = ["Disc", "beyond", "disc_of", "lattice_centre", "parts", "target_disc", "widest_gap_sq", "winds_around"]
+__all__ = [
+    "Disc",
+    "beyond",
+    "disc_of",
+    "lattice_centre",
+    "parts",
+    "target_disc",
+    "widest_gap_sq",
+    "winds_around",
+]
 
 _HALF = UNIT // 2
 _ROUNDED = Fraction(1, 2)
@@ -89,7 +98,9 @@ def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]
         away = ffi.new("int64_t *")
         cells = pointer(ffi, chain, np.int64)
         rough = float(radius * scale)
-        check(lib.wg_chain_around(cells, len(chain), _HALF * scale, x, y, reach, rough, winds, away))
+        check(
+            lib.wg_chain_around(cells, len(chain), _HALF * scale, x, y, reach, rough, winds, away)
+        )
         if away[0] >= 0:
             return bool(winds[0]), bool(away[0])
     lines = _chain_lines(chain)  # C has no room for these numbers
@@ -102,7 +113,8 @@ def _chain_lines(chain: Chain) -> list[tuple[Point, Point]]:
     corners: list[Point] = []
     cells = chain.tolist()
     for (ax, ay), (bx, by) in zip(cells, [*cells[1:], *cells[:1]], strict=True):
-        sx, sy = (bx > ax) - (bx < ax), (by > ay) - (by < ay)
+        sx = (bx > ax) - (bx < ax)
+        sy = (by > ay) - (by < ay)
         centre = (UNIT * ax + half, UNIT * ay + half)
         corners += [
             centre,
@@ -124,8 +136,12 @@ def _inside(lines: Sequence[tuple[Point, Point]], p: ExactPoint) -> bool:
 def _is_away(line: tuple[Point, Point], pose: ExactPoint, radius: Number) -> bool:
     """Return True if a segment is farther from a pose than a radius."""
     (px, py), (qx, qy) = line
-    ex, ey, ux, uy = qx - px, qy - py, pose[0] - px, pose[1] - py
-    along, length_sq = ex * ux + ey * uy, ex * ex + ey * ey
+    ex = qx - px
+    ey = qy - py
+    ux = pose[0] - px
+    uy = pose[1] - py
+    along = ex * ux + ey * uy
+    length_sq = ex * ex + ey * ey
     if 0 < along < length_sq:
         return (ex * uy - ey * ux) ** 2 > radius**2 * length_sq
     return ux**2 + uy**2 > radius**2 < (pose[0] - qx) ** 2 + (pose[1] - qy) ** 2

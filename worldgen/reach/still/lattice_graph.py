@@ -1,8 +1,8 @@
 """The search graph: clear points at multiples of 1/k cell, joined to their eight neighbours, exactly.
 
-An axis step of one unit has its least clearance at an end, a diagonal step at an end or at its middle
-(docs/reachability.md proves it). So two rasters decide every edge: ``clear`` at the nodes, ``middle`` at
-the middles of the unit squares.
+An axis step of one unit has its least clearance at an end, a diagonal step at an end or at its
+middle (docs/reachability.md proves it). So two rasters decide every edge: ``clear`` at the nodes,
+``middle`` at the middles of the unit squares.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ class Graph:
     Args:
         k: Nodes per cell side.
         clear: (k * height + 1, k * width + 1) bool, whether the disc is clear at the node.
-        middle: Same shape; whether it is clear half a unit right of and above the node. The last row
-            and column have no such point and are False.
+        middle: Same shape; whether it is clear half a unit right of and above the node. The last
+            row and column have no such point and are False.
     """
 
     k: int
@@ -85,13 +85,17 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
 def clear_from(radius: Fraction, m: int) -> int:
     """Return the least squared distance, in 1/m cell, at which a disc is clear.
 
-    The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so comparing is exact.
+    The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so
+    comparing is exact.
     """
     return math.ceil((m * radius) ** 2)
 
 
 def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, int]]:
-    """Return the cells (dx, dy) whose distance from the point (a/m, b/m) is below the radius; all in cells."""
+    """Return the cells (dx, dy) whose distance from the point (a/m, b/m) is below the radius.
+
+    All in cells.
+    """
     limit = math.ceil((m * radius) ** 2)
     reach = math.isqrt(limit - 1) // m + 2
     return [
@@ -110,8 +114,11 @@ def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
     unit = UNIT // graph.k * scale
     found = []
     for j in range(max(0, -((radius - y) // unit)), min(rows - 1, (y + radius) // unit) + 1):
-        half = math.isqrt(radius**2 - (j * unit - y) ** 2)  # of the chord at this height, rounded down
-        first, last = max(0, -((half - x) // unit)), min(columns - 1, (x + half) // unit)
+        half = math.isqrt(
+            radius**2 - (j * unit - y) ** 2
+        )  # of the chord at this height, rounded down
+        first = max(0, -((half - x) // unit))
+        last = min(columns - 1, (x + half) // unit)
         found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))
     return np.concatenate(found) if found else np.zeros(0, np.int64)
 
@@ -124,7 +131,9 @@ def find_path(
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
-    """Return a path over the graph from a source to an end, or else to a spare end; a shortest one without bridges.
+    """Return a path over the graph from a source to an end, or else to a spare end.
+
+    A shortest one without bridges.
 
     Args:
         graph: The graph.
@@ -135,11 +144,14 @@ def find_path(
         bridges: Pairs of nodes that are joined too; used once there is no other way on.
 
     Returns:
-        Flat indices from source to end, without those in the middle of a straight line; empty where none is connected.
+        Flat indices from source to end, without those in the middle of a straight line; empty where
+        none is connected.
     """
     begun = np.array(sources, np.int64)
     aims = np.array(ends, np.int64)
-    with _search(graph, begun, aims, spare, toward, np.array(bridges, np.int64).reshape(-1, 2)) as search:
+    with _search(
+        graph, begun, aims, spare, toward, np.array(bridges, np.int64).reshape(-1, 2)
+    ) as search:
         # Before all of a large world is searched, look whether there is anything to find.
         found = _advance(search, max(1, graph.clear.size // _LOOK))
         if found == lib.WG_GOING and not bridges:
@@ -171,7 +183,11 @@ def _search(
         for item in (pointer(ffi, nodes, np.int64), len(nodes))
     ]
     made = ffi.new("WgSearch **")
-    check(lib.wg_search_new(described, *lists, *toward, pointer(ffi, bridges, np.int64), len(bridges), made))
+    check(
+        lib.wg_search_new(
+            described, *lists, *toward, pointer(ffi, bridges, np.int64), len(bridges), made
+        )
+    )
     try:
         yield made[0]
     finally:
@@ -202,6 +218,9 @@ def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> npt.NDArray
 
 
 def neighbour_shifts(stride: int) -> tuple[list[int], list[int]]:
-    """Return what eight steps add to a flat index, four along the axes first; and where their middles are."""
+    """Return what eight steps add to a flat index, four along the axes first.
+
+    And where their middles are.
+    """
     shifts = [1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride]
     return shifts, [0, 0, 0, 0, 0, -stride - 1, -1, -stride]

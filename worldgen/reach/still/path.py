@@ -31,7 +31,9 @@ __all__ = [
     "ticks_per_unit_sq",
 ]
 
-_PATIENCE = 6  # corners in a row that may be out of sight before a straight line ends at the last one seen
+_PATIENCE = (
+    6  # corners in a row that may be out of sight before a straight line ends at the last one seen
+)
 _TESTS = 6_000  # straight lines that may fail on one path; on long paths there is less patience
 
 Ints: TypeAlias = npt.NDArray[np.int64]
@@ -47,16 +49,20 @@ def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
         if not kept:
             kept.append(point)
             continue
-        vx, vy = point[0] - kept[-1][0], point[1] - kept[-1][1]
+        vx = point[0] - kept[-1][0]
+        vy = point[1] - kept[-1][1]
         if not (vx or vy):
             continue
         while len(kept) > 1 and ux * vy == uy * vx and ux * vx + uy * vy > 0:
             kept.pop()
-            vx, vy = point[0] - kept[-1][0], point[1] - kept[-1][1]
+            vx = point[0] - kept[-1][0]
+            vy = point[1] - kept[-1][1]
             if len(kept) > 1:
-                ux, uy = kept[-1][0] - kept[-2][0], kept[-1][1] - kept[-2][1]
+                ux = kept[-1][0] - kept[-2][0]
+                uy = kept[-1][1] - kept[-2][1]
         kept.append(point)
-        ux, uy = vx, vy
+        ux = vx
+        uy = vy
     return kept
 
 
@@ -72,7 +78,14 @@ def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
     x, y, whole = _whole_points(points)
     state = np.array([0, 1, 2, 1, lib.WG_UNSURE])
     kept = np.zeros(len(points), np.int64)
-    inputs = (walls.described, walls.disc, *_as_read(x, y), pointer(ffi, whole, np.uint8), len(points), patience)
+    inputs = (
+        walls.described,
+        walls.disc,
+        *_as_read(x, y),
+        pointer(ffi, whole, np.uint8),
+        len(points),
+        patience,
+    )
     outputs = (writable(ffi, state, np.int64), writable(ffi, kept, np.int64))
     done = ffi.new("int64_t *")
     while True:
@@ -80,7 +93,9 @@ def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
         if done[0]:
             break
         # Only fractions can tell whether this piece is clear.
-        state[4] = lib.WG_CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else lib.WG_MEETS
+        state[4] = (
+            lib.WG_CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else lib.WG_MEETS
+        )
     return merge_straight([points[index] for index in kept[: state[3]].tolist()])
 
 
@@ -89,7 +104,10 @@ def _as_read(x: Ints, y: Ints) -> tuple[Any, Any]:
 
 
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
-    """Return both coordinates in lu, rounded down; and whether they are whole, so that this left them as they were."""
+    """Return both coordinates in lu, rounded down.
+
+    And whether they are whole, so that this left them as they were.
+    """
     whole = np.array([isinstance(x, int) and isinstance(y, int) for x, y in points], np.uint8)
     floors = list(points)
     for i in np.flatnonzero(whole == 0).tolist():  # few: all others are nodes of a graph
@@ -122,10 +140,14 @@ def _least_of_whole(
     x, y, whole = _whole_points(points)
     first = int(np.flatnonzero(whole[: len(points) // 2] == 0).max(initial=-1)) + 1
     last = first + int(whole[first:].argmin()) if not whole[first:].all() else len(points)
-    odd = [(points[i], points[i + 1]) for i in (*range(first), *range(max(first, last - 1), len(points) - 1))]
+    odd = [
+        (points[i], points[i + 1])
+        for i in (*range(first), *range(max(first, last - 1), len(points) - 1))
+    ]
     if last - first < 2:
         return Fraction(reach * reach), odd
-    x, y = x[first:last], y[first:last]
+    x = x[first:last]
+    y = y[first:last]
     sides = np.empty(len(x), np.int64)
     lengths_sq = np.empty(len(x), np.int64)
     found = ffi.new("int64_t *")
@@ -133,7 +155,9 @@ def _least_of_whole(
     nearest = (writable(ffi, sides, np.int64), writable(ffi, lengths_sq, np.int64), found, least)
     check(lib.wg_sweep_least(walls.described, *_as_read(x, y), len(x), reach, *nearest))
     pairs = set(zip(sides[: found[0]].tolist(), lengths_sq[: found[0]].tolist(), strict=True))
-    return min([Fraction(least[0]), *(Fraction(side * side, length_sq) for side, length_sq in pairs)]), odd
+    return min(
+        [Fraction(least[0]), *(Fraction(side * side, length_sq) for side, length_sq in pairs)]
+    ), odd
 
 
 @functools.lru_cache(maxsize=1024)
@@ -141,7 +165,9 @@ def root_down(square: Fraction) -> float:
     """The largest float whose shortest decimal, squared, is at most ``square``."""
     shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
     shift += shift % 2  # 64 bits of the root, however small or large it is
-    root = float(Fraction(math.isqrt((square.numerator << shift) // square.denominator), 1 << (shift // 2)))
+    root = float(
+        Fraction(math.isqrt((square.numerator << shift) // square.denominator), 1 << (shift // 2))
+    )
     while exact(root) ** 2 > square:
         root = math.nextafter(root, 0.0)
     while exact(math.nextafter(root, math.inf)) ** 2 <= square:
@@ -156,7 +182,10 @@ def root_up(square: Fraction) -> float:
 
 
 def ticks_per_second(cell_size: float, speed: float) -> int:
-    """Resolution of a path's times: microseconds, finer where the robot crosses a cell in less than 1 ms."""
+    """Resolution of a path's times.
+
+    Microseconds, finer where the robot crosses a cell in less than 1 ms.
+    """
     ticks = 10**6
     while cell_size / speed * ticks < 1000 and ticks < 10**12:
         ticks *= 10
@@ -165,7 +194,9 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
     """The least whole number of ticks in which the robot gets from p to q; exact."""
-    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks))
+    return _ticks(
+        (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks)
+    )
 
 
 @functools.lru_cache(maxsize=256)
@@ -176,12 +207,15 @@ def ticks_per_unit_sq(cell_size: float, speed: float, ticks: int) -> tuple[int, 
 
 
 def _ticks(length_sq: Number, numerator: int, denominator: int) -> int:
-    over, under = length_sq.numerator * numerator, length_sq.denominator * denominator
+    over = length_sq.numerator * numerator
+    under = length_sq.denominator * denominator
     least = math.isqrt(over // under)
     return least if least * least * under >= over else least + 1
 
 
-def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float) -> Witness:
+def make_witness(
+    walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float
+) -> Witness:
     """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
 
     Args:
@@ -191,7 +225,8 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
         speed: m/s.
     """
     x, y = metres(points, cell_size)
-    ticks, times = ticks_per_second(cell_size, speed), [0]
+    ticks = ticks_per_second(cell_size, speed)
+    times = [0]
     per_unit_sq = ticks_per_unit_sq(cell_size, speed, ticks)
     known: dict[Number, int] = {}  # a long path has few lengths: fractions are slow
     for p, q in itertools.pairwise(points):
@@ -204,10 +239,15 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
 
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
-    """The x and y of points in m, correctly rounded: their shortest decimals are the ones to write."""
+    """The x and y of points in m, correctly rounded.
+
+    Their shortest decimals are the ones to write.
+    """
     over, under = metres_per_unit(cell_size)
     known = {
-        value: value.numerator * over / (value.denominator * under)  # Python divides whole numbers correctly rounded
+        value: value.numerator
+        * over
+        / (value.denominator * under)  # Python divides whole numbers correctly rounded
         for value in {value for point in points for value in point}
     }
     return [known[p[0]] for p in points], [known[p[1]] for p in points]

@@ -1,8 +1,9 @@
 """Extra edges through the narrowest places, where steps along axes and diagonals cannot pass.
 
-Between two corners the widest way is their bisector: it starts at the middle of the gap, a multiple of half a
-cell, and is at right angles to the gap. A disc that is barely narrower than a slanting gap passes along this
-line only, so the graph gets it as an edge of its own.
+Between two corners the widest way is their bisector: it starts at the middle of the gap, a multiple
+    of half a
+cell, and is at right angles to the gap. A disc that is barely narrower than a slanting gap passes
+along this line only, so the graph gets it as an edge of its own.
 """
 
 from __future__ import annotations
@@ -25,12 +26,17 @@ _WIDE = 2  # cells; a gap this much wider than the disc is no narrow place
 
 def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
     """Pairs of nodes, middle of a gap and point on its bisector, that the disc may go between straight."""
-    unit, found = UNIT // graph.k, []
+    unit = UNIT // graph.k
+    found = []
     for middle_x, middle_y, step_x, step_y in _slanting_gaps(walls, graph):
         for sign in (1, -1):
             for j in range(1, _STEPS + 1):
-                x, y = middle_x + sign * j * step_x, middle_y + sign * j * step_y
-                if not (0 <= x < graph.stride and 0 <= y < graph.clear.shape[0]) or not graph.clear[y, x]:
+                x = middle_x + sign * j * step_x
+                y = middle_y + sign * j * step_y
+                if (
+                    not (0 <= x < graph.stride and 0 <= y < graph.clear.shape[0])
+                    or not graph.clear[y, x]
+                ):
                     break
                 if not walls.is_clear((middle_x * unit, middle_y * unit), (x * unit, y * unit)):
                     break
@@ -43,21 +49,32 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
     rim = rim_cells(walls.solid)  # its cell (0, 0) is (-1, -1)
     rows, columns = rim.shape
     reach = math.ceil(2 * walls.radius) + _WIDE + 1
-    half, found = graph.k // 2, []
+    half = graph.k // 2
+    found = []
     gaps = [(gx, gy) for gx in range(1, reach) for gy in range(1, reach) if gx != gy]
     near = [
-        gap for gap in gaps if (2 * walls.radius) ** 2 <= gap[0] ** 2 + gap[1] ** 2 <= (2 * walls.radius + _WIDE) ** 2
+        gap
+        for gap in gaps
+        if (2 * walls.radius) ** 2 <= gap[0] ** 2 + gap[1] ** 2 <= (2 * walls.radius + _WIDE) ** 2
     ]
     for gx, gy in sorted(near, key=lambda gap: gap[0] ** 2 + gap[1] ** 2):
-        dx, dy, common = gx + 1, gy + 1, math.gcd(gx, gy)
+        dx = gx + 1
+        dy = gy + 1
+        common = math.gcd(gx, gy)
         if dx >= columns or dy >= rows:
             continue
         for sign in (1, -1):
-            low, high = rim[: rows - dy], rim[dy:]
-            both = low[:, : columns - dx] & high[:, dx:] if sign > 0 else low[:, dx:] & high[:, : columns - dx]
+            low = rim[: rows - dy]
+            high = rim[dy:]
+            both = (
+                low[:, : columns - dx] & high[:, dx:]
+                if sign > 0
+                else low[:, dx:] & high[:, : columns - dx]
+            )
             for iy, ix in np.argwhere(both).tolist():
                 left = ix + (0 if sign > 0 else dx) - 1
-                x, y = half * (2 * left + 1 + sign * dx), half * (2 * (iy - 1) + 1 + dy)
+                x = half * (2 * left + 1 + sign * dx)
+                y = half * (2 * (iy - 1) + 1 + dy)
                 inside = 0 <= x < graph.stride and 0 <= y < graph.clear.shape[0]
                 if inside and graph.clear[y, x]:
                     found.append((x, y, -gy // common, sign * gx // common))

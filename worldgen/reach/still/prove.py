@@ -13,8 +13,15 @@ import numpy as np
 
 from worldgen._core import lib
 from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
-from worldgen.reach.still.coarse import FROM_CELLS, coarse_way
+from worldgen.reach.decision import (
+    BLOCKED,
+    REACHABLE,
+    UNDECIDED,
+    Decision,
+    check_margin,
+    check_radius,
+)
+from worldgen.reach.still.coarse import FROM_CELLS, coarse_path
 from worldgen.reach.still.core_calls import ROUNDING, ask_still, points_of, witness_of
 from worldgen.reach.still.cut import MOST_TARGETS, Chain, find_chain
 from worldgen.reach.still.disc import Disc, beyond, lattice_centre, target_disc, widest_gap_sq
@@ -35,7 +42,9 @@ _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path 
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
 _NOT_ASKED = "a path was found; its witness was not asked for"
-_CUT_NOT_ASKED = "the start is covered, or chains of cells part it from the target; the cut was not asked for"
+_CUT_NOT_ASKED = (
+    "the start is covered, or chains of cells part it from the target; the cut was not asked for"
+)
 _NONE = np.zeros(0, np.int64)
 
 
@@ -52,24 +61,28 @@ def decide(
     Args:
         world: The world; its own certificate is not looked at.
         radius: Radius of the disc, m; the robot's where left out.
-        margin: s. The witness of a world that changes holds too when the robot first waits at the start for any time
-            up to this long, and then does everything so much later.
-        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds take a fraction of
-            the time: that there is a path or a cut is shown all the same, but neither is made.
+        margin: s. The witness of a world that changes holds too when the robot first waits at the
+            start for any time up to this long, and then does everything so much later.
+        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds
+            take a fraction of the time: that there is a path or a cut is shown all the same, but
+                neither is made.
         cut: Whether the proof is wanted if it is a cut, too.
 
     Raises:
-        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
+        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0
+            on.
     """
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)
     check_margin(margin)
     if world.is_dynamic:
         return _decide_changing(world, radius, margin)
-    return _Question(world, radius).answer(certificate=certificate, cut=certificate and cut)
+    return _ReachQuery(world, radius).answer(certificate=certificate, cut=certificate and cut)
 
 
-def decide_many(worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True) -> list[Decision]:
+def decide_many(
+    worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True
+) -> list[Decision]:
     """Return what :func:`decide` says of each of many worlds.
 
     Args:
@@ -86,7 +99,7 @@ def decide_many(worlds: Sequence[World], *, radius: float | None = None, certifi
 def _decide_changing(world: World, radius: float, margin: float) -> Decision:
     spans = Spans(world, margin)
     still = replace(world, timeline=Timeline(), certificate=None)
-    at_once = _Question(replace(still, walls=spans.at_start), radius)
+    at_once = _ReachQuery(replace(still, walls=spans.at_start), radius)
     bad_start = at_once.judge_start()
     if bad_start is not None:
         return bad_start
@@ -97,13 +110,17 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
         path = find_timed_path(world, walls, k, at_once.exact_start, at_once.disc)
         if path is not None:
             witness = make_timed_witness(world, walls, shorten_timed(walls, path))
-            reason = f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
+            reason = (
+                f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
+            )
             return Decision(REACHABLE, witness, reason)
         if k == 2:
-            for_ever = _Question(replace(still, walls=spans.always), radius).answer(certificate=False)
+            for_ever = _ReachQuery(replace(still, walls=spans.always), radius).answer(
+                certificate=False
+            )
             if for_ever.result == BLOCKED:
                 return for_ever
-    untouched = _Question(replace(still, walls=spans.ever), radius).answer()
+    untouched = _ReachQuery(replace(still, walls=spans.ever), radius).answer()
     if untouched.result == REACHABLE:  # by a way between nodes, which the timed graphs lack
         return untouched
     late = f" that may begin {margin:g} s late" if margin else ""
@@ -112,7 +129,7 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
 
 
 @dataclass
-class _Question:
+class _ReachQuery:
     """One world and one disc.
 
     Attributes:
@@ -156,9 +173,13 @@ class _Question:
         """Whether the disc may be at a point."""
         x, y = point
         if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
-            column, row = int(x) // (UNIT // 2), int(y) // (UNIT // 2)  # the graph knows, and is needed anyway
+            # the graph knows, and is needed anyway
+            column = int(x) // (UNIT // 2)
+            row = int(y) // (UNIT // 2)
             rows, columns = self._halves.clear.shape
-            return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
+            return (
+                0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
+            )
         return self.walls.is_clear(point, point)
 
     def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
@@ -174,26 +195,31 @@ class _Question:
             centre = lattice_centre(self.disc)
             if centre is not None and self._is_clear(centre):
                 self.goal = centre
-        found = [] if has_path is False else self._coarse_way() or self._path(2)
+        found = [] if has_path is False else self._coarse_path() or self._path(2)
         if not found:
             blocked = self._cut()
             if blocked is not None:
                 return blocked
             found = self._path_off_graph() or self._path_through_pinches()
         if not found:
-            reason = "there is a way, only just wide enough for the disc, and no path along it was found"
+            reason = (
+                "there is a way, only just wide enough for the disc, and no path along it was found"
+            )
             return Decision(UNDECIDED, None, reason)
         if not certificate:
             return Decision(REACHABLE, None, _NOT_ASKED)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
-        return _reached(make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed))
+        return _reached(
+            make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
+        )
 
     def _at_once(self, certificate: bool) -> tuple[Decision | None, bool | None]:
         """Return the decision about a small world, in one call of C.
 
-        If that leaves it open, return instead whether half cells have a path; None if nothing is known.
+        If that leaves it open, return instead whether half cells have a path; None if nothing is
+        known.
         """
         world = self.world
         if world.walls.size > FROM_CELLS:
@@ -214,7 +240,9 @@ class _Question:
                 if not rounded:
                     return _reached(witness_of(asked, world.cell_size)), True
                 points = [self.exact_start, *points_of(asked)]
-                return _reached(make_witness(self.walls, points, world.cell_size, world.robot_speed)), True
+                return _reached(
+                    make_witness(self.walls, points, world.cell_size, world.robot_speed)
+                ), True
             finally:
                 lib.wg_still_free(asked)
         if outcome == lib.WG_PARTED:
@@ -225,10 +253,10 @@ class _Question:
             self.goal = (asked.goal_x, asked.goal_y)
         return None, False if outcome == lib.WG_NO_PATH else None
 
-    def _coarse_way(self) -> list[ExactPoint]:
+    def _coarse_path(self) -> list[ExactPoint]:
         if self.goal is None or self.world.walls.size <= FROM_CELLS:
             return []
-        return coarse_way(self.walls, self.start, self.goal)
+        return coarse_path(self.walls, self.start, self.goal)
 
     def judge_start(self) -> Decision | None:
         """The decision, if the start settles it."""
@@ -261,7 +289,8 @@ class _Question:
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
         onto, off = self._links_round_corners(graph) if cornered else ({}, {})
-        sources, ends = [*sources, *onto], [*ends, *off]
+        sources = [*sources, *onto]
+        ends = [*ends, *off]
         if not sources:
             return []
         toward = _nearest_node(self.disc, unit)
@@ -283,18 +312,26 @@ class _Question:
             points += [off.get(nodes[-1], self.goal), self.goal]
         return points
 
-    def _links_round_corners(self, graph: Graph) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
+    def _links_round_corners(
+        self, graph: Graph
+    ) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
         """Nodes with the corners on the way from the start, and on the way to the goal."""
-        off = _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
+        off = (
+            _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
+        )
         return _links_round_corners(self.walls, graph, self.start), off
 
     def _path_off_graph(self) -> list[ExactPoint]:
-        """The start, if the target's disc holds it; or a way to the goal with one corner at most, and no node."""
+        """The start, if the target's disc holds it.
+
+        Or a way to the goal with one corner at most, and no node.
+        """
         if self.disc.holds(self.exact_start):
             return [self.exact_start]
         if self.goal is None:
             return []
-        start, goal = self.start, self.goal
+        start = self.start
+        goal = self.goal
         for corner in (start, (start[0], goal[1]), (goal[0], start[1])):
             if self.goal_walls.is_clear(start, corner) and self.goal_walls.is_clear(corner, goal):
                 return [start, corner, goal]
@@ -309,17 +346,23 @@ class _Question:
         return []
 
     def _cut(self) -> Decision | None:
-        """A proof that no pose of the target can be reached; without one, ``goal`` is a pose that can."""
+        """A proof that no pose of the target can be reached.
+
+        Without one, ``goal`` is a pose that can.
+        """
         if self.goal is not None:
             chain = self._chain([self.goal])
             if chain is None:
                 return None  # nothing parts it from the start, so there is a way to it
-            # Most rings are around the whole disc, and then there is no need to look at each of its poses.
+            # Most rings are around the whole disc, and then there is no need to look at each of its
+            # poses.
             if self.goal == (self.disc.x, self.disc.y) and beyond(chain, self.start, self.disc):
                 return self._ringed(chain)
         poses = deciding_poses(self.walls, self.disc)
         if poses is None:
-            reason = "the target's disc is too large to look at all of its poses; give a smaller one"
+            reason = (
+                "the target's disc is too large to look at all of its poses; give a smaller one"
+            )
             return Decision(UNDECIDED, None, reason)
         if not len(poses):
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
@@ -340,17 +383,28 @@ class _Question:
         if len(parted) == 1:
             self.goal = parted[0]
             return None
-        return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
+        return Decision(
+            UNDECIDED,
+            None,
+            "each pose in the target's disc is walled off, and no single ring was found",
+        )
 
     def _ringed(self, chain: Chain) -> Decision:
-        reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
+        reason = (
+            f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start "
+            f"and "
+            f"target"
+        )
         return self._blocked(chain, self._stopped_sq(chain), reason)
 
     def _chain(self, poses: Sequence[ExactPoint]) -> Chain | None:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
     def _stopped_sq(self, chain: Chain) -> Fraction | None:
-        """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""
+        """Squared radius, cells, above which a chain stops every disc.
+
+        None if that is known of the robot's only.
+        """
         return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 
     def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
@@ -376,7 +430,9 @@ def _root_in_metres(square: Fraction, cell_size: float) -> float:
 
 
 def _reached(witness: Witness) -> Decision:
-    reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
+    reason = (
+        f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
+    )
     return Decision(REACHABLE, witness, reason)
 
 
@@ -386,11 +442,15 @@ def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
 
 
 def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
-    """Clear nodes near a point to which the disc may go straight; the node itself where the point is one."""
+    """Clear nodes near a point to which the disc may go straight.
+
+    The node itself where the point is one.
+    """
     unit = UNIT // graph.k
     x, y = point
     if x % unit == 0 and y % unit == 0:
-        columns, rows = range(int(x // unit), int(x // unit) + 1), range(int(y // unit), int(y // unit) + 1)
+        columns = range(int(x // unit), int(x // unit) + 1)
+        rows = range(int(y // unit), int(y // unit) + 1)
     else:
         columns, rows = (range(int(value // unit) - 1, int(value // unit) + 3) for value in point)
     nodes = []
@@ -407,8 +467,9 @@ def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
 def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[int, ExactPoint]:
     """Clear nodes to which the disc may go from a point along one axis and then along the other, and the corner there.
 
-    Where it touches a wall's side and a cell's corner, it may have to go along the wall at first: the room beside it
-    widens as slowly as a circle leaves its tangent, so the first node may be far along and is near across.
+    Where it touches a wall's side and a cell's corner, it may have to go along the wall at first:
+    the room beside it widens as slowly as a circle leaves its tangent, so the first node may be far
+    along and is near across.
     """
     unit = UNIT // graph.k
     links: dict[int, ExactPoint] = {}
@@ -419,7 +480,11 @@ def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[
             for value, reach in zip(point, (wide, 1) if along == 0 else (1, wide), strict=True)
         )
         for j, i in itertools.product(rows, columns):
-            if 0 <= i < graph.clear.shape[1] and 0 <= j < graph.clear.shape[0] and graph.clear[j, i]:
+            if (
+                0 <= i < graph.clear.shape[1]
+                and 0 <= j < graph.clear.shape[0]
+                and graph.clear[j, i]
+            ):
                 node: ExactPoint = (i * unit, j * unit)
                 corner: ExactPoint = (node[0], point[1]) if along == 0 else (point[0], node[1])
                 if walls.is_clear(point, corner) and walls.is_clear(corner, node):

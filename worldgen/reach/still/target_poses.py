@@ -1,10 +1,11 @@
 """The clear poses of the target's disc that decide for all of them: finitely many, each exact.
 
-Every connected part of the clear poses in the disc has one that is nearest to the disc's centre. That one is the
-centre itself, or the foot of a perpendicular from it on the edge of one cell's neighbourhood, or it lies on the edges
-of two neighbourhoods at once (docs/reachability.md). Such edges are straight lines and arcs, so each coordinate is
-a + b * sqrt(m) with fractions a, b and m, and every comparison is exact. C makes them; fractions do
-where lengths have so many digits that C has no room for their products.
+Every connected part of the clear poses in the disc has one that is nearest to the disc's centre.
+That one is the centre itself, or the foot of a perpendicular from it on the edge of one cell's
+neighbourhood, or it lies on the edges of two neighbourhoods at once (docs/reachability.md). Such
+edges are straight lines and arcs, so each coordinate is a + b * sqrt(m) with fractions a, b and m,
+and every comparison is exact. C makes them; fractions do where lengths have so many digits that C
+has no room for their products.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ from worldgen.support.ccall import check, pointer
 __all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
 _SLACK = 1e-6  # cells; floats are wrong by far less where they choose what is looked at exactly
-_BITS = 160  # after the point, of a root: far finer than the distance of any clear pose from any cut
+_BITS = (
+    160  # after the point, of a root: far finer than the distance of any clear pose from any cut
+)
 _MOST = 3_000  # corners of cells near the disc; with more it is too large to look at each pose
 _WORK = 100_000_000  # likewise, pairs of a pose and a cell
 
@@ -38,8 +41,11 @@ _LONGEST = 2**61  # parts of a cell, and lengths in these; C has room for no mor
 Floats: TypeAlias = npt.NDArray[np.float64]
 
 
-class _Pose(NamedTuple):
-    """The point (ax + bx * root, ay + by * root), root being the square root of ``square``; cells."""
+class _ExactPose(NamedTuple):
+    """The point (ax + bx * root, ay + by * root), root being the square root of ``square``.
+
+    Cells.
+    """
 
     ax: Fraction
     ay: Fraction
@@ -49,7 +55,10 @@ class _Pose(NamedTuple):
 
 
 class _Edges(NamedTuple):
-    """What the edges of neighbourhoods are made of: lines x = ..., lines y = ..., circles round corners; cells."""
+    """What the edges of neighbourhoods are made of.
+
+    Lines x = ..., lines y = ..., circles round corners; cells.
+    """
 
     columns: list[Fraction]
     rows: list[Fraction]
@@ -65,7 +74,10 @@ class DecidingPoses(Protocol):
         """Return a pose, lu; what is irrational is wrong by less than 2**-140."""
 
     def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
-        """Return the first pose, from an index on, that a chain does not part from the start; their number if none."""
+        """Return the first pose, from an index on, that a chain does not part from the start.
+
+        Their number if none.
+        """
 
 
 def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
@@ -83,12 +95,19 @@ def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
     check(lib.wg_poses_new(walls.described, target, made, listed))
     if listed[0] == lib.WG_TOO_LONG:
         return plain_poses(walls, disc)
-    return None if listed[0] == lib.WG_TOO_MANY else _PosesOfC(made[0], target.scale, walls.radius, disc)
+    return (
+        None
+        if listed[0] == lib.WG_TOO_MANY
+        else _PosesOfC(made[0], target.scale, walls.radius, disc)
+    )
 
 
 @functools.lru_cache(maxsize=1024)
 def described_target(radius: Fraction, disc: Disc) -> Any:
-    """Return a robot's radius, cells, and a target's disc as C reads them; the scale is 0 if they are too long."""
+    """Return a robot's radius, cells, and a target's disc as C reads them.
+
+    The scale is 0 if they are too long.
+    """
     x, y, reach = (value / UNIT for value in disc)
     floats = (float(x), float(y), float(radius), float(reach))
     made = ffi.new("WgTarget *", (0, 0, 0, 0, -1, *floats))
@@ -97,7 +116,9 @@ def described_target(radius: Fraction, disc: Disc) -> Any:
         whole = [value.numerator * (scale // value.denominator) for value in values]
         if max(scale, *whole) < _LONGEST:
             # Without the last one, C takes the disc's radius as a float.
-            made.x, made.y, made.reach, made.radius = whole if len(whole) == len(floats) else (*whole, -1)
+            made.x, made.y, made.reach, made.radius = (
+                whole if len(whole) == len(floats) else (*whole, -1)
+            )
             made.scale = scale
             break
     return made
@@ -108,7 +129,9 @@ class _PosesOfC:
 
     def __init__(self, poses: Any, scale: int, radius: Fraction, disc: Disc) -> None:
         self._poses = ffi.gc(poses, lib.wg_poses_free)
-        self._scale, self._radius, self._disc = scale, radius, disc
+        self._scale = scale
+        self._radius = radius
+        self._disc = disc
 
     def __len__(self) -> int:
         return int(lib.wg_poses_count(self._poses))
@@ -122,13 +145,15 @@ class _PosesOfC:
 
     def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
         cells = pointer(ffi, chain, np.int64)
-        return int(lib.wg_poses_next(self._poses, cells, len(chain), winds_around(chain, start), begin))
+        return int(
+            lib.wg_poses_next(self._poses, cells, len(chain), winds_around(chain, start), begin)
+        )
 
-    def _pose(self, found: Any) -> _Pose:
+    def _pose(self, found: Any) -> _ExactPose:
         """Return the pose in fractions of a cell."""
         corner = (found.x, found.y)
         if found.kind == lib.WG_PLAIN:
-            return _Pose(Fraction(found.x, self._scale), Fraction(found.y, self._scale))
+            return _ExactPose(Fraction(found.x, self._scale), Fraction(found.y, self._scale))
         if found.kind == lib.WG_ON_RAY:
             return _on_ray((self._disc.x / UNIT, self._disc.y / UNIT), corner, self._radius)
         if found.kind == lib.WG_BETWEEN:
@@ -142,12 +167,16 @@ class _PlainPoses(list[ExactPoint]):
 
     def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
         odd = winds_around(chain, start)
-        return next((i for i in range(begin, len(self)) if winds_around(chain, self[i]) == odd), len(self))
+        return next(
+            (i for i in range(begin, len(self)) if winds_around(chain, self[i]) == odd), len(self)
+        )
 
 
 def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
     """Return what :func:`deciding_poses` does, in fractions however long."""
-    x, y, radius = disc.x / UNIT, disc.y / UNIT, disc.radius / UNIT
+    x = disc.x / UNIT
+    y = disc.y / UNIT
+    radius = disc.radius / UNIT
     edges = _edges(walls, float(x), float(y), float(radius))
     if len(edges.corners) > _MOST:
         return None
@@ -159,13 +188,16 @@ def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
         return None
     kept = kept[_almost_clear(walls, at[kept])]
     exact = (poses[index] for index in kept.tolist())
-    return _PlainPoses(_point(pose) for pose in exact if _in_disc(pose, x, y, radius) and _is_clear(walls, pose))
+    return _PlainPoses(
+        _point(pose) for pose in exact if _in_disc(pose, x, y, radius) and _is_clear(walls, pose)
+    )
 
 
 def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
     """The edges near a disc; cells all of whose neighbours are solid add none."""
     iy, ix = np.nonzero(rim_cells(walls.solid))
-    ix, iy = ix - 1, iy - 1
+    ix = ix - 1
+    iy = iy - 1
     dx = np.maximum(np.maximum(ix - x, x - ix - 1), 0.0)
     dy = np.maximum(np.maximum(iy - y, y - iy - 1), 0.0)
     near = np.sqrt(dx * dx + dy * dy) <= radius + float(walls.radius) + _SLACK
@@ -178,13 +210,18 @@ def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
     )
 
 
-def _candidates(edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fraction) -> Iterator[_Pose]:
-    """The centre, its feet on the edges, and where two edges meet; also points that lie beyond an edge's end."""
+def _candidates(
+    edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fraction
+) -> Iterator[_ExactPose]:
+    """The centre, its feet on the edges, and where two edges meet.
+
+    Also points that lie beyond an edge's end.
+    """
     x, y = centre
-    yield _Pose(x, y)
-    yield from (_Pose(x, row) for row in edges.rows)
-    yield from (_Pose(column, y) for column in edges.columns)
-    yield from (_Pose(column, row) for column in edges.columns for row in edges.rows)
+    yield _ExactPose(x, y)
+    yield from (_ExactPose(x, row) for row in edges.rows)
+    yield from (_ExactPose(column, y) for column in edges.columns)
+    yield from (_ExactPose(column, row) for column in edges.columns for row in edges.rows)
     for qx, qy in edges.corners:
         if x != qx or y != qy:
             yield _on_ray(centre, (qx, qy), radius)
@@ -200,33 +237,42 @@ def _candidates(edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fracti
 _SIDES = (1, -1)
 
 
-def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _Pose:
+def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _ExactPose:
     """The point of the circle round a corner that is nearest to a centre."""
     qx, qy = corner
-    dx, dy = centre[0] - qx, centre[1] - qy
+    dx = centre[0] - qx
+    dy = centre[1] - qy
     away_sq = dx**2 + dy**2
     share = radius / away_sq
-    return _Pose(Fraction(qx), Fraction(qy), share * dx, share * dy, away_sq)
+    return _ExactPose(Fraction(qx), Fraction(qy), share * dx, share * dy, away_sq)
 
 
-def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _Pose:
+def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _ExactPose:
     """Where a line y = row meets the circle round a corner, on one side."""
-    return _Pose(Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2)
+    return _ExactPose(
+        Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2
+    )
 
 
-def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _Pose:
+def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _ExactPose:
     """Where a line x = column meets the circle round a corner, on one side."""
-    return _Pose(column, Fraction(corner[1]), Fraction(0), Fraction(side), radius**2 - (column - corner[0]) ** 2)
+    return _ExactPose(
+        column,
+        Fraction(corner[1]),
+        Fraction(0),
+        Fraction(side),
+        radius**2 - (column - corner[0]) ** 2,
+    )
 
 
-def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _Pose:
+def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _ExactPose:
     """Where the circles round two corners meet, on one side."""
     square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
     middle = (corner[0] + Fraction(dx, 2), corner[1] + Fraction(dy, 2))
-    return _Pose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
+    return _ExactPose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
 
 
-def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_Pose]:
+def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_ExactPose]:
     """Where the circles round two corners meet."""
     known = set(corners)
     widest_sq = math.floor(4 * radius**2)
@@ -242,21 +288,25 @@ def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_Pose]:
                 yield from (_between((px, py), dx, dy, side, radius) for side in _SIDES)
 
 
-def _approximate(pose: _Pose) -> tuple[float, float]:
+def _approximate(pose: _ExactPose) -> tuple[float, float]:
     root = math.sqrt(pose.square)
     return float(pose.ax) + float(pose.bx) * root, float(pose.ay) + float(pose.by) * root
 
 
 def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
     """(n,) whether points (n, 2) are clear, or nearly; in floats."""
-    reach, limit = math.ceil(walls.radius) + 1, max(0.0, float(walls.radius) - _SLACK)
+    reach = math.ceil(walls.radius) + 1
+    limit = max(0.0, float(walls.radius) - _SLACK)
     pad = reach + 1
     solid = np.pad(walls.solid, pad, constant_values=True)
     inside = ((at >= 0.0) & (at <= (walls.width, walls.height))).all(axis=1)
     column, row = np.clip(np.floor(at), 0, (walls.width, walls.height)).astype(np.int64).T
     clear = np.asarray(inside)
     for dy, dx in itertools.product(range(-reach, reach + 1), repeat=2):
-        there = solid[np.minimum(row + dy + pad, len(solid) - 1), np.minimum(column + dx + pad, solid.shape[1] - 1)]
+        there = solid[
+            np.minimum(row + dy + pad, len(solid) - 1),
+            np.minimum(column + dx + pad, solid.shape[1] - 1),
+        ]
         across = np.maximum(np.maximum(column + dx - at[:, 0], at[:, 0] - column - dx - 1), 0.0)
         along = np.maximum(np.maximum(row + dy - at[:, 1], at[:, 1] - row - dy - 1), 0.0)
         clear = clear & ~(there & (across**2 + along**2 < limit**2))
@@ -265,34 +315,40 @@ def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
 
 def _sign(whole: Fraction, factor: Fraction, square: Fraction) -> int:
     """Sign of whole + factor * sqrt(square), exactly."""
-    a, b = (whole > 0) - (whole < 0), ((factor > 0) - (factor < 0)) * (square > 0)
+    a = (whole > 0) - (whole < 0)
+    b = ((factor > 0) - (factor < 0)) * (square > 0)
     if a * b >= 0:
         return a or b
     larger = whole**2 - factor**2 * square
     return a * ((larger > 0) - (larger < 0))
 
 
-def _in_disc(pose: _Pose, x: Fraction, y: Fraction, radius: Fraction) -> bool:
+def _in_disc(pose: _ExactPose, x: Fraction, y: Fraction, radius: Fraction) -> bool:
     return _compared(pose, (pose.ax - x, pose.bx), (pose.ay - y, pose.by), radius) <= 0
 
 
-def _compared(pose: _Pose, dx: tuple[Fraction, Fraction], dy: tuple[Fraction, Fraction], radius: Fraction) -> int:
+def _compared(
+    pose: _ExactPose, dx: tuple[Fraction, Fraction], dy: tuple[Fraction, Fraction], radius: Fraction
+) -> int:
     """Sign of dx**2 + dy**2 - radius**2, each d being d[0] + d[1] * root."""
     whole = dx[0] ** 2 + dy[0] ** 2 + (dx[1] ** 2 + dy[1] ** 2) * pose.square - radius**2
     return _sign(whole, 2 * (dx[0] * dx[1] + dy[0] * dy[1]), pose.square)
 
 
-def _is_clear(walls: Walls, pose: _Pose) -> bool:
+def _is_clear(walls: Walls, pose: _ExactPose) -> bool:
     """Whether a pose is at least the radius from every solid cell."""
     point = _point(pose)
     for ix, iy in walls.near(point, point, math.ceil(walls.radius * UNIT) + 1):
-        dx, dy = _beyond(pose.ax, pose.bx, pose.square, ix), _beyond(pose.ay, pose.by, pose.square, iy)
+        dx = _beyond(pose.ax, pose.bx, pose.square, ix)
+        dy = _beyond(pose.ay, pose.by, pose.square, iy)
         if _compared(pose, dx, dy, walls.radius) < 0:
             return False
     return True
 
 
-def _beyond(whole: Fraction, factor: Fraction, square: Fraction, low: int) -> tuple[Fraction, Fraction]:
+def _beyond(
+    whole: Fraction, factor: Fraction, square: Fraction, low: int
+) -> tuple[Fraction, Fraction]:
     """How far a coordinate is from the interval [low, low + 1]; as itself, it has a root."""
     if _sign(whole - low, factor, square) < 0:
         return low - whole, -factor
@@ -301,7 +357,7 @@ def _beyond(whole: Fraction, factor: Fraction, square: Fraction, low: int) -> tu
     return Fraction(0), Fraction(0)
 
 
-def _point(pose: _Pose) -> ExactPoint:
+def _point(pose: _ExactPose) -> ExactPoint:
     """The pose, lu."""
     over = pose.square.denominator
     root = Fraction(math.isqrt(pose.square.numerator * over << (2 * _BITS)), over << _BITS)

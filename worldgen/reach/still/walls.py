@@ -1,6 +1,7 @@
 """Exact distances between points, segments and solid cells.
 
-Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are Python
+Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are
+    Python
 integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
 """
 
@@ -31,7 +32,8 @@ __all__ = [
     "segment_meets_box",
 ]
 
-_MOST_BYTES = 4_000_000  # cells of a grid that are kept as bytes too, in which the next solid one is found quickest
+# Cells of a grid that are kept as bytes too, in which the next solid one is found quickest.
+_MOST_BYTES = 4_000_000
 
 Number: TypeAlias = int | Fraction
 Point: TypeAlias = tuple[int, int]
@@ -95,20 +97,23 @@ class Walls:
         return self.cells.tobytes()
 
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
-        """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq; none nearer is left out.
+        """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
 
-        Of the outside, only the ring next to the grid is listed: the rest is never nearer.
+        None nearer is left out. Of the outside, only the ring next to the grid is listed: the rest
+            is never nearer.
         """
         (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)
         first = max(-1, (py - reach) // UNIT - 1)
         last = min(self.height, (qy + reach) // UNIT + 1)
         rise = qy - py
         for iy in range(first, last + 1):
-            low, high = px, qx
+            low = px
+            high = qx
             if rise > 0:  # x of the part of pq that lies level with the row
                 below = min(max(iy * UNIT - reach - py, 0), rise)
                 above = min(max((iy + 1) * UNIT + reach - py, 0), rise)
-                low, high = px + (qx - px) * below // rise, px + (qx - px) * above // rise
+                low = px + (qx - px) * below // rise
+                high = px + (qx - px) * above // rise
             if low > high:
                 low, high = high, low
             begin = max(-1, (low - 1 - reach) // UNIT - 1)
@@ -118,14 +123,16 @@ class Walls:
                 yield from ((begin + ix, iy) for ix in np.flatnonzero(row).tolist())
                 continue
             base = (iy + 1) * self._stride + 1
-            at, end = base + begin, base + end
+            at = base + begin
+            end = base + end
             while (at := self._bytes.find(1, at, end)) >= 0:
                 yield at - base, iy
                 at += 1
 
     def blocker(self, p: ExactPoint, q: ExactPoint) -> Cell | None:
         """A solid cell nearer than the radius to segment pq, or None when the disc may sweep it."""
-        numerator, denominator = self.radius_sq.numerator, self.radius_sq.denominator
+        numerator = self.radius_sq.numerator
+        denominator = self.radius_sq.denominator
         for cell in self.near(p, q, math.ceil(self.radius * UNIT)):
             distance, over = segment_box_sq(p, q, cell)
             if distance * denominator < numerator * over:
@@ -148,7 +155,8 @@ class Walls:
 
 def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
     """Squared distance from a point to a closed cell, lu squared."""
-    x0, y0 = cell[0] * UNIT, cell[1] * UNIT
+    x0 = cell[0] * UNIT
+    y0 = cell[1] * UNIT
     dx = max(x0 - p[0], 0, p[0] - x0 - UNIT)
     dy = max(y0 - p[1], 0, p[1] - y0 - UNIT)
     return dx * dx + dy * dy
@@ -159,22 +167,27 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
 
     The least distance between two disjoint convex polygons is attained at a vertex of one of them.
     """
-    ex, ey = q[0] - p[0], q[1] - p[1]
+    ex = q[0] - p[0]
+    ey = q[1] - p[1]
     if ex == 0 or ey == 0:  # a box itself, and most pieces are: three times as fast
         return _boxes_apart_sq(p, q, cell), 1
-    best, over = min(point_box_sq(p, cell), point_box_sq(q, cell)), 1
+    best = min(point_box_sq(p, cell), point_box_sq(q, cell))
+    over = 1
     length_sq: Number = ex * ex + ey * ey
     if best == 0:
         return best, 1
-    x0, y0 = cell[0] * UNIT, cell[1] * UNIT
+    x0 = cell[0] * UNIT
+    y0 = cell[1] * UNIT
     if segment_meets_box(p, q, x0, y0, UNIT):
         return 0, 1
     divisor: Number = over
     for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
-        ux, uy = cx - p[0], cy - p[1]
+        ux = cx - p[0]
+        uy = cy - p[1]
         side = ex * uy - ey * ux
         if 0 < ex * ux + ey * uy < length_sq and side * side * divisor < best * length_sq:
-            best, divisor = side * side, length_sq
+            best = side * side
+            divisor = length_sq
     return best, divisor
 
 
@@ -194,10 +207,17 @@ def segment_meets_box(p: ExactPoint, q: ExactPoint, x0: Number, y0: Number, side
 
     Two convex shapes are apart exactly if some edge normal of one of them parts them.
     """
-    if max(p[0], q[0]) < x0 or min(p[0], q[0]) > x0 + side or max(p[1], q[1]) < y0 or min(p[1], q[1]) > y0 + side:
+    if (
+        max(p[0], q[0]) < x0
+        or min(p[0], q[0]) > x0 + side
+        or max(p[1], q[1]) < y0
+        or min(p[1], q[1]) > y0 + side
+    ):
         return False
-    ex, ey = q[0] - p[0], q[1] - p[1]
+    ex = q[0] - p[0]
+    ey = q[1] - p[1]
     base = ex * (y0 - p[1]) - ey * (x0 - p[0])
-    across, up = -ey * side, ex * side
+    across = -ey * side
+    up = ex * side
     sides = (base, base + across, base + up, base + across + up)
     return min(sides) <= 0 <= max(sides)

@@ -12,9 +12,10 @@ __all__ = ["widest_disc"]
 
 
 def widest_disc(world: World) -> float:
-    """The largest radius, m, with which a disc can get from the start to the target; 0 if no disc of a robot can.
+    """The largest radius, m, with which a disc can get from the start to the target.
 
-    Found by halving: a smaller disc gets wherever a larger one does. The answer is right to the last bit, that is,
+    0 if no disc of a robot can. Found by halving: a smaller disc gets wherever a larger one does.
+        The answer is right to the last bit, that is,
     the next larger float is too large.
 
     Args:
@@ -25,9 +26,11 @@ def widest_disc(world: World) -> float:
     """
     if world.is_dynamic:
         raise InvalidParameter(
-            "world-changes", "the world changes, and the largest disc that could pass is known of still ones only"
+            "world-changes",
+            "the world changes, and the largest disc that could pass is known of still ones only",
         )
-    low, high = 0.0, min(world.width, world.height) * world.cell_size
+    low = 0.0
+    high = min(world.width, world.height) * world.cell_size
     while True:
         middle = low + (high - low) / 2
         if middle in (low, high) or middle < RADII[0] * world.cell_size:

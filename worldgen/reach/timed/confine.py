@@ -1,8 +1,9 @@
 """Confines the robot: where it can be at most, tile by tile and slab by slab.
 
-A tile is dead while a single blocked cell is so near that no point of the tile is clear. A robot goes, in a slab of
-time, no farther than one tile's side: so from its tile to one of the eight around, or it stays. What this reaches is
-more than the disc can reach, and what it does not reach is out of reach (docs/reachability.md).
+A tile is dead while a single blocked cell is so near that no point of the tile is clear. A robot
+goes, in a slab of time, no farther than one tile's side: so from its tile to one of the eight
+around, or it stays. What this reaches is more than the disc can reach, and what it does not reach
+is out of reach (docs/reachability.md).
 """
 
 from __future__ import annotations
@@ -66,14 +67,20 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
     safe = safe_intervals(alive, _inner(spans), classes)
     home, goal = _distances(world, alive.shape, k)
     states = _States.of(safe, slab)
-    pace = float(exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size)))  # tiles a slab
+    pace = float(
+        exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size))
+    )  # tiles a slab
     states.begin_no_earlier(np.ceil((home - _SLACK) / pace) - 1)
     if deadline is not None:
         way = float(exact(deadline) * exact(world.robot_speed) * k / exact(world.cell_size))
         states.end_no_later(np.floor((way - goal + _SLACK) / pace))
-        states.high = np.minimum(states.high, min(math.floor(exact(deadline) * spans.ticks / slab), FOR_EVER))
+        states.high = np.minimum(
+            states.high, min(math.floor(exact(deadline) * spans.ticks / slab), FOR_EVER)
+        )
     start = tuple(in_cells(value, world.cell_size) * k for value in (world.start.x, world.start.y))
-    came, reached = _spread(states, alive.shape, (math.floor(start[0]), math.floor(start[1])), goal <= _SLACK)
+    came, reached = _spread(
+        states, alive.shape, (math.floor(start[0]), math.floor(start[1])), goal <= _SLACK
+    )
     length = Fraction(slab, spans.ticks)
     if reached >= 0:
         return Reach(None, float(reached * length))
@@ -92,13 +99,20 @@ def _covering(radius: Fraction, k: int) -> list[list[Cell]]:
 
     span = range(-reach, reach + 1)
     return [
-        [(dx, dy) for dy in span for dx in span if farthest(a, dx) ** 2 + farthest(b, dy) ** 2 < radius**2]
+        [
+            (dx, dy)
+            for dy in span
+            for dx in span
+            if farthest(a, dx) ** 2 + farthest(b, dy) ** 2 < radius**2
+        ]
         for b in range(k)
         for a in range(k)
     ]
 
 
-def _alive(fixed: npt.NDArray[np.bool_], classes: list[list[Cell]], k: int) -> npt.NDArray[np.bool_]:
+def _alive(
+    fixed: npt.NDArray[np.bool_], classes: list[list[Cell]], k: int
+) -> npt.NDArray[np.bool_]:
     """(k * height, k * width) bool, tiles that no cell that is solid for good covers."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0)
     solid = np.pad(fixed, pad, constant_values=True)
@@ -122,7 +136,9 @@ def _inner(spans: Spans) -> CellSpans:
             whole.append(min(math.ceil(exactly) if up else math.floor(exactly), FOREVER))
         return np.array(whole, np.int64)[back.ravel()]
 
-    return CellSpans(spans.changing, spans.first, ticks(spans.since, True), ticks(spans.until, False))
+    return CellSpans(
+        spans.changing, spans.first, ticks(spans.since, True), ticks(spans.until, False)
+    )
 
 
 def _distances(world: World, shape: tuple[int, ...], k: int) -> tuple[Floats, Floats]:
@@ -135,13 +151,17 @@ def _distances(world: World, shape: tuple[int, ...], k: int) -> tuple[Floats, Fl
             np.maximum(np.maximum(index - at, at - index - 1.0), 0.0)
             for index, at in ((np.arange(shape[1]), x), (np.arange(shape[0]), y))
         )
-        found.append(np.maximum(np.sqrt(dx[np.newaxis, :] ** 2 + dy[:, np.newaxis] ** 2).ravel() - less, 0.0))
+        found.append(
+            np.maximum(np.sqrt(dx[np.newaxis, :] ** 2 + dy[:, np.newaxis] ** 2).ravel() - less, 0.0)
+        )
     return found[0], found[1]
 
 
 @dataclass
 class _States:
-    """Tiles with the intervals in which they are alive, in slabs; empty ones have ``high`` below ``low``.
+    """Tiles with the intervals in which they are alive, in slabs.
+
+    Empty ones have ``high`` below ``low``.
 
     Attributes:
         first: Tile t has states first[t] to first[t + 1] - 1.
@@ -158,7 +178,9 @@ class _States:
     @classmethod
     def of(cls, safe: Intervals, slab: int) -> _States:
         """The intervals in slabs."""
-        first, begin, end = (np.asarray(values, np.int64) for values in (safe.first, safe.begin, safe.end))
+        first, begin, end = (
+            np.asarray(values, np.int64) for values in (safe.first, safe.begin, safe.end)
+        )
         high = np.where(end >= FOREVER, FOR_EVER, (end - 1) // slab)
         return cls(first, np.repeat(np.arange(len(first) - 1), np.diff(first)), begin // slab, high)
 
@@ -171,8 +193,13 @@ class _States:
         self.high = np.minimum(self.high, np.clip(slabs, -1.0, 2.0**60).astype(np.int64)[self.tile])
 
 
-def _spread(states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_]) -> tuple[Ints, int]:
-    """In which slab each state is reached first, -1 for never; and in which the goal is, if it is."""
+def _spread(
+    states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_]
+) -> tuple[Ints, int]:
+    """In which slab each state is reached first, -1 for never.
+
+    And in which the goal is, if it is.
+    """
     near = [
         iy * shape[1] + ix
         for iy in range(max(start[1] - 1, 0), min(start[1] + 2, shape[0]))
@@ -196,7 +223,10 @@ def _spread_out(
         "rows": shape[0],
         "columns": shape[1],
         "states": len(states.tile),
-        **{name: pointer(ffi, getattr(states, name), np.int64) for name in ("first", "tile", "low", "high")},
+        **{
+            name: pointer(ffi, getattr(states, name), np.int64)
+            for name in ("first", "tile", "low", "high")
+        },
         "goal": pointer(ffi, goal, np.uint8),
         "came": writable(ffi, came, np.int64),
     }

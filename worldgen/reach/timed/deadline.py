@@ -12,7 +12,7 @@ from worldgen.reach.still.prove import decide
 from worldgen.reach.still.walls import ExactPoint
 from worldgen.reach.timed.confine import confine
 from worldgen.reach.timed.latest import find_latest_start
-from worldgen.reach.timed.retime import hasten
+from worldgen.reach.timed.retime import retime
 from worldgen.reach.timed.spans import ChangingWalls, Spans
 from worldgen.world import Witness, World
 
@@ -21,24 +21,32 @@ __all__ = ["decide_in_time", "latest_start", "until"]
 _TILES = (4, 8)  # a cell side, of the tiles by which the robot is confined
 _COARSE = (2, 1)  # likewise, where those are too many
 _MOST_TILES = 4_000_000
-_NODES = (2, 4, 8, 16)  # a cell side, of the graphs on which the latest start is sought, as those of witnesses
+_NODES = (
+    2,
+    4,
+    8,
+    16,
+)  # a cell side, of the graphs on which the latest start is sought, as those of witnesses
 _MOST_NODES = 4_000_000
 
 
-def decide_in_time(world: World, deadline: float | None = None, *, radius: float | None = None) -> Decision:
+def decide_in_time(
+    world: World, deadline: float | None = None, *, radius: float | None = None
+) -> Decision:
     """Whether a disc can get from the start to the target by a deadline, or at all.
 
-    Beside what :func:`decide` tries, it confines the robot, so that the target may be proved out of reach although no
-    wall lasts: because the robot is shut in, or burns, or has too far to go.
+    Beside what :func:`decide` tries, it confines the robot, so that the target may be proved out of
+    reach although no wall lasts: because the robot is shut in, or burns, or has too far to go.
 
     Args:
         world: The world; its own certificate is not looked at.
-        deadline: s from the beginning on, at which the robot must be in the target; None for any time.
+        deadline: s from the beginning on, at which the robot must be in the target; None for any
+            time.
         radius: Radius of the disc, m; the robot's where left out.
 
     Returns:
-        ``REACHABLE`` with a witness that arrives in time; ``BLOCKED`` with a cut of the world :func:`until` the
-        deadline, or with a confinement; or ``UNDECIDED``.
+        ``REACHABLE`` with a witness that arrives in time; ``BLOCKED`` with a cut of the world
+        :func:`until` the deadline, or with a confinement; or ``UNDECIDED``.
 
     Raises:
         InvalidParameter: If the radius or the deadline is not a finite number above 0.
@@ -48,14 +56,19 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
     check_deadline(deadline)
     ahead = world if deadline is None else until(world, deadline)
     arrivals = []
-    # With less to avoid, another path is found, whose straight lines may take longer: so both worlds are asked.
+    # With less to avoid, another path is found, whose straight lines may take longer: so both
+    # worlds are asked.
     for tried in (ahead,) if ahead is world else (ahead, world):
         decision = decide(tried, radius=radius)
         if not isinstance(decision.certificate, Witness):
             break
         witness = decision.certificate
         if deadline is not None and witness.duration > deadline and ahead.is_dynamic:
-            witness = hasten(ahead, ChangingWalls(ahead, Spans(ahead), in_cells(radius, world.cell_size)), witness)
+            witness = retime(
+                ahead,
+                ChangingWalls(ahead, Spans(ahead), in_cells(radius, world.cell_size)),
+                witness,
+            )
         if deadline is None or witness.duration <= deadline:
             return replace(decision, certificate=witness)
         arrivals.append(witness.duration)
@@ -68,7 +81,9 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
 def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
     """``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
     earliest = 0.0
-    fine, coarse = ([k for k in sides if k * k * world.walls.size <= _MOST_TILES] for sides in (_TILES, _COARSE))
+    fine, coarse = (
+        [k for k in sides if k * k * world.walls.size <= _MOST_TILES] for sides in (_TILES, _COARSE)
+    )
     for k in fine or coarse[:1]:
         reach = confine(world, in_cells(radius, world.cell_size), k, deadline)
         if reach is None:
@@ -84,15 +99,25 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
 
 
 def until(world: World, deadline: float) -> World:
-    """The world without what changes after a deadline, which is nothing to a robot that is to arrive by then."""
+    """The world without what changes after a deadline.
+
+    It is nothing to a robot that is to arrive by then.
+    """
     kept = world.timeline.times <= deadline
-    return world if kept.all() else replace(world, timeline=world.timeline.only(kept), certificate=None)
+    return (
+        world
+        if kept.all()
+        else replace(world, timeline=world.timeline.only(kept), certificate=None)
+    )
 
 
-def latest_start(world: World, deadline: float | None = None, *, radius: float | None = None) -> float | None:
+def latest_start(
+    world: World, deadline: float | None = None, *, radius: float | None = None
+) -> float | None:
     """The largest time, s, until which the robot may wait at the start and still get to the target over some path.
 
-    Of the paths of the graph on which witnesses are sought, exactly; over a path off that graph it may be later still.
+    Of the paths of the graph on which witnesses are sought, exactly; over a path off that graph it
+    may be later still.
 
     Args:
         world: The world.
@@ -100,7 +125,8 @@ def latest_start(world: World, deadline: float | None = None, *, radius: float |
         radius: Radius of the disc, m; the robot's where left out.
 
     Returns:
-        Infinite if it may wait for ever; None if there is no path on any of the graphs that are tried.
+        Infinite if it may wait for ever; None if there is no path on any of the graphs that are
+        tried.
 
     Raises:
         InvalidParameter: If the radius or the deadline is not a finite number above 0.

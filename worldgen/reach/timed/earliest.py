@@ -1,10 +1,12 @@
 """The earliest arrival in a world that changes: safe-interval search over the same exact graph.
 
-A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an edge is
-attained at its ends or its middle whatever the cells, so an edge is safe while these are. A state of the
-search is (node, safe interval): within one interval, an earlier arrival is never worse, for one can wait.
+A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an
+edge is attained at its ends or its middle whatever the cells, so an edge is safe while these are. A
+state of the search is (node, safe interval): within one interval, an earlier arrival is never
+    worse, for one can wait.
 
-Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments", 2011.
+Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic
+    Environments", 2011.
 """
 
 from __future__ import annotations
@@ -45,13 +47,18 @@ Ints = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class TimedPath:
-    """Points, 1/1024 cell, and the ticks at which the robot is there; it moves evenly in between."""
+    """Points, 1/1024 cell, and the ticks at which the robot is there.
+
+    It moves evenly in between.
+    """
 
     points: list[ExactPoint]
     times: list[int]
 
 
-def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc) -> TimedPath | None:
+def find_timed_path(
+    world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc
+) -> TimedPath | None:
     """The earliest way over nodes at multiples of 1/k cell, from the start at time 0 into the target.
 
     Args:
@@ -66,8 +73,12 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     ends = nodes_within(disc, graph)
     unit = UNIT // k
     pace = (world.cell_size, world.robot_speed, spans.ticks)
-    axis, diagonal = travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace)
-    near = [(node, p, travel_ticks(start, p, *pace)) for node, p in nodes_round(start, graph.clear, unit)]
+    axis = travel_ticks((0, 0), (unit, 0), *pace)
+    diagonal = travel_ticks((0, 0), (unit, unit), *pace)
+    near = [
+        (node, p, travel_ticks(start, p, *pace))
+        for node, p in nodes_round(start, graph.clear, unit)
+    ]
     sources = [(node, arrival) for node, p, arrival in near if walls.is_clear(start, p, 0, arrival)]
     if not sources or not len(ends):
         return None
@@ -78,7 +89,9 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     return _with_waits(start, states, graph.stride, unit) if states else None
 
 
-def _with_waits(start: ExactPoint, states: list[tuple[int, int, int]], stride: int, unit: int) -> TimedPath:
+def _with_waits(
+    start: ExactPoint, states: list[tuple[int, int, int]], stride: int, unit: int
+) -> TimedPath:
     """Points and times of a way given as (node, departure from the one before, arrival)."""
     points: list[ExactPoint] = [start]
     times = [0]
@@ -100,14 +113,19 @@ def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
     """
     points, times = _merge_even(path)
     ahead = min(_LOOK_AHEAD, max(2, _TESTS // len(points)))
-    kept, at = [0], 0
+    kept = [0]
+    at = 0
     while at < len(points) - 1:
         far = at + 1
         while (
-            far < min(at + ahead, len(points) - 1) and points[far] != points[far - 1] and points[far + 1] != points[far]
+            far < min(at + ahead, len(points) - 1)
+            and points[far] != points[far - 1]
+            and points[far + 1] != points[far]
         ):
             far += 1
-        while far > at + 1 and not walls.is_clear(points[at], points[far], times[at] - MARGIN, times[far] + MARGIN):
+        while far > at + 1 and not walls.is_clear(
+            points[at], points[far], times[at] - MARGIN, times[far] + MARGIN
+        ):
             far -= 1
         kept.append(far)
         at = far
@@ -116,7 +134,8 @@ def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
 
 def _merge_even(path: TimedPath) -> tuple[list[ExactPoint], list[int]]:
     """Leaves out points on a straight line that the robot passes without a change of speed."""
-    points, times = path.points[:1], path.times[:1]
+    points = path.points[:1]
+    times = path.times[:1]
     for i in range(1, len(path.points)):
         while len(points) > 1 and _is_even(points[-2:], times[-2:], path.points[i], path.times[i]):
             points.pop()
@@ -134,11 +153,20 @@ def _is_even(points: list[ExactPoint], times: list[int], point: ExactPoint, time
 def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> Witness:
     """The path in metres and seconds, with its clearance."""
     x, y = metres(path.points, world.cell_size)
-    clearance = root_down(walls.clearance_sq(path.points, path.times) * (exact(world.cell_size) / UNIT) ** 2)
-    return Witness(np.array([time / walls.spans.ticks for time in path.times]), np.array(x), np.array(y), clearance)
+    clearance = root_down(
+        walls.clearance_sq(path.points, path.times) * (exact(world.cell_size) / UNIT) ** 2
+    )
+    return Witness(
+        np.array([time / walls.spans.ticks for time in path.times]),
+        np.array(x),
+        np.array(y),
+        clearance,
+    )
 
 
-def nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> list[tuple[int, Point]]:
+def nodes_round(
+    start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int
+) -> list[tuple[int, Point]]:
     """The start's node, or the nodes round it."""
     x, y = start
     exactly = x % unit == 0 and y % unit == 0
@@ -155,7 +183,10 @@ def _search_states(
     nodes: Intervals, middles: Intervals, stride: int, sources: Sequence[tuple[int, int]],
     ends: Ints, ticks: tuple[int, int], toward: tuple[int, int],
 ) -> list[tuple[int, int, int]]:  # fmt: skip
-    """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
+    """(node, departure from the one before, arrival) along the earliest way.
+
+    Empty if there is none.
+    """
     goal = np.zeros(len(nodes.first) - 1, np.uint8)
     goal[ends] = 1
     x, y = toward
@@ -170,8 +201,12 @@ def _search_states(
     return path[::-1]
 
 
-def search_costs(nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]) -> Any:
-    """The earliest tick at which each state is reached from any of those begun in; ``FOREVER`` where it is not.
+def search_costs(
+    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]
+) -> Any:
+    """The earliest tick at which each state is reached from any of those begun in.
+
+    ``FOREVER`` where it is not.
 
     Args:
         nodes: Safe intervals of the nodes.
@@ -189,7 +224,8 @@ def _search(
     lean: tuple[int, int, int], ticks: tuple[int, int],
 ) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
     """Run the search: final state, and of the states their node, cost, predecessor and departure from that."""
-    size, count = len(nodes.first) - 1, len(nodes.begin)
+    size = len(nodes.first) - 1
+    count = len(nodes.begin)
     node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
     cost = np.full(count, FOREVER, np.int64)
     came = np.full(count, -1, np.int32)

@@ -1,4 +1,7 @@
-"""When points of a raster are safe: the intervals between the spans in which cells near them are blocked."""
+"""When points of a raster are safe.
+
+The intervals between the spans in which cells near them are blocked.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,10 @@ class CellSpans:
 
 @dataclass(frozen=True)
 class Intervals:
-    """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, by time, in ticks."""
+    """Safe intervals of the points of a raster.
+
+    Point p has first[p] to first[p + 1] - 1, by time, in ticks.
+    """
 
     first: Ints
     begin: Ints
@@ -58,17 +64,28 @@ class Intervals:
 
 
 def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
-    """Per place in a cell, the cells nearer than the radius to it: at multiples of 1/k, or ``half`` 1 / 2k beyond."""
-    return [touching_cells(2 * a + half, 2 * b + half, 2 * k, radius) for b in range(k) for a in range(k)]
+    """Per place in a cell, the cells nearer than the radius to it.
+
+    At multiples of 1/k, or ``half`` 1 / 2k beyond.
+    """
+    return [
+        touching_cells(2 * a + half, 2 * b + half, 2 * k, radius)
+        for b in range(k)
+        for a in range(k)
+    ]
 
 
-def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Intervals:
+def safe_intervals(
+    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
+) -> Intervals:
     """Return when the points of a raster are safe.
 
     Args:
-        clear: (rows, columns) bool, points that no cell blocks for ever; the others have no interval.
+        clear: (rows, columns) bool, points that no cell blocks for ever; the others have no
+            interval.
         spans: When cells are blocked.
-        classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points of one cell.
+        classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points
+            of one cell.
     """
     asked, _held = _described(clear, spans, classes)
     first = np.zeros(clear.size + 1, np.int64)
@@ -86,7 +103,9 @@ def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequen
     return Intervals(first, begins, ends)
 
 
-def _described(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> tuple[Any, Any]:
+def _described(
+    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
+) -> tuple[Any, Any]:
     """Return points and spans as C reads them, and the arrays that have to be kept meanwhile."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
@@ -101,7 +120,9 @@ def _described(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[S
         np.ascontiguousarray(spans.begin),
         np.ascontiguousarray(spans.end),
     )
-    class_first, steps, span_first, span_begin, span_end = (pointer(ffi, array, np.int64) for array in held)
+    class_first, steps, span_first, span_begin, span_end = (
+        pointer(ffi, array, np.int64) for array in held
+    )
     rows, columns = clear.shape
     points = np.ascontiguousarray(clear)
     fields = {

@@ -1,6 +1,9 @@
-"""How long the robot may wait at the start and still arrive: the search over safe intervals, time running backwards.
+"""How long the robot may wait at the start and still arrive.
 
-Source: as for :mod:`worldgen.reach.timed.earliest`. Seen from the end of time, the latest departure is an
+The search over safe intervals, time running backwards.
+
+Source: as for :mod:`worldgen.reach.timed.earliest`. Seen from the end of time, the latest departure
+    is an
 earliest arrival.
 """
 
@@ -24,7 +27,12 @@ __all__ = ["find_latest_start"]
 
 
 def find_latest_start(
-    world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc, deadline: float | None
+    world: World,
+    walls: ChangingWalls,
+    k: int,
+    start: ExactPoint,
+    disc: Disc,
+    deadline: float | None,
 ) -> float | None:
     """The largest time, s, until which the robot may wait at the start and get into the target over some path.
 
@@ -73,14 +81,17 @@ def find_latest_start(
     return math.inf if latest > FOREVER // 2 else latest / spans.ticks
 
 
-def _departure(walls: ChangingWalls, start: ExactPoint, point: Point, takes: int, span: tuple[int, int]) -> int:
-    """The latest tick at which to leave the start for a node, to be there within a span; -1 if that cannot be.
+def _departure(
+    walls: ChangingWalls, start: ExactPoint, point: Point, takes: int, span: tuple[int, int]
+) -> int:
+    """The latest tick at which to leave the start for a node, to be there within a span.
 
-    Until then the robot is at the start, which has to be safe.
+    -1 if that cannot be. Until then the robot is at the start, which has to be safe.
     """
     here = walls.spans_near(start, start)
     until = min((begin for begin, end in here if end > 0), default=FOREVER)
-    latest, free = -1, 0
+    latest = -1
+    free = 0
     for begin, end in [*walls.spans_near(start, point), (FOREVER, FOREVER)]:
         leave = min(until, min(span[1], begin) - takes)
         if leave >= max(span[0] - takes, free, 0):

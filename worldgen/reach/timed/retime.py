@@ -1,4 +1,7 @@
-"""Drives a timed path as early as it can be driven: its straight lines take less time than the steps they replaced."""
+"""Drives a timed path as early as it can be driven.
+
+Its straight lines take less time than the steps they replaced.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +12,16 @@ from worldgen.reach.timed.earliest import TimedPath, make_timed_witness
 from worldgen.reach.timed.spans import MARGIN, ChangingWalls
 from worldgen.world import Witness, World
 
-__all__ = ["hasten"]
+__all__ = ["retime"]
 
 _TRIES = 40  # departures tried for one piece
 
 
-def hasten(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
-    """The same way, each piece driven at full speed and begun as soon as it is clear; it arrives no later.
+def retime(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
+    """The same way, each piece driven at full speed and begun as soon as it is clear.
 
-    Where the robot comes earlier than the witness did, it is safe until the witness's own time, so that what follows
-    can still be driven as before.
+    It arrives no later. Where the robot comes earlier than the witness did, it is safe until the
+    witness's own time, so that what follows can still be driven as before.
 
     Args:
         world: The world, for speed and size.
@@ -27,12 +30,14 @@ def hasten(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
     """
     scale = UNIT / exact(world.cell_size)
     points: list[ExactPoint] = [
-        (exact(x) * scale, exact(y) * scale) for x, y in zip(witness.x.tolist(), witness.y.tolist(), strict=True)
+        (exact(x) * scale, exact(y) * scale)
+        for x, y in zip(witness.x.tolist(), witness.y.tolist(), strict=True)
     ]
     times = [round(exact(time) * walls.spans.ticks) for time in witness.times.tolist()]
     made = TimedPath(points[:1], times[:1])
     for i in range(len(points) - 1):
-        p, q = points[i], points[i + 1]
+        p = points[i]
+        q = points[i + 1]
         if p == q:
             continue
         now = made.times[-1]
@@ -47,7 +52,9 @@ def hasten(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
     return make_timed_witness(world, walls, made)
 
 
-def _departure(walls: ChangingWalls, piece: tuple[ExactPoint, ExactPoint], now: int, takes: int, by: int) -> int | None:
+def _departure(
+    walls: ChangingWalls, piece: tuple[ExactPoint, ExactPoint], now: int, takes: int, by: int
+) -> int | None:
     """The first tick at which a piece can be begun and ends before ``by``, safe until then at its end; None if none."""
     p, q = piece
     ends = sorted({end for _, end in walls.spans_near(p, q) if now < end and end + takes < by})

@@ -1,4 +1,7 @@
-"""When cells are solid or burning, as the prover sees it: whole ticks, each span a little too long."""
+"""When cells are solid or burning, as the prover sees it.
+
+Whole ticks, each span a little too long.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +29,14 @@ Ints = npt.NDArray[np.int64]
 class Spans:
     """The cells that change, and when they are blocked: solid or burning.
 
-    What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so much later: for some
+    What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so
+        much later: for some
     delay up to ``early``, t + delay is b or later exactly if t is b - early or later.
 
     Args:
         world: The world.
-        early: s by which every span begins earlier than the cell is blocked; it moves ``begin`` alone.
+        early: s by which every span begins earlier than the cell is blocked; it moves ``begin``
+            alone.
 
     Attributes:
         ticks: Ticks per second.
@@ -40,7 +45,8 @@ class Spans:
         at_start: (height, width) bool, blocked at time 0.
         always: (height, width) bool, blocked at every time.
         ever: (height, width) bool, blocked at some time.
-        first: (height * width + 1,) int64; cell c = iy * width + ix has spans first[c] to first[c + 1] - 1.
+        first: (height * width + 1,) int64; cell c = iy * width + ix has spans first[c] to first[c +
+            1] - 1.
         begin: (n,) int64, tick from which on the cell counts as blocked.
         end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
         since: (n,) float64, s, from when on it is blocked.
@@ -48,7 +54,8 @@ class Spans:
     """
 
     def __init__(self, world: World, early: float = 0.0) -> None:
-        line, size = world.timeline, world.walls.size
+        line = world.timeline
+        size = world.walls.size
         self.width = world.width
         self.ticks = ticks_per_second(world.cell_size, world.robot_speed)
         last = max(line.last_time, early)
@@ -61,27 +68,38 @@ class Spans:
         state = np.concatenate([world.walls.ravel()[changed], line.states])
         since = np.concatenate([np.zeros(len(changed)), line.times])
         order = np.lexsort((np.arange(len(place)), since, place))
-        place, state, since = place[order], state[order], since[order]
+        place = place[order]
+        state = state[order]
+        since = since[order]
         until = np.full(len(place), math.inf)
         same = place[1:] == place[:-1]
         until[:-1][same] = since[1:][same]
-        # Neighbouring spans of one cell (solid, then burning) become one: a gap of no length is no gap.
+        # Neighbouring spans of one cell (solid, then burning) become one: a gap of no length is no
+        # gap.
         blocked = (state != int(CellState.FREE)) & (since < until)
         lasting = since < until
-        place, since, until, blocked = place[lasting], since[lasting], until[lasting], blocked[lasting]
+        place = place[lasting]
+        since = since[lasting]
+        until = until[lasting]
+        blocked = blocked[lasting]
         goes_on = np.zeros(len(place), np.bool_)
         goes_on[1:] = blocked[1:] & blocked[:-1] & (place[1:] == place[:-1])
         heads = np.nonzero(blocked & ~goes_on)[0]
         ends_here = blocked.copy()
         ends_here[:-1] &= ~goes_on[1:]
         tails = np.nonzero(ends_here)[0]
-        cell, since, until = place[heads], since[heads], until[tails]
-        self.since, self.until = since, until
+        cell = place[heads]
+        since = since[heads]
+        until = until[tails]
+        self.since = since
+        self.until = until
         self.first: Ints = np.searchsorted(cell, np.arange(size + 1)).astype(np.int64)
         self.begin: Ints = np.floor(since * self.ticks).astype(np.int64) - MARGIN
         self.begin -= math.ceil(exact(early) * self.ticks)
         stays = until == math.inf
-        self.end: Ints = np.where(stays, FOREVER, np.ceil(np.where(stays, 0.0, until) * self.ticks) + MARGIN)
+        self.end: Ints = np.where(
+            stays, FOREVER, np.ceil(np.where(stays, 0.0, until) * self.ticks) + MARGIN
+        )
         self.end = self.end.astype(np.int64)
         self.changing = self._raster(world, changed)
         self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
@@ -98,7 +116,8 @@ class Spans:
     def of(self, cell: Cell) -> list[tuple[int, int]]:
         """The spans of one cell."""
         place = cell[1] * self.width + cell[0]
-        low, high = int(self.first[place]), int(self.first[place + 1])
+        low = int(self.first[place])
+        high = int(self.first[place + 1])
         return list(zip(self.begin[low:high].tolist(), self.end[low:high].tolist(), strict=True))
 
 
@@ -106,7 +125,8 @@ class ChangingWalls:
     """Walls for exact questions about pieces of a timed path."""
 
     def __init__(self, world: World, spans: Spans, radius: Fraction) -> None:
-        self.spans, self.radius = spans, radius
+        self.spans = spans
+        self.radius = radius
         self._ever = Walls(spans.fixed | spans.changing, radius)
 
     def _blocked(self, cell: Cell, since: int, until: int) -> list[tuple[int, int]]:
@@ -150,7 +170,8 @@ class ChangingWalls:
             for p, q, since, until in pieces:
                 for cell in self._ever.near(p, q, math.isqrt(math.ceil(best)) + 1):
                     for begin, end in self._blocked(cell, since, until):
-                        a, b = _at(p, q, since, until, begin), _at(p, q, since, until, end)
+                        a = _at(p, q, since, until, begin)
+                        b = _at(p, q, since, until, end)
                         distance, over = segment_box_sq(a, b, cell)
                         best = min(best, Fraction(distance) / over)
             if best < reach * reach:

@@ -1,10 +1,12 @@
 """Following a wall by touch: what wall followers and bug algorithms share.
 
-The robot knows its position and, of the wall that it touched last, the direction to it. It *advances* along that wall,
-turned a little towards it, so that it slides on a flat wall and keeps in touch round a corner. Where it meets something
-else, it *presses* against its own wall again before it goes on: what stopped it may be the far side of a passage
-hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall. Where it loses its
-wall it turns towards it step by step. So it follows the edge of what its centre can reach, and skips no opening.
+The robot knows its position and, of the wall that it touched last, the direction to it. It
+*advances* along that wall, turned a little towards it, so that it slides on a flat wall and keeps
+in touch round a corner. Where it meets something else, it *presses* against its own wall again
+    before it goes on: what stopped it may be the far side of a passage
+hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall.
+Where it loses its wall it turns towards it step by step. So it follows the edge of what its centre
+can reach, and skips no opening.
 
 A step is never longer than :func:`stride`, which is less than the robot's diameter.
 
@@ -39,7 +41,9 @@ X, Y, STEP, HAND, WALL, PHASE, STUCK, LOST, SMOOTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
 BODY_SIZE = 9
 ADVANCE, PRESS = 0.0, 1.0
 
-_STRIDE = 0.03 / 0.07  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
+_STRIDE = (
+    0.03 / 0.07
+)  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take for ever
 _DEGREE = math.pi / 180.0
 # lean on a flat wall, and round a corner
@@ -47,7 +51,10 @@ _FLAT = 20.0 * _DEGREE
 _ROUND = 40.0 * _DEGREE
 _FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
 _SEARCH = 30.0 * _DEGREE  # turn towards a wall that is lost, in each step
-_WHOLE_TURN, _WHOLE_TURNS = 12.0, 24.0  # steps of a search that turn it once, and after which the count goes back
+_WHOLE_TURN, _WHOLE_TURNS = (
+    12.0,
+    24.0,
+)  # steps of a search that turn it once, and after which the count goes back
 _GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
 _SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
 # turns of one wall: into the way, and out of it
@@ -61,10 +68,14 @@ _PRESSES = 3.0  # presses without finding the wall before it is searched for
 def stride(observation: Floats) -> float:
     """Length of a step along a wall, m."""
     longest = max(_STRIDE * float(observation[layout.OBS_RADIUS]), _LEAST_STRIDE)
-    return min(longest, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]))
+    return min(
+        longest, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP])
+    )
 
 
-def drive(observation: Floats, memory: Floats, command: Floats, direction: float, length: float) -> None:
+def drive(
+    observation: Floats, memory: Floats, command: Floats, direction: float, length: float
+) -> None:
     """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
     memory[X] = observation[layout.OBS_X]
     memory[Y] = observation[layout.OBS_Y]
@@ -74,7 +85,10 @@ def drive(observation: Floats, memory: Floats, command: Floats, direction: float
 
 
 def head_for_target(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Commands a step straight to the target: a short one if the last touched a wall, else as long as can be."""
+    """Commands a step straight to the target.
+
+    A short one if the last touched a wall, else as long as can be.
+    """
     length = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
     if observation[layout.OBS_BUMP] != 0.0:
         length = stride(observation)
@@ -85,7 +99,8 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
     """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
 
-    A wall that does not lie ahead any more has only bent it, however far that step came: the disc has slid round it.
+    A wall that does not lie ahead any more has only bent it, however far that step came: the disc
+        has slid round it.
 
     Args:
         observation: What is sensed.
@@ -106,11 +121,20 @@ def touched(observation: Floats) -> float:
 
 def begin_following(memory: Floats, wall: float) -> None:
     """Takes up a wall in a direction, rad; it is pressed against first."""
-    memory[WALL], memory[PHASE], memory[STUCK], memory[LOST], memory[SMOOTH] = wall, PRESS, 0.0, 0.0, 0.0
+    memory[WALL], memory[PHASE], memory[STUCK], memory[LOST], memory[SMOOTH] = (
+        wall,
+        PRESS,
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 def _ahead(observation: Floats, memory: Floats) -> float:
-    """How far the last step came in its direction, m; walls may have pushed the robot back, or aside."""
+    """How far the last step came in its direction, m.
+
+    Walls may have pushed the robot back, or aside.
+    """
     x = observation[layout.OBS_X]
     y = observation[layout.OBS_Y]
     heading = observation[layout.OBS_HEADING]
@@ -148,7 +172,10 @@ def feel(observation: Floats, memory: Floats) -> bool:
 
 
 def has_lost_it(memory: Floats) -> bool:
-    """Whether the wall is nowhere around the robot any more: only a world that changes can take it away."""
+    """Whether the wall is nowhere around the robot any more.
+
+    Only a world that changes can take it away.
+    """
     return bool(memory[LOST] >= _WHOLE_TURNS)
 
 
@@ -162,4 +189,6 @@ def follow(observation: Floats, memory: Floats, command: Floats) -> None:
     lean += _SEARCH * memory[LOST] - _GIVE_WAY * memory[STUCK]
     if memory[LOST] > 0.0:
         length *= 0.5
-    drive(observation, memory, command, memory[WALL] + memory[HAND] * (lean - math.pi / 2.0), length)
+    drive(
+        observation, memory, command, memory[WALL] + memory[HAND] * (lean - math.pi / 2.0), length
+    )

@@ -42,7 +42,9 @@ def distance(x: float, y: float, to_x: float, to_y: float) -> float:
     return math.sqrt(dx * dx + dy * dy)
 
 
-def distance_to_way(x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float) -> float:
+def distance_to_way(
+    x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float
+) -> float:
     """Distance of a point from a straight way."""
     dx, dy = to_x - from_x, to_y - from_y
     length_sq = dx * dx + dy * dy

@@ -1,12 +1,16 @@
 """A small map: a square window of the plane in nodes of a grid, with a bit for each edge that was found blocked.
 
-A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west; the others are its
-neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with the robot, and
-what leaves it is forgotten. The way is planned with A* as if all that is not known to be blocked were free.
+A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west;
+    the others are its
+neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with
+the robot, and what leaves it is forgotten. The way is planned with A* as if all that is not known
+to be blocked were free.
 
-Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of minimum cost
-paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968); for planning as if the unknown were free,
-A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992).
+Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination
+    of minimum cost
+paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968); for planning as if the
+unknown were free, A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on
+Robotics and Automation 8 (1992).
 """
 
 from __future__ import annotations
@@ -80,8 +84,13 @@ def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
     low_x = int(memory[WINDOW_X])
     low_y = int(memory[WINDOW_Y])
     side = int(memory[SIDE])
-    for j in range(max(math.floor(y) - reach, low_y + 1), min(math.floor(y) + reach + 1, low_y + side - 2) + 1):
-        for i in range(max(math.floor(x) - reach, low_x + 1), min(math.floor(x) + reach + 1, low_x + side - 2) + 1):
+    for j in range(
+        max(math.floor(y) - reach, low_y + 1), min(math.floor(y) + reach + 1, low_y + side - 2) + 1
+    ):
+        for i in range(
+            max(math.floor(x) - reach, low_x + 1),
+            min(math.floor(x) + reach + 1, low_x + side - 2) + 1,
+        ):
             for move in range(4):
                 to_x, to_y = neighbour(i, j, move)
                 if distance_to_way(x, y, float(i), float(j), float(to_x), float(to_y)) < radius:
@@ -127,7 +136,10 @@ def _forget_line(memory: Floats, place: int, column: bool) -> None:
 
 
 def move_window(memory: Floats, x: int, y: int) -> None:
-    """Moves the window so that a node has a quarter of it on each side; what leaves it is forgotten."""
+    """Moves the window so that a node has a quarter of it on each side.
+
+    What leaves it is forgotten.
+    """
     side = int(memory[SIDE])
     for axis in range(2):
         place = x if axis == 0 else y
@@ -186,8 +198,8 @@ def _at_least(memory: Floats, x: int, y: int) -> int:
 def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
     """A* from a node; the number in the window of the node where the plan ends, -1 if there is no way.
 
-    A plan ends next to the target, or where it leaves the window, which is as good as the way left from there plus
-    a charge that makes it the last resort.
+    A plan ends next to the target, or where it leaves the window, which is as good as the way left
+    from there plus a charge that makes it the last resort.
     """
     side = int(memory[SIDE])
     low_x = int(memory[WINDOW_X])
@@ -225,7 +237,9 @@ def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap
 
 
 def plan(memory: Floats, x: int, y: int) -> bool:
-    """Plans the way from a node, which the window must have around it, to one next to the target or out of the window.
+    """Plans the way from a node.
+
+    It the window must have around it, to one next to the target or out of the window.
 
     Returns:
         Whether there is a way; it may have no moves.

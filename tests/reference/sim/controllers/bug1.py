@@ -1,15 +1,19 @@
 """Bug1: goes round each obstacle once, and leaves it where it was nearest to the target.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand all
-the way round, and notes where it was nearest to the target: the leave point. From the hit point it goes there, the
-shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it arrives if anybody can,
-on a way of at most the distance and one and a half times the perimeters of the obstacles that it meets.
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
+its left hand all the way round, and notes where it was nearest to the target: the leave point. From
+    the hit point it goes there, the
+shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it
+arrives if anybody can, on a way of at most the distance and one and a half times the perimeters of
+the obstacles that it meets.
 
-That holds where the world stands still. A place of the wall is taken for the hit point or the leave point if it is
-nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the two sides of a narrow passage are
+That holds where the world stands still. A place of the wall is taken for the hit point or the leave
+point if it is nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the
+    two sides of a narrow passage are
 near to each other, too, but look opposite ways.
 
-Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+    moving amidst unknown
 obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
 """
 
@@ -26,9 +30,9 @@ from tests.reference.sim.controllers._directions import distance, distance_to_wa
 
 Floats = npt.NDArray[np.float64]
 
-# Memory after the body's: what it does, its distance to the target before the step; the hit point with the direction
-# of the wall there; the leave point likewise, and its distance to the target; way since the hit, and to the leave
-# point; whether it has been away from the hit point.
+# Memory after the body's: what it does, its distance to the target before the step; the hit point
+# with the direction of the wall there; the leave point likewise, and its distance to the target;
+# way since the hit, and to the leave point; whether it has been away from the hit point.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT = body.BODY_SIZE + 2
 LEAVE = body.BODY_SIZE + 5
@@ -42,8 +46,12 @@ START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
 _SAME_PLACE = 0.5  # of a step
 _ELSEWHERE = 1.5  # of a step: further from the hit point it has been away
-_SAME_WALL = math.radians(100.0)  # rad by which the direction of the wall may differ at the same place
-_NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than the last leave point, or that is gone to
+_SAME_WALL = math.radians(
+    100.0
+)  # rad by which the direction of the wall may differ at the same place
+# Of a step: a hit on the same wall must be so much nearer than the last leave point, or that is
+# gone to.
+_NEARER = 0.1
 
 
 def _passes(observation: Floats, memory: Floats, place: int) -> bool:
@@ -90,9 +98,14 @@ def _meet(observation: Floats, memory: Floats) -> None:
         return
     body.begin_following(memory, body.touched(observation))
     margin = _NEARER * body.stride(observation)
-    if memory[LEAVE_FAR] < math.inf and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL:
+    if (
+        memory[LEAVE_FAR] < math.inf
+        and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL
+    ):
         margin = 0.0  # a wall across a gap hardly wider than the robot is another, however near
-    memory[MODE] = MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
+    memory[MODE] = (
+        MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
+    )
     if memory[MODE] == MEET:
         memory[body.HAND] = 1.0
 

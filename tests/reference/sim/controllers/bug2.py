@@ -1,15 +1,18 @@
 """Bug2: goes round an obstacle until it is back on the straight line to the target, nearer to it.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand until
-it crosses the line from the hit point to the target at a place nearer to the target than the hit point; it goes back
-to that place and drives on. The line enters the obstacle at the hit point and ends outside, so somewhere on the same
-wall it leaves: there is such a place, and each is nearer than the last. So it arrives if anybody can. Often it is
-quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many times.
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
+its left hand until it crosses the line from the hit point to the target at a place nearer to the
+target than the hit point; it goes back to that place and drives on. The line enters the obstacle at
+the hit point and ends outside, so somewhere on the same wall it leaves: there is such a place, and
+    each is nearer than the last. So it arrives if anybody can. Often it is
+quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many
+times.
 
-In the paper the line is that from the start to the target. Here each hit point gives a line of its own, which differs
-by what the robot slid along a wall before that stopped it.
+In the paper the line is that from the start to the target. Here each hit point gives a line of its
+own, which differs by what the robot slid along a wall before that stopped it.
 
-Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+    moving amidst unknown
 obstacles of arbitrary shape", Algorithmica 2 (1987), section 5.
 """
 
@@ -27,8 +30,8 @@ from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
-# Memory after the body's: what it does, its distance to the target before the step; the hit point, its distance to the
-# target and direction of the line (a unit vector); the place to leave at.
+# Memory after the body's: what it does, its distance to the target before the step; the hit point,
+# its distance to the target and direction of the line (a unit vector); the place to leave at.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
 LEAVE_X = body.BODY_SIZE + 7
@@ -37,7 +40,9 @@ SIZE = body.BODY_SIZE + 9
 
 START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
 
-_NEARER = 0.05  # of a step: a place to leave at must be that much nearer to the target than the hit point
+_NEARER = (
+    0.05  # of a step: a place to leave at must be that much nearer to the target than the hit point
+)
 _THERE = 0.02  # of a step: nearer to the place to leave at it is there
 
 
@@ -96,7 +101,9 @@ def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
     if memory[MODE] == GOAL:
         body.head_for_target(observation, memory, command)
     elif memory[MODE] == BACK:
-        body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), left)
+        body.drive(
+            observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), left
+        )
     else:
         body.follow(observation, memory, command)
 

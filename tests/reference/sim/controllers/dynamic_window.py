@@ -1,14 +1,16 @@
 """Dynamic window: of the speeds and turn rates that the robot can have next, the best that lets it stop in time.
 
-Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first obstacle fall
-away; the rest are judged by where they face, how far they are free, and how fast they are. It drives fast and never
-knowingly into anything. It looks one arc ahead, so it stops or swings for ever in cups and before long walls, and a
-turn into a narrow door is often later than its arcs can see.
+Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first
+obstacle fall away; the rest are judged by where they face, how far they are free, and how fast they
+are. It drives fast and never knowingly into anything. It looks one arc ahead, so it stops or swings
+for ever in cups and before long walls, and a turn into a narrow door is often later than its arcs
+can see.
 
-Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision avoidance", IEEE
-Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window (equation 15) and
-the objective (equation 13). Departures: obstacles are the ends of range beams, arcs are judged for the whole disc, and
-the objective is not smoothed over the window.
+Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision
+    avoidance", IEEE
+Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window
+(equation 15) and the objective (equation 13). Departures: obstacles are the ends of range beams,
+arcs are judged for the whole disc, and the objective is not smoothed over the window.
 """
 
 from __future__ import annotations
@@ -20,13 +22,20 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.reference.sim import layout
-from tests.reference.sim.controllers._directions import WHOLE_TURN, angle_of, bearing_of, target_bearing, wrap
+from tests.reference.sim.controllers._directions import (
+    WHOLE_TURN,
+    angle_of,
+    bearing_of,
+    target_bearing,
+    wrap,
+)
 from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 SPEED, TURN_RATE = 0, 1  # memory: m/s and rad/s commanded last
-_GRAIN = 1024.0  # commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved
+# Commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved.
+_GRAIN = 1024.0
 
 
 class DynamicWindow(NamedTuple):
@@ -40,7 +49,8 @@ class DynamicWindow(NamedTuple):
         speeds: Speeds that are tried, from the slowest to the fastest within the window.
         turns: Turn rates that are tried, likewise; an odd number keeps the one of now.
         ahead: Time, s, after which an arc's heading is compared with the target's direction.
-        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns on the spot.
+        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns
+            on the spot.
         far: Free way, m, beyond which more is no better.
         to_target: Weight of the heading.
         to_free: Weight of the free way.
@@ -77,7 +87,9 @@ def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: f
         if x <= 0.0 or abs(y) >= radius:
             return math.inf
         return x - math.sqrt(radius * radius - y * y)
-    bend = speed / abs(turn_rate)  # the circle's radius; mirrored so that it always bends to the left
+    bend = speed / abs(
+        turn_rate
+    )  # the circle's radius; mirrored so that it always bends to the left
     off = bend - y if turn_rate > 0.0 else bend + y  # from the point up to the circle's centre
     away = math.sqrt(x * x + off * off)
     if abs(away - bend) >= radius or bend == 0.0:
@@ -121,8 +133,12 @@ def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicW
     return 1.0 - abs(wrap(angle_of(x, y) - turned)) / math.pi
 
 
-def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, tuned: DynamicWindow) -> None:
-    """One step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
+def drive(
+    observation: Floats, memory: Floats, command: Floats, points: Floats, tuned: DynamicWindow
+) -> None:
+    """One step: judges every pair in the window and commands the best.
+
+    Brakes and turns if none is admissible.
 
     Args:
         observation: ``OBS_``.
@@ -160,4 +176,10 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:
-    drive(observation, memory, command, np.zeros((observation.size - layout.OBS_SIZE, 2)), DynamicWindow())
+    drive(
+        observation,
+        memory,
+        command,
+        np.zeros((observation.size - layout.OBS_SIZE, 2)),
+        DynamicWindow(),
+    )

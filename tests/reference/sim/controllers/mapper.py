@@ -1,15 +1,20 @@
 """Mapping: keeps a small coarse map of where it could not pass, and drives the shortest way that the map leaves open.
 
-The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops it, it notes that
-edge as blocked, feels where the wall is, which blocks all edges on which it would overlap that place, goes back, and
-plans again. If no way is left it must have been mistaken: then it empties the map, and feels for walls no more. What
-it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there is a way along the
-edges of the grid, and the map holds all that it saw: with walls on a grid of their own that is so if ``pitch`` is half
-a cell. With less memory the map is a window that moves with the robot, and what has left it is forgotten: then it may
+The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops
+it, it notes that edge as blocked, feels where the wall is, which blocks all edges on which it would
+overlap that place, goes back, and plans again. If no way is left it must have been mistaken: then
+    it empties the map, and feels for walls no more. What
+it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there
+is a way along the edges of the grid, and the map holds all that it saw: with walls on a grid of
+    their own that is so if ``pitch`` is half
+a cell. With less memory the map is a window that moves with the robot, and what has left it is
+    forgotten: then it may
 go round in circles larger than its memory. ``mapping`` makes a controller with a map of any size.
 
-Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992);
-that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning in
+Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
+    Automation 8 (1992);
+that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds
+    for planning in
 unknown terrain", Artificial Intelligence 147 (2003).
 """
 
@@ -33,10 +38,13 @@ CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in
 FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
 LEAST_SIDE, MOST_SIDE = 8, 1024
 
-# Memory beside the map: what it does; the node that it came from, the move; where it starts; distance of two nodes;
-# position before the step; length of the step; failed returns; share of the robot's radius nearer than which to a place
-# that it felt there is no room, 0 if it does not feel for walls.
-MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, NO_ROOM = (lattice.OWN + k for k in range(12))
+# Memory beside the map: what it does; the node that it came from, the move; where it starts;
+# distance of two nodes; position before the step; length of the step; failed returns; share of the
+# robot's radius nearer than which to a place that it felt there is no room, 0 if it does not feel
+# for walls.
+MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, NO_ROOM = (
+    lattice.OWN + k for k in range(12)
+)
 
 START, GO, DOOR, TOUCH, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
@@ -44,7 +52,8 @@ _THERE = 0.01  # of the pitch: nearer to a node it is there
 _STANDS = 0.02  # of the pitch: a free step of less cannot come nearer
 _ALONG = 0.9  # share of a step by which a node must come nearer if a wall bent the way
 _PROBE = 0.2  # of the pitch: step by which it feels for a wall
-_MOST_TRIES = 12.0  # steps on the way back that a wall may bend before the nearest node is taken for the one it is at
+# Steps on the way back that a wall may bend before the nearest node is taken for the one it is at.
+_MOST_TRIES = 12.0
 
 
 def _begin(observation: Floats, memory: Floats) -> None:
@@ -108,11 +117,15 @@ def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
     if memory[MODE] == DOOR:
         far = observation[layout.OBS_TARGET_DISTANCE]
         heading = observation[layout.OBS_TARGET_HEADING]
-        return observation[layout.OBS_X] + far * cos(heading), observation[layout.OBS_Y] + far * sin(heading)
+        return observation[layout.OBS_X] + far * cos(heading), observation[
+            layout.OBS_Y
+        ] + far * sin(heading)
     if memory[MODE] == TOUCH:
         towards = body.touched(observation)
         length = _PROBE * memory[GRID]
-        return observation[layout.OBS_X] + length * cos(towards), observation[layout.OBS_Y] + length * sin(towards)
+        return observation[layout.OBS_X] + length * cos(towards), observation[
+            layout.OBS_Y
+        ] + length * sin(towards)
     x = int(memory[FROM_X])
     y = int(memory[FROM_Y])
     if memory[MODE] == GO:
@@ -124,7 +137,10 @@ def _feel(observation: Floats, memory: Floats) -> None:
     """Notes where the wall is that the robot felt for: there, if it did not slide."""
     here_x = observation[layout.OBS_X]
     here_y = observation[layout.OBS_Y]
-    if observation[layout.OBS_BUMP] == 0.0 or distance(memory[X], memory[Y], here_x, here_y) > _STANDS * memory[GRID]:
+    if (
+        observation[layout.OBS_BUMP] == 0.0
+        or distance(memory[X], memory[Y], here_x, here_y) > _STANDS * memory[GRID]
+    ):
         return
     towards = body.touched(observation)
     radius = observation[layout.OBS_RADIUS]
@@ -143,7 +159,9 @@ def _look(observation: Floats, memory: Floats) -> bool:
         return False
     if memory[MODE] != DOOR and _arrived(observation, memory, x, y):
         if memory[MODE] == GO:
-            to_x, to_y = lattice.neighbour(int(memory[FROM_X]), int(memory[FROM_Y]), int(memory[MOVE]))
+            to_x, to_y = lattice.neighbour(
+                int(memory[FROM_X]), int(memory[FROM_Y]), int(memory[MOVE])
+            )
             memory[FROM_X] = float(to_x)
             memory[FROM_Y] = float(to_y)
         memory[TRIES] = 0.0

@@ -1,12 +1,14 @@
 """Potential field: the target pulls, walls push, and the robot drives down the slope.
 
-It finds its way round single obstacles without any memory. It stops for ever where push and pull cancel: in front of
+It finds its way round single obstacles without any memory. It stops for ever where push and pull
+    cancel: in front of
 a wall across its way, in any cup, and at doors whose posts push harder than the target pulls.
 
-Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The International Journal
-of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and the push of
-"FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by their nearest points: the
-beams that are shorter than their neighbours.
+Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
+    International Journal
+of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and
+the push of "FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by
+their nearest points: the beams that are shorter than their neighbours.
 """
 
 from __future__ import annotations
@@ -32,7 +34,8 @@ class PotentialField(NamedTuple):
     Args:
         pull: Force per metre of distance from the target.
         far: Distance, m, beyond which the pull grows no more, which limits the speed.
-        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow doors.
+        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow
+            doors.
         influence: Gap, m, beyond which a wall does not push.
         full_force: Force at which the robot drives at its top speed; below, in proportion.
     """
@@ -75,7 +78,12 @@ def drive(observation: Floats, memory: Floats, command: Floats, tuned: Potential
     top = observation[layout.OBS_TOP_SPEED]
     # Half the gap in a step at most: the slope of the push changes within millimetres there.
     careful = max(nearest - radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
-    steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
+    steer(
+        observation,
+        command,
+        angle_of(force_x, force_y),
+        min(top * min(force / tuned.full_force, 1.0), careful),
+    )
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:

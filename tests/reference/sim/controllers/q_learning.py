@@ -1,14 +1,16 @@
 """Q-learning: a table of what each turn is worth in each situation, learnt by driving in the simulator.
 
-Every fourth step the robot looks where the target is (an eighth of a turn), which of five directions are blocked, and
-which way it turned last; that makes 768 situations. For each the table has the worth of six turns, and the robot
-takes the best. Nobody has told it how to follow a wall. What it cannot tell apart it must treat alike: in worlds where
+Every fourth step the robot looks where the target is (an eighth of a turn), which of five
+directions are blocked, and which way it turned last; that makes 768 situations. For each the table
+has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
+    What it cannot tell apart it must treat alike: in worlds where
 the table, right on average, is wrong, it drives round for ever.
 
-The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and writes again,
-bit for bit.
+The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and
+writes again, bit for bit.
 
-Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
+Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
+    Cambridge (1989);
 Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
 """
 
@@ -33,7 +35,10 @@ SITUATIONS = 3 * 8 * 32
 _IN_THE_WAY = 0.09  # m: a gap of less than this is blocked
 DRIVEN = 4  # steps between two decisions, if no bump comes first
 
-WAIT, TURNED = 0, 1  # memory: steps until the next decision; last turn: 0 none or back, 1 left, 2 right
+WAIT, TURNED = (
+    0,
+    1,
+)  # memory: steps until the next decision; last turn: 0 none or back, 1 left, 2 right
 AT_RESET = (0.0, 0.0)
 
 
@@ -64,14 +69,22 @@ def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> N
             memory[TURNED] = 1.0 if turn < 4 else 2.0
     memory[WAIT] -= 1.0
     steer(
-        observation, command, (turn if turn <= 4 else turn - 8) * (WHOLE_TURN / 8.0), observation[layout.OBS_TOP_SPEED]
+        observation,
+        command,
+        (turn if turn <= 4 else turn - 8) * (WHOLE_TURN / 8.0),
+        observation[layout.OBS_TOP_SPEED],
     )
 
 
 def shipped() -> Ints:
-    """Return (SITUATIONS,) the best turn of the shipped table in each situation; the first of equals."""
+    """Return (SITUATIONS,) the best turn of the shipped table in each situation.
+
+    The first of equals.
+    """
     text = TABLE.read_text(encoding="utf-8")
-    worths = np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(SITUATIONS, len(TURNS))
+    worths = np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(
+        SITUATIONS, len(TURNS)
+    )
     return np.argmax(worths, axis=1)
 
 

@@ -1,7 +1,7 @@
 """Random walk: legs of equal length in random directions; a wall ends a leg early.
 
-What any other controller should be quicker than, and a measure of how hard a world is by chance alone. It arrives in
-the end, with probability one, but nobody can say when.
+What any other controller should be quicker than, and a measure of how hard a world is by chance
+alone. It arrives in the end, with probability one, but nobody can say when.
 
 Source: Karl Pearson, "The problem of the random walk", Nature 72 (1905), p. 294.
 """
@@ -17,7 +17,9 @@ from tests.reference.sim import layout
 
 Floats = npt.NDArray[np.float64]
 
-LEG = 0.5  # m: length of a leg; shorter ones stay near the start for longer, longer ones follow walls
+LEG = (
+    0.5  # m: length of a leg; shorter ones stay near the start for longer, longer ones follow walls
+)
 LEFT = 0  # what stands where in the memory: the way that is left of the leg, m
 
 
@@ -27,7 +29,9 @@ def _walk(observation: Floats, memory: Floats, command: Floats) -> None:
         command[layout.CMD_TURN_RATE] = 2.0 * math.pi * (observation[layout.OBS_RANDOM] - 0.5)
         command[layout.CMD_TURN_RATE] /= observation[layout.OBS_TIME_STEP]
         command[layout.CMD_DRAW] = 1.0
-    length = min(memory[LEFT], observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP])
+    length = min(
+        memory[LEFT], observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
+    )
     memory[LEFT] -= length
     command[layout.CMD_SPEED] = length / observation[layout.OBS_TIME_STEP]
 

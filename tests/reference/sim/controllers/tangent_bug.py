@@ -1,17 +1,20 @@
 """TangentBug: looks ahead with range beams, and goes round what is in the way along its tangents.
 
-It drives to the target as long as it sees no wall before it, and else to that end of the wall, as far as it sees, by
-which the way to the target would be shortest. When that way stops getting shorter it drives up to the wall and follows
-it by touch, on the side to which it was drawn, until it sees a free place that is nearer to the target than any place
-of the wall was, and goes there.
+It drives to the target as long as it sees no wall before it, and else to that end of the wall, as
+far as it sees, by which the way to the target would be shortest. When that way stops getting
+shorter it drives up to the wall and follows it by touch, on the side to which it was drawn, until
+it sees a free place that is nearer to the target than any place of the wall was, and goes there.
 
-With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc, which takes the
-points that its beams meet for the walls, each as wide as itself, and between two beams it sees nothing: a long shot
+With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc,
+which takes the points that its beams meet for the walls, each as wide as itself, and between two
+    beams it sees nothing: a long shot
 past a thin wall can look free and not be so. The fuzzer shows what that costs.
 
-It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says otherwise.
+It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says
+otherwise.
 
-Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm", The International
+Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm",
+    The International
 Journal of Robotics Research 17 (1998).
 """
 
@@ -24,23 +27,38 @@ import numpy.typing as npt
 
 from tests.reference.sim import layout
 from tests.reference.sim.controllers import _boundary as body
-from tests.reference.sim.controllers._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
+from tests.reference.sim.controllers._directions import (
+    WHOLE_TURN,
+    angle_of,
+    bearing_of,
+    distance,
+    wrap,
+)
 from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 BEAMS = 72
 RANGE = 1.0  # m: further points are not looked at
-_APART = 1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
-_TOUCHING = 0.97  # of the radius: a wall that is touched is no nearer than this, so it does not bar the way along it
-_JUMP = 0.08 / 0.07  # of the radius: an end of a wall is where the free way is longer by this in the next direction
-_LONGER = 0.05  # m: by so much the way by an end may be longer than it was before a wall is followed
-_HANGS_TOGETHER = 0.5  # share of its distance by which a wall may be nearer or further in the next direction
+_APART = (
+    1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
+)
+# Of the radius: a wall that is touched is no nearer than this, so it does not bar the way along it.
+_TOUCHING = 0.97
+_JUMP = (
+    0.08 / 0.07
+)  # of the radius: an end of a wall is where the free way is longer by this in the next direction
+_LONGER = (
+    0.05  # m: by so much the way by an end may be longer than it was before a wall is followed
+)
+_HANGS_TOGETHER = (
+    0.5  # share of its distance by which a wall may be nearer or further in the next direction
+)
 _NEARER = 0.03  # m: a place to leave a wall for is nearer to the target by this than all of it
 _PATIENCE = 60.0  # steps in which the way must have become shorter
 
-# Memory after the body's: what it does; shortest way so far, and steps since; the wall's least distance to the target;
-# distance to the target before the step; the place to leave for.
+# Memory after the body's: what it does; shortest way so far, and steps since; the wall's least
+# distance to the target; distance to the target before the step; the place to leave for.
 MODE, BEST, SINCE, WALL_FAR, FAR = (body.BODY_SIZE + k for k in range(5))
 LEAVE_X = body.BODY_SIZE + 5
 LEAVE_Y = body.BODY_SIZE + 6
@@ -50,7 +68,10 @@ GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 
 
 def _sight(observation: Floats) -> float:
-    """Distance, m, up to which points are looked at; a disc has a free way of that less its radius at most."""
+    """Distance, m, up to which points are looked at.
+
+    A disc has a free way of that less its radius at most.
+    """
     beams = observation.size - layout.OBS_SIZE
     return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / WHOLE_TURN))
 
@@ -84,7 +105,8 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
     """The end of a wall by which the way to the target is shortest.
 
     Returns:
-        The length of that way, m (inf: there is no end); the end's direction from the heading, rad; its distance.
+        The length of that way, m (inf: there is no end); the end's direction from the heading, rad;
+        its distance.
     """
     beams = observation.size - layout.OBS_SIZE
     radius = observation[layout.OBS_RADIUS]
@@ -105,7 +127,10 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
 
 
 def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
-    """The free place in sight that is nearest to the target: its distance to it, its direction and distance."""
+    """The free place in sight that is nearest to the target.
+
+    Its distance to it, its direction and distance.
+    """
     beams = observation.size - layout.OBS_SIZE
     offset = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING]
     best, best_bearing, best_length = math.inf, 0.0, 0.0
@@ -127,12 +152,17 @@ def _take_up(memory: Floats, far: float) -> None:
 
 
 def _go(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up."""
+    """Towards the target, or to the best end of the wall before it.
+
+    A wall that both fail at is taken up.
+    """
     far = observation[layout.OBS_TARGET_DISTANCE]
     heading = observation[layout.OBS_HEADING]
     ahead = observation[layout.OBS_TARGET_HEADING] - heading
     way, bearing, length = far, ahead, far
-    if _free_way(observation, ahead) < min(far, 0.999 * (_sight(observation) - observation[layout.OBS_RADIUS])):
+    if _free_way(observation, ahead) < min(
+        far, 0.999 * (_sight(observation) - observation[layout.OBS_RADIUS])
+    ):
         way, bearing, length = _best_end(observation)
         memory[body.HAND] = -1.0 if wrap(bearing - ahead) > 0.0 else 1.0
     memory[SINCE] += 1.0
@@ -150,7 +180,10 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
 
 
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
-    """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
+    """Takes in how near to the target the wall comes that is followed.
+
+    As far as it is seen to one side, 1 or -1.
+    """
     beams = observation.size - layout.OBS_SIZE
     radius = observation[layout.OBS_RADIUS]
     towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / WHOLE_TURN
@@ -185,14 +218,22 @@ def _leave(observation: Floats, memory: Floats, command: Floats) -> None:
     y = observation[layout.OBS_Y]
     left = distance(x, y, memory[LEAVE_X], memory[LEAVE_Y])
     step = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
-    body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), min(step, left))
+    body.drive(
+        observation,
+        memory,
+        command,
+        angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y),
+        min(step, left),
+    )
 
 
 def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
     far = observation[layout.OBS_TARGET_DISTANCE]
     bump = observation[layout.OBS_BUMP] != 0.0
     if memory[MODE] == LEAVE:
-        moved = distance(memory[body.X], memory[body.Y], observation[layout.OBS_X], observation[layout.OBS_Y])
+        moved = distance(
+            memory[body.X], memory[body.Y], observation[layout.OBS_X], observation[layout.OBS_Y]
+        )
         if far < memory[WALL_FAR] - 0.5 * _NEARER:
             memory[MODE], memory[BEST], memory[SINCE] = GOAL, math.inf, 0.0
         elif bump or moved < 0.01 * body.stride(observation):

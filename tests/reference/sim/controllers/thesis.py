@@ -1,14 +1,16 @@
 """The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
 
-Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is done.
-Under ``stepped`` the thesis's own program runs, to the last bit (:mod:`tests.reference.sim.thesis_episode`). Here is
-the same idea on the pose lattice, for the other motion models, with the same arbiter.
+Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is
+done. Under ``stepped`` the thesis's own program runs, to the last bit
+(:mod:`tests.reference.sim.thesis_episode`). Here is the same idea on the pose lattice, for the
+other motion models, with the same arbiter.
 
-Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to a
-heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the screen's
-side where the robot then passes, and its text contradicts itself.
+Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to
+a heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the
+screen's side where the robot then passes, and its text contradicts itself.
 
-Source: the thesis on behaviour-based search and rescue robots that this program descends from (2005-2006),
+Source: the thesis on behaviour-based search and rescue robots that this program descends from
+    (2005-2006),
 sections 3 and 4 and its listing; the arbiter is rebuilt from the prose.
 """
 
@@ -28,8 +30,8 @@ TURN_STEP = round(0.08 / (2 * math.pi) * layout.TURN)  # heading units turned in
 SNAP = round(0.2 / (2 * math.pi) * layout.TURN)  # a rest of at most 0.2 rad is turned at once
 COLLIDE_TICKS, DRIVE_TICKS = 5, 2  # as in the thesis: 6 steps of escape, 3 of drive
 
-# Memory: behaviour in charge, its counter, target heading (units; -1 none), speed and the speed before the
-# collision (shares of the top speed).
+# Memory: behaviour in charge, its counter, target heading (units; -1 none), speed and the speed
+# before the collision (shares of the top speed).
 BEHAVIOUR, COUNTER, TARGET, SPEED, OLD_SPEED = 0, 1, 2, 3, 4
 AT_RESET = (float(thesis_arbiter.IDLE), 0.0, -1.0, 1.0, 1.0)
 
@@ -59,7 +61,13 @@ def _act(observation: Floats, memory: Floats, command: Floats, rule: int) -> Non
     signal = math.floor(observation[layout.OBS_SIGNAL_HEADING] * _UNITS + 0.5) % layout.TURN
     target = int(memory[TARGET])
     behaviour, counter, taken = select_behaviour(
-        A0, int(memory[BEHAVIOUR]), int(memory[COUNTER]), collision, target == signal, COLLIDE_TICKS, DRIVE_TICKS
+        A0,
+        int(memory[BEHAVIOUR]),
+        int(memory[COUNTER]),
+        collision,
+        target == signal,
+        COLLIDE_TICKS,
+        DRIVE_TICKS,
     )
     if taken and behaviour == thesis_arbiter.COLLIDE:
         memory[OLD_SPEED], memory[SPEED] = memory[SPEED], 0.0

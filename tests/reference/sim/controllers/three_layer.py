@@ -1,18 +1,24 @@
 """Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
 
-The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The *sequencer* watches
-it: a waypoint is reached when the robot is in its cell; if that takes too long, the sequencer says so to the
-deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where the sequencer got
-nowhere, and plans a way through the rest of it to the target; the next cell of the plan is the next waypoint.
+The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The
+*sequencer* watches it: a waypoint is reached when the robot is in its cell; if that takes too long,
+    the sequencer says so to the
+deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where
+the sequencer got nowhere, and plans a way through the rest of it to the target; the next cell of
+the plan is the next waypoint.
 
-It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about the middle between
-start and target, a bit for each way between two cells: what lies outside, and passages that cells of the map cannot
-tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now with more patience.
+It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about
+the middle between start and target, a bit for each way between two cells: what lies outside, and
+    passages that cells of the map cannot
+tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now
+with more patience.
 
-Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
-Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
-architecture for intelligent, reactive agents", Journal of Experimental & Theoretical Artificial Intelligence 9
-(1997). The map, the plan and the steering are our own, as simple as they can be.
+Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
+    (1998); R. Peter
+Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack,
+"Experiences with an architecture for intelligent, reactive agents", Journal of Experimental &
+Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering are our own, as
+simple as they can be.
 """
 
 from __future__ import annotations
@@ -24,7 +30,13 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.reference.sim import layout
-from tests.reference.sim.controllers._directions import angle_of, bearing_of, steer, target_bearing, wrap
+from tests.reference.sim.controllers._directions import (
+    angle_of,
+    bearing_of,
+    steer,
+    target_bearing,
+    wrap,
+)
 from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
@@ -34,9 +46,10 @@ SIDE = 48  # cells of the map a side; a row's bits must fit a float64's 53
 _ALL = (1 << SIDE) - 1
 _MOST_FORGOTTEN = 7.0  # a number that grew for ever would let no state come back
 
-# Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the waypoint's cell (-1:
-# none); steps since it was set; how often the map was forgotten; the robot's cell, the one before, and the target's;
-# then a bit for each closed way from a cell to its right neighbour, a number for each row, and to its upper neighbour.
+# Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the
+# waypoint's cell (-1: none); steps since it was set; how often the map was forgotten; the robot's
+# cell, the one before, and the target's; then a bit for each closed way from a cell to its right
+# neighbour, a number for each row, and to its upper neighbour.
 LAID, CORNER_X, CORNER_Y, PITCH, TO_X, TO_Y, WAITED, FORGOTTEN = 0, 1, 2, 3, 4, 5, 6, 7
 HERE_X, HERE_Y, FROM_X, FROM_Y, TARGET_X, TARGET_Y = 8, 9, 10, 11, 12, 13
 RIGHT = 14
@@ -50,10 +63,12 @@ class ThreeLayer(NamedTuple):
 
     Args:
         margin: What the robot is taken to be larger by than it is, m.
-        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach the target.
+        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach
+            the target.
         reach: Least side of the map, times the distance from start to target.
         look: Free way, m, that the controller wants in the direction it takes.
-        patience: Steps after which a waypoint is given up, times one more than the map has been forgotten.
+        patience: Steps after which a waypoint is given up, times one more than the map has been
+            forgotten.
     """
 
     margin: float = 0.002
@@ -87,7 +102,10 @@ def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
 
 
 def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
-    """One round of the flood: cells next to ``near`` go into ``wave``; whether there was a new one."""
+    """One round of the flood: cells next to ``near`` go into ``wave``.
+
+    Whether there was a new one.
+    """
     grown = False
     for row in range(SIDE):
         right = int(memory[RIGHT + row])
@@ -105,9 +123,10 @@ def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
 def next_cell(
     memory: Floats, here: tuple[int, int], target: tuple[int, int], near: Ints, wave: Ints
 ) -> tuple[int, int]:
-    """The deliberator's plan: the cell after this one on a shortest way to the target's; (-1, -1) if there is none.
+    """The deliberator's plan: the cell after this one on a shortest way to the target's.
 
-    Floods the map from the target, a whole row of cells at a time, until the robot's cell is next to the flood.
+    (-1, -1) if there is none. Floods the map from the target, a whole row of cells at a time, until
+    the robot's cell is next to the flood.
 
     Args:
         memory: The map.
@@ -119,13 +138,29 @@ def next_cell(
     column, row = here
     near[target[1]] = 1 << target[0]
     for _ in range(SIDE * SIDE):
-        if column < SIDE - 1 and (near[row] >> (column + 1)) & 1 and not (int(memory[RIGHT + row]) >> column) & 1:
+        if (
+            column < SIDE - 1
+            and (near[row] >> (column + 1)) & 1
+            and not (int(memory[RIGHT + row]) >> column) & 1
+        ):
             return column + 1, row
-        if column > 0 and (near[row] >> (column - 1)) & 1 and not (int(memory[RIGHT + row]) >> (column - 1)) & 1:
+        if (
+            column > 0
+            and (near[row] >> (column - 1)) & 1
+            and not (int(memory[RIGHT + row]) >> (column - 1)) & 1
+        ):
             return column - 1, row
-        if row < SIDE - 1 and (near[row + 1] >> column) & 1 and not (int(memory[UP + row]) >> column) & 1:
+        if (
+            row < SIDE - 1
+            and (near[row + 1] >> column) & 1
+            and not (int(memory[UP + row]) >> column) & 1
+        ):
             return column, row + 1
-        if row > 0 and (near[row - 1] >> column) & 1 and not (int(memory[UP + row - 1]) >> column) & 1:
+        if (
+            row > 0
+            and (near[row - 1] >> column) & 1
+            and not (int(memory[UP + row - 1]) >> column) & 1
+        ):
             return column, row - 1
         if not _spread(memory, near, wave):
             break
@@ -156,7 +191,9 @@ def _forget(memory: Floats) -> None:
     memory[FORGOTTEN] = min(memory[FORGOTTEN] + 1.0, _MOST_FORGOTTEN)
 
 
-def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
+def _sequence(
+    observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer
+) -> None:
     """The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next."""
     here = _cell(memory, observation[layout.OBS_X], observation[layout.OBS_Y])
     target = (int(memory[TARGET_X]), int(memory[TARGET_Y]))
@@ -221,7 +258,9 @@ def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLay
     steer(observation, command, wanted, observation[layout.OBS_TOP_SPEED])
 
 
-def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
+def drive(
+    observation: Floats, memory: Floats, command: Floats, near: Ints, wave: Ints, tuned: ThreeLayer
+) -> None:
     """One step of all three layers.
 
     Args:
@@ -239,4 +278,11 @@ def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:
-    drive(observation, memory, command, np.zeros(SIDE, np.int64), np.zeros(SIDE, np.int64), ThreeLayer())
+    drive(
+        observation,
+        memory,
+        command,
+        np.zeros(SIDE, np.int64),
+        np.zeros(SIDE, np.int64),
+        ThreeLayer(),
+    )

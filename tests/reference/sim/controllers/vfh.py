@@ -1,15 +1,18 @@
 """VFH+: the robot drives through the opening between obstacles that costs it the fewest turns.
 
-Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left free are openings;
-of the directions through them the cheapest is taken: near to the target's, to the heading, and to the choice before.
-It drives fast and smoothly past clutter. It sees no further than its beams, and has no map: in a cup deeper than
+Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
+free are openings; of the directions through them the cheapest is taken: near to the target's, to
+the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
+    than its beams, and has no map: in a cup deeper than
 that, or behind a long wall, it drives to and fro for ever.
 
-Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", IEEE
-International Conference on Robotics and Automation, 1998: the four stages and the weights of section 3. Departures:
-the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest obstacle of a
-sector counts, not a sum; the speed falls with the density in the chosen direction as in their "The vector field
-histogram" (1991), equation 11.
+Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
+    robots", IEEE
+International Conference on Robotics and Automation, 1998: the four stages and the weights of
+    section 3. Departures:
+the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest
+obstacle of a sector counts, not a sum; the speed falls with the density in the chosen direction as
+in their "The vector field histogram" (1991), equation 11.
 """
 
 from __future__ import annotations
@@ -21,14 +24,21 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.reference.sim import layout
-from tests.reference.sim.controllers._directions import WHOLE_TURN, bearing_of, steer, target_bearing, wrap
+from tests.reference.sim.controllers._directions import (
+    WHOLE_TURN,
+    bearing_of,
+    steer,
+    target_bearing,
+    wrap,
+)
 from tests.reference.sim.fdlibm import atan, cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 SECTORS = 72  # of 5 degrees, in the world's frame
 _WIDTH = WHOLE_TURN / SECTORS
-LAST = SECTORS  # memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet
+# memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet.
+LAST = SECTORS
 AT_RESET = (0.0,) * SECTORS + (-1.0,)
 
 
@@ -38,10 +48,12 @@ class VfhPlus(NamedTuple):
     Args:
         safety: What obstacles are widened by beside the robot's radius, in radii.
         window: Distance, in radii of the robot, beyond which obstacles do not count.
-        low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector becomes free.
+        low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector
+            becomes free.
         high: Density above which a free sector becomes blocked.
         wide: Sectors of an opening that is passed along its side instead of through its middle.
-        to_target: Cost of a sector between a direction and the target's; larger than the two others together.
+        to_target: Cost of a sector between a direction and the target's; larger than the two others
+            together.
         to_heading: Cost of a sector between it and the heading.
         to_last: Cost of a sector between it and the direction chosen last.
         turning_radius: m, of a robot that cannot turn on the spot; 0 masks no directions.
@@ -61,7 +73,10 @@ class VfhPlus(NamedTuple):
 
 
 def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
-    """Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers."""
+    """Stage 1: the polar histogram.
+
+    Each beam's obstacle covers the sectors that the widened obstacle covers.
+    """
     beams = observation.size - layout.OBS_SIZE
     reach = observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
     window = tuned.window * observation[layout.OBS_RADIUS]
@@ -70,7 +85,11 @@ def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
         if distance >= window:
             continue
         share = 1.0 - distance / window
-        half = 0.5 * math.pi if distance <= reach else atan(reach / math.sqrt(distance * distance - reach * reach))
+        half = (
+            0.5 * math.pi
+            if distance <= reach
+            else atan(reach / math.sqrt(distance * distance - reach * reach))
+        )
         middle = observation[layout.OBS_HEADING] + bearing_of(beam, beams)
         first = math.ceil((middle - half) / _WIDTH)
         last = math.floor((middle + half) / _WIDTH)
@@ -126,7 +145,9 @@ def _is_free(sector: int, heading: float, sides: tuple[float, float], memory: Fl
     return bool(memory[sector % SECTORS] == 0.0) and sides[0] <= turn <= sides[1]
 
 
-def _choose(heading: float, target: float, sides: tuple[float, float], memory: Floats, tuned: VfhPlus) -> float:
+def _choose(
+    heading: float, target: float, sides: tuple[float, float], memory: Floats, tuned: VfhPlus
+) -> float:
     """Stage 4: the cheapest direction through an opening, sectors; -1 if all are blocked."""
     last = memory[LAST]
     border = 0
@@ -156,7 +177,9 @@ def _choose(heading: float, target: float, sides: tuple[float, float], memory: F
     return best
 
 
-def drive(observation: Floats, memory: Floats, command: Floats, density: Floats, tuned: VfhPlus) -> None:
+def drive(
+    observation: Floats, memory: Floats, command: Floats, density: Floats, tuned: VfhPlus
+) -> None:
     """One step of the four stages; stands still where every direction is blocked.
 
     Args:
@@ -176,7 +199,12 @@ def drive(observation: Floats, memory: Floats, command: Floats, density: Floats,
         return
     dense = density[math.floor(way + 0.5) % SECTORS]
     share = max(1.0 - dense / tuned.high, tuned.slowest)
-    steer(observation, command, wrap((way - heading) * _WIDTH), share * observation[layout.OBS_TOP_SPEED])
+    steer(
+        observation,
+        command,
+        wrap((way - heading) * _WIDTH),
+        share * observation[layout.OBS_TOP_SPEED],
+    )
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:

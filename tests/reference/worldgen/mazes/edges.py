@@ -1,12 +1,13 @@
 """Mazes by choosing edges or chambers: Kruskal's and Prim's algorithms, and the growing tree.
 
-``kruskal`` and ``prim`` find the tree of least total weight, where each edge of the lattice has a random weight of
-32 bits: the low half of a chamber's word weighs its way east, the high half its way north. Equal weights, one
-pair in four thousand million, go by the edge's number. So with the same words both find the same tree; they
-only grow it in another order.
+``kruskal`` and ``prim`` find the tree of least total weight, where each edge of the lattice has a
+random weight of 32 bits: the low half of a chamber's word weighs its way east, the high half its
+    way north. Equal weights, one
+pair in four thousand million, go by the edge's number. So with the same words both find the same
+tree; they only grow it in another order.
 
-A key is a weight, then the number of an edge, in one number of 63 bits; an edge's number is twice the place of
-its lower or left chamber, and one more if it leads north.
+A key is a weight, then the number of an edge, in one number of 63 bits; an edge's number is twice
+the place of its lower or left chamber, and one more if it leads north.
 """
 
 import numpy as np
@@ -51,11 +52,14 @@ def kruskal(keys, board, state, stride, scratch):
         board: (n,) becomes the links.
         state: LEFT.
         stride: From a chamber to the one above it.
-        scratch: (n,) the sets of joined chambers: each points to one with a lower place, or to itself.
+        scratch: (n,) the sets of joined chambers: each points to one with a lower place, or to
+            itself.
 
-    Sources: Joseph B. Kruskal, "On the shortest spanning subtree of a graph and the traveling salesman
-    problem", Proceedings of the American Mathematical Society, 1956; the sets are M. Rem's, in Edsger W.
-    Dijkstra, "A Discipline of Programming", 1976, chapter 23: two searches climb at once and splice.
+    Sources: Joseph B. Kruskal, "On the shortest spanning subtree of a graph and the traveling
+        salesman
+    problem", Proceedings of the American Mathematical Society, 1956; the sets are M. Rem's, in
+    Edsger W. Dijkstra, "A Discipline of Programming", 1976, chapter 23: two searches climb at once
+    and splice.
     """
     for at in range(len(board)):
         board[at] = 0
@@ -90,9 +94,10 @@ def prim(words, board, state, stride, scratch):
         stride: From a chamber to the one above it.
         scratch: (2 n,) a heap of the keys of edges at the rim, four below each.
 
-    Sources: Robert C. Prim, "Shortest connection networks and some generalizations", Bell System Technical
-    Journal, 1957; the heap: Donald B. Johnson, "Priority queues with update and finding minimum spanning
-    trees", Information Processing Letters, 1975.
+    Sources: Robert C. Prim, "Shortest connection networks and some generalizations", Bell System
+        Technical
+    Journal, 1957; the heap: Donald B. Johnson, "Priority queues with update and finding minimum
+    spanning trees", Information Processing Letters, 1975.
     """
     at, left, size = state[AT], state[LEFT], 0
     while left > 0:
@@ -136,15 +141,17 @@ def prim(words, board, state, stride, scratch):
 
 
 def growing_tree(words, board, state, stride, scratch):
-    """Digs from the newest, the oldest or any chamber of a list; one that has no free neighbour leaves the list.
+    """Digs from the newest, the oldest or any chamber of a list.
 
-    Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that would favour some
+    One that has no free neighbour leaves the list. Each word is one try: 16 bits choose the rule,
+        16 the neighbour, 32 the entry. A number that would favour some
     choice, and an entry that has left the list, are drawn again with the next word.
 
     Args:
         words: (n,) random 64 bits as int64.
         board: The board; in the end each chamber names its parent.
-        state: LEFT, USED (words), NEWEST, OLDEST, TAIL, HEAD, ALIVE; AT is 1 while any entry is to be drawn again.
+        state: LEFT, USED (words), NEWEST, OLDEST, TAIL, HEAD, ALIVE; AT is 1 while any entry is to
+            be drawn again.
         stride: From a chamber to the one above it.
         scratch: (chambers,) the list in order of age; -1 where an entry has left it.
 
@@ -170,7 +177,12 @@ def growing_tree(words, board, state, stride, scratch):
             continue
         again = 0
         at = scratch[entry]
-        ways = (board[at + 1] >> 3) + (board[at + stride] >> 3) + (board[at - 1] >> 3) + (board[at - stride] >> 3)
+        ways = (
+            (board[at + 1] >> 3)
+            + (board[at + stride] >> 3)
+            + (board[at - 1] >> 3)
+            + (board[at - stride] >> 3)
+        )
         if ways > 0:
             lot = lot % ways
             direction = 0
@@ -191,7 +203,9 @@ def growing_tree(words, board, state, stride, scratch):
             tail -= 1
         while scratch[head] < 0:
             head += 1
-        if 2 * alive < tail - head:  # so a draw at random meets an active one at least every second time
+        if (
+            2 * alive < tail - head
+        ):  # so a draw at random meets an active one at least every second time
             kept = head
             for entry in range(head, tail):
                 if scratch[entry] >= 0:

@@ -1,9 +1,20 @@
-"""Grow a maze in plain Python: what worldgen/core/making does in C, on lists and the same random words."""
+"""Grow a maze in plain Python.
+
+What worldgen/core/making does in C, on lists and the same random words.
+"""
 
 import numpy as np
 
 from tests.reference.worldgen.mazes import edges, row_by_row, walks
-from tests.reference.worldgen.mazes.board import AT, LEFT, ROOT, STATE_SIZE, USED, blank_board, inner
+from tests.reference.worldgen.mazes.board import (
+    AT,
+    LEFT,
+    ROOT,
+    STATE_SIZE,
+    USED,
+    blank_board,
+    inner,
+)
 from worldgen.families.parts.mazes import METHODS
 from worldgen.families.parts.mazes.board import links_of_parents
 
@@ -28,7 +39,9 @@ def grow(rng, mask, algorithm, *, newest=0.5, oldest=0.0):
     rows, columns = mask.shape
     stream = rng if algorithm in ("wilson", "backtracker") else rng.child(algorithm)
     board, stride = (
-        blank_board(mask) if method.any_shape else (np.zeros((rows + 2) * (columns + 2), np.int8), columns + 2)
+        blank_board(mask)
+        if method.any_shape
+        else (np.zeros((rows + 2) * (columns + 2), np.int8), columns + 2)
     )
     board = bytearray(board)
     state = [0] * STATE_SIZE

@@ -1,7 +1,7 @@
 """Mazes of whole rectangles: Eller's algorithm, sidewinder, binary tree, recursive division.
 
-They go through the rows in order and look at no neighbour above, or split rectangles, so no chamber may be
-missing. Each writes links onto the board at once.
+They go through the rows in order and look at no neighbour above, or split rectangles, so no chamber
+may be missing. Each writes links onto the board at once.
 
 Args of each:
     words: (n,) random 64 bits as int64.
@@ -20,17 +20,24 @@ STACKED = 3  # state of the recursive division: how many rectangles wait
 def eller(words, board, state, stride, scratch):
     """Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
 
-    Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row never cross, so
-    each is a ring in the order of columns, and the next column is of the same set if it is next in the ring.
+    Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row
+        never cross, so
+    each is a ring in the order of columns, and the next column is of the same set if it is next in
+    the ring.
 
     ``scratch`` is (2 columns + 2,): the next and the previous chamber of each in its set.
 
-    Sources: Marlin Eller's algorithm of 1982, as told in Jamis Buck, "Mazes for Programmers", 2015; the rings are
+    Sources: Marlin Eller's algorithm of 1982, as told in Jamis Buck, "Mazes for Programmers", 2015;
+        the rings are
     John Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
     """
     columns, rows = stride - 2, len(board) // stride - 2
-    before = columns + 1  # scratch[column]: the next one in the ring; scratch[before + column]: the previous one
-    for column in range(columns + 1):  # the last one is no chamber; it is only ever written as it was
+    before = (
+        columns + 1
+    )  # scratch[column]: the next one in the ring; scratch[before + column]: the previous one
+    for column in range(
+        columns + 1
+    ):  # the last one is no chamber; it is only ever written as it was
         scratch[column] = scratch[before + column] = column
     words_a_row = (columns + 31) >> 5
     for row in range(rows - 1):
@@ -41,7 +48,8 @@ def eller(words, board, state, stride, scratch):
             joined = bits & 1 if after != column + 1 else 0
             if column + 1 == columns:
                 joined = 0
-            # All four are written either way: a branch on a random bit is guessed wrong every second time. 1.8 x.
+            # All four are written either way: a branch on a random bit is guessed wrong every
+            # second time. 1.8 x.
             if joined != 0:
                 far_next, after_last, here_next, beside_last = after, far, column + 1, column
             else:
@@ -75,7 +83,8 @@ def eller(words, board, state, stride, scratch):
 def sidewinder(words, board, state, stride, scratch):
     """Cuts each row into runs and opens one chamber of each run upwards; the last row is one run.
 
-    Each word is one run: after each chamber a bit says whether the run ends, and the upper half chooses the way up,
+    Each word is one run: after each chamber a bit says whether the run ends, and the upper half
+        chooses the way up,
     even to one part in ten million. A run of 32 chambers ends by itself.
 
     ``state`` holds AT, where the row begins, COLUMN and USED (words). ``scratch`` is not used.
@@ -125,11 +134,13 @@ def binary_tree(words, board, state, stride, scratch):
 def recursive_division(words, board, state, stride, scratch):
     """Cuts a rectangle in two by a wall with one door, across its longer side, and then each part likewise.
 
-    What is one chamber wide is a corridor. Each word is one cut: a bit for the side, where the sides are equal, 31
+    What is one chamber wide is a corridor. Each word is one cut: a bit for the side, where the
+        sides are equal, 31
     bits for the wall, 32 for the door; numbers that would favour some choice are drawn again.
 
-    ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each rectangle that waits: place of
-    its first chamber, columns, rows, 0. The smaller part goes first, so no more wait than its size has bits.
+    ``state`` holds STACKED and USED (words). ``scratch`` has four numbers for each rectangle that
+    waits: place of its first chamber, columns, rows, 0. The smaller part goes first, so no more
+        wait than its size has bits.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
     """
@@ -150,7 +161,9 @@ def recursive_division(words, board, state, stride, scratch):
         length, door_places = (columns, rows) if upright else (rows, columns)
         wall = ((word >> 1) & 0x7FFFFFFF) * (length - 1)
         door = ((word >> 32) & 0xFFFFFFFF) * door_places
-        if (wall & 0x7FFFFFFF) < (1 << 31) % (length - 1) or (door & 0xFFFFFFFF) < (1 << 32) % door_places:
+        if (wall & 0x7FFFFFFF) < (1 << 31) % (length - 1) or (door & 0xFFFFFFFF) < (
+            1 << 32
+        ) % door_places:
             continue
         first, door = (wall >> 31) + 1, door >> 32  # chambers on this side of the wall
         across, along = (1, stride) if upright else (stride, 1)

@@ -1,8 +1,9 @@
 """Mazes by walking: Wilson's, Aldous and Broder's, the recursive backtracker, hunt-and-kill.
 
-Every kernel here draws directions of two bits, the lowest bits of a word first, and stops when its words run
-out; called again with the next words and the state it left, it goes on. A draw that cannot be used is drawn
-again, so the choice stays even. All see only small integers: plain Python and compiled code agree.
+Every kernel here draws directions of two bits, the lowest bits of a word first, and stops when its
+words run out; called again with the next words and the state it left, it goes on. A draw that
+cannot be used is drawn again, so the choice stays even. All see only small integers: plain Python
+    and compiled code agree.
 
 Args of each:
     words: (n,) random 64 bits as int64.
@@ -19,11 +20,12 @@ FIRST = 3  # state: before it, every chamber is in the maze (hunt), or every wal
 
 
 def wilson(words, board, state, stride, scratch):
-    """Loop-erased random walks from each chamber to the maze so far: every spanning tree equally likely.
+    """Loop-erased random walks from each chamber to the maze so far.
 
-    ``state[FIRST]`` is where the present walk began.
+    Every spanning tree equally likely. ``state[FIRST]`` is where the present walk began.
 
-    Source: David B. Wilson, "Generating random spanning trees more quickly than the cover time", STOC 1996.
+    Source: David B. Wilson, "Generating random spanning trees more quickly than the cover time",
+        STOC 1996.
     """
     begin, at, used, left = state[FIRST], state[AT], state[USED], state[LEFT]
     count = 32 * len(words)
@@ -53,11 +55,14 @@ def wilson(words, board, state, stride, scratch):
 
 
 def aldous_broder(words, board, state, stride, scratch):
-    """One random walk; each chamber keeps the way by which it was first entered: every tree equally likely.
+    """One random walk; each chamber keeps the way by which it was first entered.
 
-    Sources: David J. Aldous, "The random walk construction of uniform spanning trees and uniform labelled
-    trees", SIAM Journal on Discrete Mathematics, 1990; Andrei Broder, "Generating random spanning trees",
-    FOCS 1989.
+    Every tree equally likely.
+
+    Sources: David J. Aldous, "The random walk construction of uniform spanning trees and uniform
+        labelled
+    trees", SIAM Journal on Discrete Mathematics, 1990; Andrei Broder, "Generating random spanning
+    trees", FOCS 1989.
     """
     at, used, left = state[AT], state[USED], state[LEFT]
     count = 32 * len(words)
@@ -79,7 +84,8 @@ def backtracker(words, board, state, stride, scratch):
 
     The way back is on the board, so there is neither recursion nor a stack.
 
-    Source: Robert Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing, 1972,
+    Source: Robert Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on
+        Computing, 1972,
     with a random choice of the next edge.
     """
     at, used, left = state[AT], state[USED], state[LEFT]
@@ -110,7 +116,8 @@ def backtracker(words, board, state, stride, scratch):
 def hunt_and_kill(words, board, state, stride, scratch):
     """Digs at random until it is stuck, then hunts, row by row, for a free chamber beside the maze.
 
-    ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before this.
+    ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before
+        this.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 5.
     """

@@ -8,9 +8,25 @@ Contents:
     cells: links to solid cells.
 """
 
-from worldgen.families.parts.mazes.board import CORNER, EAST, NORTH, ROCK, ROOT, Links, Mask, open_sides, ways_out
+from worldgen.families.parts.mazes.board import (
+    CORNER,
+    EAST,
+    NORTH,
+    ROCK,
+    ROOT,
+    Links,
+    Mask,
+    open_sides,
+    ways_out,
+)
 from worldgen.families.parts.mazes.cells import cells_of, pitch
-from worldgen.families.parts.mazes.grow import FIT_ANY_SHAPE, METHODS, Algorithm, grow, spanning_tree
+from worldgen.families.parts.mazes.grow import (
+    FIT_ANY_SHAPE,
+    METHODS,
+    Algorithm,
+    grow,
+    spanning_tree,
+)
 from worldgen.families.parts.mazes.openings import braid_ends, carve_rooms
 from worldgen.families.parts.mazes.shapes import Shape, shape_mask
 

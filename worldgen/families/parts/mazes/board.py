@@ -1,8 +1,8 @@
 """What the numbers of a grown maze mean.
 
-A maze joins the chambers of a lattice. What is grown is ``links``, some bits a chamber, or a tree in which each chamber
-names its parent. A direction is a number of quarter turns from +x. Both arrays take one byte a chamber: a quarter
-byte a cell, where passages and walls are one cell wide.
+A maze joins the chambers of a lattice. What is grown is ``links``, some bits a chamber, or a tree
+in which each chamber names its parent. A direction is a number of quarter turns from +x. Both
+arrays take one byte a chamber: a quarter byte a cell, where passages and walls are one cell wide.
 
 The numbers are those of ``worldgen/core/wg_making.h``, which also says what a maze grows on.
 """
@@ -16,7 +16,18 @@ import numpy.typing as npt
 
 from worldgen import _core
 
-__all__ = ["CORNER", "EAST", "NORTH", "ROCK", "ROOT", "Links", "Mask", "links_of_parents", "open_sides", "ways_out"]
+__all__ = [
+    "CORNER",
+    "EAST",
+    "NORTH",
+    "ROCK",
+    "ROOT",
+    "Links",
+    "Mask",
+    "links_of_parents",
+    "open_sides",
+    "ways_out",
+]
 
 Links: TypeAlias = npt.NDArray[np.int8]
 """(rows, columns): the bits EAST, NORTH, CORNER and ROCK of each chamber."""
@@ -31,7 +42,9 @@ ROOT: int = _lib.WG_ROOT  # leads nowhere
 # links
 EAST: int = _lib.WG_EAST  # open to the neighbour in +x
 NORTH: int = _lib.WG_NORTH  # open to the neighbour in +y
-CORNER: int = _lib.WG_CORNER  # the pillar between this chamber and the three to its north and east is gone
+CORNER: int = (
+    _lib.WG_CORNER
+)  # the pillar between this chamber and the three to its north and east is gone
 ROCK: int = _lib.WG_ROCK  # no chamber
 
 
@@ -53,6 +66,11 @@ def open_sides(links: Links) -> npt.NDArray[np.bool_]:
 
 def ways_out(links: Links, column: int, row: int) -> list[int]:
     """Return the directions that one chamber is open to, rising."""
-    below, left = row > 0 and links[row - 1, column], column > 0 and links[row, column - 1]
+    below = row > 0 and links[row - 1, column]
+    left = column > 0 and links[row, column - 1]
     here = links[row, column]
-    return [way for way, is_open in enumerate((here & EAST, here & NORTH, left & EAST, below & NORTH)) if is_open]
+    return [
+        way
+        for way, is_open in enumerate((here & EAST, here & NORTH, left & EAST, below & NORTH))
+        if is_open
+    ]

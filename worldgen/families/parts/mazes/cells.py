@@ -20,7 +20,9 @@ def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
     return strips
 
 
-def cells_of(links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+def cells_of(
+    links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int64]
+) -> npt.NDArray[np.bool_]:
     """Return chambers, walls and border as cells.
 
     Args:
@@ -28,10 +30,15 @@ def cells_of(links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int
         across: (2 columns + 1,) widths of the strips in x, from :func:`pitch`.
         up: (2 rows + 1,) their heights.
     """
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     rows, columns = links.shape
     walls = np.empty((int(up.sum()), int(across.sum())), dtype=np.bool_)
     strips = (pointer(ffi, across, np.int64), pointer(ffi, up, np.int64))
     chambers = pointer(ffi, np.ascontiguousarray(links), np.int8)
-    check(lib.wg_maze_cells(chambers, rows, columns, *strips, writable(ffi, walls, np.bool_), walls.size))
+    check(
+        lib.wg_maze_cells(
+            chambers, rows, columns, *strips, writable(ffi, walls, np.bool_), walls.size
+        )
+    )
     return walls

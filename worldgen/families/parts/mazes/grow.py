@@ -22,8 +22,9 @@ Algorithm: TypeAlias = Literal[
 ]  # fmt: skip
 Size: TypeAlias = Callable[[int, int], int]  # of the columns and rows
 
-# Words that the core gets in one call; those of a larger maze stay in the cache, and a call takes some hundredths of
-# a second. A corridor draws on after a tree of up to 999 x 999 chambers, from where the last call's words end.
+# Words that the core gets in one call; those of a larger maze stay in the cache, and a call takes
+# some hundredths of a second. A corridor draws on after a tree of up to 999 x 999 chambers, from
+# where the last call's words end.
 MOST_WORDS = 1 << 17
 SHARE = 1 << 16  # of the picks of a growing tree
 
@@ -81,10 +82,15 @@ METHODS: dict[str, Method] = {
 }
 
 FIT_ANY_SHAPE = tuple(name for name, method in METHODS.items() if method.any_shape)
-_DRAW_FROM_THE_STREAM_ITSELF = ("wilson", "backtracker")  # the first two; each later one has a stream of its own
+_DRAW_FROM_THE_STREAM_ITSELF = (
+    "wilson",
+    "backtracker",
+)  # the first two; each later one has a stream of its own
 
 
-def grow(rng: RandomStream, mask: Mask, algorithm: str, *, newest: float = 0.5, oldest: float = 0.0) -> Links:
+def grow(
+    rng: RandomStream, mask: Mask, algorithm: str, *, newest: float = 0.5, oldest: float = 0.0
+) -> Links:
     """Return a random maze without loops in a connected shape.
 
     Args:
@@ -113,19 +119,23 @@ def spanning_tree(
         algorithm: ``wilson``: every tree equally likely. ``backtracker``: long winding passages.
 
     Returns:
-        (rows, columns): from each chamber, the direction of its parent in quarter turns, or ``ROOT``.
+        (rows, columns): from each chamber, the direction of its parent in quarter turns, or
+            ``ROOT``.
     """
     return _grown(rng, np.ones((rows, columns), np.bool_), algorithm, 0.0, 0.0)
 
 
-def _grown(rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest: float) -> npt.NDArray[np.int8]:
+def _grown(
+    rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest: float
+) -> npt.NDArray[np.int8]:
     """Return the chambers on the board when all is done: a view of (rows, columns)."""
     method = METHODS[algorithm]
     rows, columns = mask.shape
     stream = rng if algorithm in _DRAW_FROM_THE_STREAM_ITSELF else rng.child(algorithm)
 
     # Set up the maze, its board and its work space.
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     maze = ffi.new("WgMaze *")
     maze.algorithm = method.code
     maze.columns = columns
@@ -149,9 +159,12 @@ def _grown(rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest:
     return board[1:-1, 1:-1]
 
 
-def _edge_keys(maze: Any, words: npt.NDArray[np.uint64], board: npt.NDArray[np.int8]) -> npt.NDArray[np.uint64]:
+def _edge_keys(
+    maze: Any, words: npt.NDArray[np.uint64], board: npt.NDArray[np.int8]
+) -> npt.NDArray[np.uint64]:
     """Return the keys of all edges between chambers, the lightest first."""
-    ffi, lib = _core.ffi, _core.lib
+    ffi = _core.ffi
+    lib = _core.lib
     keys = np.empty(2 * board.size, np.int64)
     count = ffi.new("int64_t *")
     inputs = (pointer(ffi, words, np.uint64), pointer(ffi, board, np.int8), board.size)

@@ -54,15 +54,17 @@ def _sides_within(mask: Mask) -> npt.NDArray[np.bool_]:
 def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None:
     """Takes the walls out of rectangles of chambers, in place; no two touch.
 
-    The chambers are cut into square plots, as large as lets ``count`` of them lie in the maze; as many plots are
-    drawn, and in each a rectangle of two chambers a side or more.
+    The chambers are cut into square plots, as large as lets ``count`` of them lie in the maze; as
+    many plots are drawn, and in each a rectangle of two chambers a side or more.
 
     Raises:
         InvalidParameter: If so many do not fit.
     """
     if count == 0:
         return
-    side = min(mask.shape) // (math.isqrt(count - 1) + 1)  # with larger ones there are fewer even in a full square
+    side = min(mask.shape) // (
+        math.isqrt(count - 1) + 1
+    )  # with larger ones there are fewer even in a full square
     plots = _plots(mask, side) if side >= LEAST_PLOT else []
     while side > LEAST_PLOT and len(plots) < count:
         side -= 1
@@ -78,8 +80,10 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
         )
     rng.shuffle(plots)
     for row, column in plots[:count]:
-        width, height = rng.between(2, side - 1), rng.between(2, side - 1)
-        x, y = column + rng.below(side - width), row + rng.below(side - height)
+        width = rng.between(2, side - 1)
+        height = rng.between(2, side - 1)
+        x = column + rng.below(side - width)
+        y = row + rng.below(side - height)
         links[y : y + height, x : x + width - 1] |= EAST
         links[y : y + height - 1, x : x + width] |= NORTH
         links[y : y + height - 1, x : x + width - 1] |= CORNER
@@ -88,5 +92,7 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
 def _plots(mask: Mask, side: int) -> list[tuple[int, int]]:
     """Row and column of the lower left chamber of each plot that lies in the maze."""
     rows, columns = (length // side for length in mask.shape)
-    whole = mask[: rows * side, : columns * side].reshape(rows, side, columns, side).all(axis=(1, 3))
+    whole = (
+        mask[: rows * side, : columns * side].reshape(rows, side, columns, side).all(axis=(1, 3))
+    )
     return [(row * side, column * side) for row, column in np.argwhere(whole).tolist()]

@@ -13,7 +13,8 @@ __all__ = ["LEAST", "Shape", "shape_mask"]
 
 Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 
-# Chambers a side from which a shape is what its name says, and in one piece, without a chamber that sticks out alone.
+# Chambers a side from which a shape is what its name says, and in one piece, without a chamber that
+# sticks out alone.
 LEAST = {"square": 2, "disc": 4, "ring": 6, "cross": 6, "diamond": 4}
 
 
@@ -32,8 +33,11 @@ def shape_mask(shape: str, side: int) -> Mask:
             least=LEAST[shape],
             side=side,
         )
-    doubled = np.abs(2 * np.arange(side, dtype=np.int64) - (side - 1))  # twice the distance from the middle
-    across, up = doubled[np.newaxis, :], doubled[:, np.newaxis]
+    doubled = np.abs(
+        2 * np.arange(side, dtype=np.int64) - (side - 1)
+    )  # twice the distance from the middle
+    across = doubled[np.newaxis, :]
+    up = doubled[:, np.newaxis]
     from_middle_sq = across**2 + up**2
     mask: Mask = np.ones((side, side), dtype=np.bool_)
     if shape in ("disc", "ring"):
