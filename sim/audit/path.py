@@ -43,7 +43,8 @@ class AuditPath:
             if world.is_dynamic
             else 0.0
         )
-        self.low, self.high = np.zeros(len(self.moves.x)), np.ones(len(self.moves.x))
+        self.low = np.zeros(len(self.moves.x))
+        self.high = np.ones(len(self.moves.x))
         self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)
         near = np.maximum(self.high - self.low, 0.0) * self.moves.length
         pieces = np.maximum(np.ceil(near / _PIECE), 1.0)
@@ -86,7 +87,8 @@ class AuditPath:
 
     def move(self, row: int) -> Move:
         """One move in rational numbers."""
-        size, (x, y) = decimal(self.world.cell_size), self.metres
+        size = decimal(self.world.cell_size)
+        x, y = self.metres
         begin = decimal(self.times[row])
         end = decimal(self.times[row + 1])
         places = [decimal(values[k]) / size for k in (row, row + 1) for values in (x, y)]

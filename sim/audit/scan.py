@@ -293,7 +293,8 @@ def _outside(way: AuditPath) -> Hits:
     off_x = np.maximum(-way.x, way.x - width)
     off_y = np.maximum(-way.y, way.y - height)
     depth = np.where(way.beyond, np.hypot(np.maximum(off_x, 0.0), np.maximum(off_y, 0.0)), 0.0)
-    rows, (enter, leave) = way.leaving, way.in_grid(0.0)
+    rows = way.leaving
+    enter, leave = way.in_grid(0.0)
     missed = enter > leave
     found = []
     for share, begin, end in (

@@ -577,7 +577,8 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
     last[0] = -1  # the start
     stands = np.flatnonzero(last < _STEP_TIME)
     ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
-    ends[:, _POINT_STEP], ends[:, _POINT_TIME] = stands, np.where(stands > 0, _STEP_TIME, 0)
+    ends[:, _POINT_STEP] = stands
+    ends[:, _POINT_TIME] = np.where(stands > 0, _STEP_TIME, 0)
     ends[:, _POINT_X] = rows[stands, _STATE]
     ends[:, _POINT_Y] = rows[stands, _STATE + 1]
     whole = np.concatenate([path, ends])

@@ -181,7 +181,8 @@ class _Fleet:
             self._visited[k, row, min(settings.start_x // UNIT, width - 1)] = 1
             arena.visited = writable(ffi, self._visited[k], np.uint8)
             if self._cells.size:
-                self._cells[k], self._near[k] = self._fresh[index].cells, self._fresh[index].near
+                self._cells[k] = self._fresh[index].cells
+                self._near[k] = self._fresh[index].near
                 arena.cells = writable(ffi, self._cells[k], np.uint8)
                 arena.near = writable(ffi, self._near[k], np.int32)
         seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]

@@ -121,7 +121,8 @@ class _Canvas:
         self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool
     ) -> tuple[int, int, int, int]:
         """The pixels that a shape can touch: left, top, right, bottom."""
-        (x0, y0), (x1, y1) = np.asarray(low, np.float64) - grow, np.asarray(high, np.float64) + grow
+        x0, y0 = np.asarray(low, np.float64) - grow
+        x1, y1 = np.asarray(high, np.float64) + grow
         left, top, right, bottom = self._map_box() if clipped else (0, 0, *self.image.size)
         return (
             int(min(max(left, math.floor(x0)), right)), int(min(max(top, math.floor(y0)), bottom)),

@@ -200,6 +200,7 @@ class _Writer:
 
 def _closed_line(line: npt.NDArray[np.int64]) -> str:
     """A rectilinear closed line as relative path steps: across, up, across, ..."""
-    (x, y), steps = line[0], np.diff(line, axis=0)
+    x, y = line[0]
+    steps = np.diff(line, axis=0)
     words = [f"h{dx}" if dx else f"v{dy}" for dx, dy in steps.tolist()]
     return f"M{x} {y}{''.join(words)}z"

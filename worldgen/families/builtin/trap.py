@@ -446,7 +446,8 @@ class _TrapLayout:
         side = 2 * len(self.walls)
         scene = self
         for _ in range(quarters):
-            (sx, sy), (tx, ty) = scene.start, scene.target
+            sx, sy = scene.start
+            tx, ty = scene.target
             walls = scene.walls.T[:, ::-1]  # (x, y) goes to (side - y, x)
             scene = _TrapLayout(walls, (side - sy, sx), (side - ty, tx), (scene.quarter + 1) % 4)
         return scene
@@ -454,7 +455,8 @@ class _TrapLayout:
     def mirrored(self) -> _TrapLayout:
         """The scene with y upside down; a mouth to +x stays one."""
         side = 2 * len(self.walls)
-        (sx, sy), (tx, ty) = self.start, self.target
+        sx, sy = self.start
+        tx, ty = self.target
         return _TrapLayout(self.walls[::-1], (sx, side - sy), (tx, side - ty), -self.quarter % 4)
 
 

@@ -55,7 +55,8 @@ class GridPlanners:
     def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float) -> None:
         self._cell_size = cell_size
         self._free = np.pad(~walls, 1)
-        self._four, self._eight = _regions(self._free), _regions(self._free, _EIGHT)
+        self._four = _regions(self._free)
+        self._eight = _regions(self._free, _EIGHT)
         self._straight: Any = None
         self._square: Any = None
         self._inflated: dict[Fraction, tuple[Labels, Labels]] = {}

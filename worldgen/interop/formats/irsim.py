@@ -133,7 +133,8 @@ def _altered(
     world: World, destination: Destination, boxes: list[PlacedBox], picture: str | None
 ) -> Iterator[tuple[str, str]]:
     """The cell size, where the walls fit larger cells too."""
-    side, x, y = exact(world.cell_size), *map(exact, destination.origin)
+    side = exact(world.cell_size)
+    x, y = map(exact, destination.origin)
     ends = ((*box.low[:2], *box.high[:2]) for box in boxes)
     sides = (
         raster.RasterBox(left - x, low - y, right - x, high - y) for left, low, right, high in ends

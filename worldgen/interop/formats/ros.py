@@ -148,7 +148,8 @@ def _turned(
         FormatError: If the yaw is so far from whole quarters that a cell would move by half its
             side.
     """
-    quarters, (height, width) = _quarters(metadata.yaw), walls.shape
+    quarters = _quarters(metadata.yaw)
+    height, width = walls.shape
     moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
     if moved >= 0.5:
         raise FormatError(
@@ -161,7 +162,8 @@ def _turned(
             source=source,
         )
     across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
-    (x, y), side = map(exact, metadata.origin), exact(metadata.resolution)
+    x, y = map(exact, metadata.origin)
+    side = exact(metadata.resolution)
     return np.rot90(walls, quarters % 4), (float(x + across * side), float(y + up * side))
 
 
@@ -271,7 +273,8 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
             occupied=occupied,
         )
         raise table.fault("free_thresh", message)
-    (*origin, yaw), negate = _origin(table), table.truth("negate")
+    *origin, yaw = _origin(table)
+    negate = table.truth("negate")
     corner = (origin[0], origin[1])
     if yaw != 0.0 and _OURS in table:
         raise table.fault(

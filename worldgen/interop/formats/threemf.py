@@ -100,7 +100,8 @@ def _head(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _item(box: PlacedBox) -> str:
-    (across, along, up), low = map(decimal_text, box.size), " ".join(map(decimal_text, box.low))
+    across, along, up = map(decimal_text, box.size)
+    low = " ".join(map(decimal_text, box.low))
     return (
         f'    <item objectid="1" partnumber="{box.name}" transform="{across} 0 0 0 {along} 0 0 '
         f'0 {up} {low}"/>'

@@ -31,7 +31,8 @@ class GridLines:
     """
 
     def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
-        cell, (x, y) = exact(world.cell_size), (exact(value) for value in destination.origin)
+        cell = exact(world.cell_size)
+        x, y = (exact(value) for value in destination.origin)
         self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
         self.y = {iy: iy * cell + y for iy in range(-1, world.height + 2)}
         furthest = max(

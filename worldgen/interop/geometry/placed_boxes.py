@@ -52,13 +52,15 @@ class PlacedBox:
     @property
     def size(self) -> tuple[Fraction, Fraction, Fraction]:
         """Lengths of its sides, m."""
-        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        ax, ay, az = self.low
+        bx, by, bz = self.high
         return bx - ax, by - ay, bz - az
 
     @property
     def centre(self) -> tuple[Fraction, Fraction, Fraction]:
         """x, y and z, m, of its middle."""
-        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        ax, ay, az = self.low
+        bx, by, bz = self.high
         return (ax + bx) / 2, (ay + by) / 2, (az + bz) / 2
 
 

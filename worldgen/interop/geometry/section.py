@@ -220,7 +220,8 @@ def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]
     first = np.ceil(low - 0.5)
     end = np.ceil(high - 0.5)
     for which, row in _rows(first, end, height):
-        (ax, ay), (bx, by) = segments[which, 0].T, segments[which, 1].T
+        ax, ay = segments[which, 0].T
+        bx, by = segments[which, 1].T
         x = ax + (row + 0.5 - ay) / (by - ay) * (bx - ax)
         column = np.clip(np.ceil(x - 0.5), 0, width).astype(np.int64)
         np.add.at(turns, (row, column), np.where(by > ay, -1, 1).astype(np.int32))
@@ -235,7 +236,8 @@ def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDAr
     high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
     for which, row in _rows(np.floor(low + touch), np.ceil(high - touch), height):
         # The part of the segment in the row, then the columns that this part reaches into.
-        (ax, ay), (bx, by) = segments[which, 0].T, segments[which, 1].T
+        ax, ay = segments[which, 0].T
+        bx, by = segments[which, 1].T
         level = ay == by
         rise = np.where(level, 1.0, by - ay)
         near = np.where(level, 0.0, np.clip((row - ay) / rise, 0.0, 1.0))

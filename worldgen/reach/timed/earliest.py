@@ -146,7 +146,9 @@ def _merge_even(path: TimedPath) -> tuple[list[ExactPoint], list[int]]:
 
 
 def _is_even(points: list[ExactPoint], times: list[int], point: ExactPoint, time: int) -> bool:
-    (a, b), before, after = points, times[1] - times[0], time - times[1]
+    a, b = points
+    before = times[1] - times[0]
+    after = time - times[1]
     return all((b[axis] - a[axis]) * after == (point[axis] - b[axis]) * before for axis in (0, 1))
 
 

@@ -1,0 +1,76 @@
+"""Limits that keep the sources easy to live in; ruff holds those on lines, statements and parameters."""
+
+import ast
+from collections import Counter, defaultdict
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("worldgen", "sim", "fuzz", "worldgen_plugins")
+
+#: Files and folders that may be next to each other.
+MOST_SIBLINGS = 25
+#: One module for each format, so this folder grows with the formats that we read and write.
+MORE_SIBLINGS = {"worldgen/interop/formats": 30}
+#: Each is a file that `worldgen init` copies, so it holds the whole of a user's controller.
+TEMPLATES = ("sim/examples/",)
+
+_sources = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+_each_source = pytest.mark.parametrize(
+    "path", _sources, ids=[str(path.relative_to(ROOT)) for path in _sources]
+)
+
+
+def _names(node: ast.AST) -> set[str]:
+    return {ast.unparse(part) for part in ast.walk(node) if isinstance(part, ast.Name)}
+
+
+def packed_assignments(tree: ast.AST) -> list[int]:
+    """Return the lines of tuple assignments such as ``a, b = 1, 2``, which say two things in one line.
+
+    One that reads what it assigns, such as ``a, b = b, a``, needs to be one statement.
+    """
+    return [
+        node.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Tuple)
+        and isinstance(node.value, ast.Tuple)
+        and not _names(node.targets[0]) & _names(node.value)
+    ]
+
+
+@_each_source
+def test_a_statement_makes_one_assignment(path):
+    assert packed_assignments(ast.parse(path.read_text("utf-8"))) == []
+
+
+@pytest.mark.parametrize(
+    ("source", "lines"),
+    [("a, b = 1, 2", [1]), ("a, b = b, a", []), ("a, b = pair", []), ("a.x, a.y = a.y, a.x", [])],
+)
+def test_packed_assignments_are_found_and_swaps_are_not(source, lines):
+    assert packed_assignments(ast.parse(source)) == lines
+
+
+def test_a_class_name_has_one_meaning():
+    places = defaultdict(list)
+    for path in _sources:
+        name = path.relative_to(ROOT).as_posix()
+        if not name.startswith(TEMPLATES):
+            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+                if isinstance(node, ast.ClassDef):
+                    places[node.name].append(f"{name}:{node.lineno}")
+    assert {name: found for name, found in places.items() if len(found) > 1} == {}
+
+
+def test_a_folder_can_be_looked_over():
+    siblings = Counter(path.parent for path in _sources)
+    siblings.update(path.parent.parent for path in _sources if path.name == "__init__.py")
+    crowded = {
+        name: count
+        for folder, count in siblings.items()
+        if count > MORE_SIBLINGS.get(name := folder.relative_to(ROOT).as_posix(), MOST_SIBLINGS)
+    }
+    assert crowded == {}
