@@ -1,18 +1,20 @@
-"""The shared simulator: robots, motion models, controllers, runs and their traces.
+"""The simulator: robots, motion models, controllers, runs and their traces.
 
 Contents, each imported when it is first used:
-    simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
-    simulate_many, Runs: many runs at once, results in arrays.
-    Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and
-        sensors under
-    the motion models on the lattice; switches of the thesis's simulator.
-    CompiledController, PythonController, VectorController, ProcessController: bring your own
-        controller.
-    Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
-    MemoryField, MemoryMap: how its memory is shown to people.
-    CONTROLLERS, MOTIONS: what is registered.
+    simulate: Run one controller in one world. Returns an Episode, with a Trace if one is recorded.
+    simulate_many: Run many controllers, worlds and seeds. Returns Runs, with results in arrays.
+    RunOptions: How a run is done: motion model, time step, budget and robot.
+    RobotOptions: Dynamics and sensors of the robot, under the motion models on the lattice.
+    ThesisOptions: Options of the thesis's simulator.
+    Scenario: Everything about a run except the world.
+    CompiledController, PythonController, VectorController, ProcessController: Bring your own
+        controller as one of these.
+    Observation, Command: What a controller sees and what it commands, for one robot.
+    Observations, Commands: The same for many robots, in arrays.
+    MemoryField, MemoryMap: How pages and pictures show a controller's memory.
+    CONTROLLERS, MOTIONS: The registered controllers and the motion models, by name.
 
-PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
+PYTEST_DONT_REWRITE: lets a program that has imported this call pytest.main() without a warning.
 """
 
 from __future__ import annotations
@@ -72,8 +74,25 @@ __getattr__, __dir__ = lazy_names(
 )
 
 __all__ = [
-    "CONTROLLERS", "MOTIONS", "Command", "Commands", "CompiledController", "Episode", "MemoryField", "MemoryMap",
-    "Observation", "Observations", "ProcessController", "PythonController", "RobotOptions", "RunOptions", "Runs",
-    "Scenario", "ThesisOptions", "Trace",
-    "VectorController", "simulate", "simulate_many",
-]  # fmt: skip
+    "CONTROLLERS",
+    "MOTIONS",
+    "Command",
+    "Commands",
+    "CompiledController",
+    "Episode",
+    "MemoryField",
+    "MemoryMap",
+    "Observation",
+    "Observations",
+    "ProcessController",
+    "PythonController",
+    "RobotOptions",
+    "RunOptions",
+    "Runs",
+    "Scenario",
+    "ThesisOptions",
+    "Trace",
+    "VectorController",
+    "simulate",
+    "simulate_many",
+]

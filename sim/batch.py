@@ -1,6 +1,6 @@
-"""Many runs in one call.
+"""Simulate many runs in one call: worlds x controllers x starts x seeds, on all cores.
 
-Worlds x controllers x starts x seeds, over all cores, results in arrays.
+Results come back in arrays, one entry per run, so that they can be analysed as a table.
 """
 
 from __future__ import annotations
@@ -34,16 +34,19 @@ from worldgen.world import Pose, Value, World
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
 
 VERDICTS = tuple(Verdict)
-"""The verdict of each number in :attr:`Runs.verdict`."""
+"""The verdict that each number in :attr:`Runs.verdict` stands for."""
 
-_MOST_AT_ONCE = 256  # runs in one call of the core, so that all cores have something to do
-_MOST_IN_A_FLEET = (
-    1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
-)
-_FLEET_BYTES = 1 << 26  # that the robots of a fleet take
-_LOG_BYTES = (
-    1 << 30
-)  # that the logs of all runs under way may take, in which loops are found: 8 a step
+# Runs in one call of the core: few enough that every core gets something to do.
+_MOST_AT_ONCE = 256
+
+# Robots in lockstep: enough to make NumPy worthwhile, few enough for the processor's cache.
+_MOST_IN_A_FLEET = 1024
+
+# Memory that the robots of one fleet may take.
+_FLEET_BYTES = 1 << 26
+
+# Memory for the logs of all runs under way. Loops are found in them; they take 8 bytes a step.
+_LOG_BYTES = 1 << 30
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
@@ -53,20 +56,20 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """Results of many runs; every array is of shape (n,), one entry a run.
+    """Results of many runs; every array is of shape (n,), with one entry per run.
 
     Args:
         world: int64, index of the world.
-        controller: int64, index of the controller.
+        controller: int64, index of the controller, also into ``names``.
         start: int64, index of the start.
-        seed: uint64.
+        seed: uint64, the run's seed.
         verdict: int8, index into :data:`VERDICTS`.
-        steps: int64, as :attr:`sim.Episode.steps`.
-        time: s.
-        path_length: m.
-        collisions: int64.
-        digest: uint64, the trace's digest; 0 if it was not asked for.
-        names: Of the controllers.
+        steps: int64, steps simulated, as in :attr:`sim.Episode.steps`.
+        time: float64, simulated time, s.
+        path_length: float64, distance driven, m.
+        collisions: int64, times that the robot began to touch a wall.
+        digest: uint64, the trace's digest; 0 unless it was requested.
+        names: Names of the controllers.
     """
 
     world: Ints
@@ -86,19 +89,19 @@ class Runs:
 
     @property
     def verdicts(self) -> npt.NDArray[np.str_]:
-        """(n,) the verdicts in words."""
+        """(n,) The verdicts as words."""
         return np.array(VERDICTS)[self.verdict]
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
-        """(n,) whether the target was reached."""
+        """(n,) True where the target was reached."""
         found: npt.NDArray[np.bool_] = self.verdict == _CODE[Verdict.REACHED]
         return found
 
     def to_numpy(self) -> npt.NDArray[Any]:
-        """One structured array, a field for each array here.
+        """Return one structured array with a field for each array of this record.
 
-        Pandas and others read it as a table.
+        Pandas and similar libraries read it as a table.
         """
         columns = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "names"}
         table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
@@ -120,7 +123,7 @@ class Runs:
 
 @dataclass(frozen=True)
 class _RunBlock:
-    """Runs of one controller in one world: rows of the results."""
+    """Runs of one controller in one world, and the rows of the results that they fill."""
 
     world: World
     controller: Controller
@@ -140,28 +143,32 @@ def simulate_many(
     workers: int | None = None,
     **settings: Value,
 ) -> Runs:
-    """Runs every controller in every world from every start with every seed.
+    """Run every controller in every world from every start with every seed.
 
-    The results are those of :func:`sim.simulate`, bit for bit, in any order and with any number of
-    workers: by world, then controller, start, and seed. Compiled controllers run on all cores;
-        others one after the other.
+    The results equal those of :func:`sim.simulate` bit for bit, whatever the number of workers.
+    Rows are ordered by world, then controller, start and seed. Compiled controllers run on all
+    cores; the others run one after another.
 
     Args:
-        worlds: One or many.
-        controllers: Names, controllers themselves, or their classes.
-        options: As for :func:`sim.simulate`.
-        seeds: Seeds, or how many, from 0.
-        starts: Poses to start from, in every world; without them each world's own.
-        digest: Whether to work out the traces' digests.
-        workers: Threads, 1 to 1024; without a number as many as there are cores.
+        worlds: One world or several.
+        controllers: Names of controllers, controllers themselves, or their classes.
+        options: How the runs are done, as for :func:`sim.simulate`.
+        seeds: The seeds, or how many to use, counted from 0.
+        starts: Poses to start from in every world; if omitted, each world's own start.
+        digest: Whether to compute the digest of each trace.
+        workers: Threads, 1 to 1024; if omitted, one per core.
         **settings: Single options, as an alternative to ``options``:
             ``motion="endpoint", steps=5000, beams=36``.
+
+    Returns:
+        The results of all runs.
 
     Raises:
         InvalidParameter: If there is nothing to run, or a name or an option is unknown or of the
             wrong type.
-        InvalidWorld: If the robot cannot stand at a start.
+        InvalidWorld: If the robot does not fit at a start.
     """
+    # Turn each argument into a list, and refuse a call that would run nothing.
     found = worlds_of(worlds)
     named = (
         [controllers]
@@ -182,6 +189,9 @@ def simulate_many(
         )
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
         raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
+
+    # Plan all runs. Compiled controllers share the threads, vector controllers run as fleets, and
+    # everything else runs one at a time.
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), options, settings))
@@ -197,7 +207,7 @@ def simulate_many(
 
 
 def _run_side_by_side(jobs: Sequence[_RunBlock], threads: int, runs: Runs, digest: bool) -> None:
-    """Run jobs in threads; what ends this one, such as Ctrl-C, soon ends them too."""
+    """Run jobs in threads; an exception here, such as Ctrl-C, soon stops the threads too."""
     stop = np.zeros(1, np.int64)
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -214,9 +224,18 @@ def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np
     world, controller, start, seed = (axis.ravel() for axis in np.indices(shape))
     count = len(world)
     return Runs(
-        world, controller, start, seeds[seed], np.zeros(count, np.int8), np.zeros(count, np.int64), np.zeros(count),
-        np.zeros(count), np.zeros(count, np.int64), np.zeros(count, np.uint64), tuple(names),
-    )  # fmt: skip
+        world=world,
+        controller=controller,
+        start=start,
+        seed=seeds[seed],
+        verdict=np.zeros(count, np.int8),
+        steps=np.zeros(count, np.int64),
+        time=np.zeros(count),
+        path_length=np.zeros(count),
+        collisions=np.zeros(count, np.int64),
+        digest=np.zeros(count, np.uint64),
+        names=tuple(names),
+    )
 
 
 def _jobs(
@@ -228,8 +247,9 @@ def _jobs(
     settings: Mapping[str, Value],
 ) -> Iterator[_RunBlock]:
     first = 0
+    # Check all starts before the first run: replace() raises if a pose is outside its world.
     for world, pose in itertools.product(worlds, poses or ()):
-        replace(world, start=pose)  # refused if it lies outside
+        replace(world, start=pose)
     for world, controller in itertools.product(worlds, controllers):
         starts = poses or (world.start,)
         options = options_from(world, given, settings)
@@ -241,10 +261,7 @@ def _jobs(
 
 
 def _at_once(most: int, steps: Iterable[int]) -> int:
-    """How many runs of so many steps may be under way, at most ``most``.
-
-    So that their logs fit into memory.
-    """
+    """Return how many runs of this many steps, up to ``most``, have logs that fit into memory."""
     return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
 
 
@@ -263,7 +280,7 @@ def _is_vector(job: _RunBlock) -> bool:
 
 
 def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> None:
-    """Runs what can run together together: jobs of one controller, in worlds of one shape."""
+    """Run jobs together where possible: those of one controller, in worlds of one shape."""
     kinds: dict[tuple[int, Any, Any], list[tuple[_RunBlock, LatticeRun]]] = {}
     for job in jobs:
         run = LatticeRun(replace(job.world, start=job.starts[0]), job.controller, job.options)
@@ -273,13 +290,15 @@ def _run_in_lockstep(jobs: Sequence[_RunBlock], runs: Runs, digest: bool) -> Non
 
 
 def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest: bool) -> None:
-    """Runs alike jobs in lockstep, not too many robots at once.
+    """Run similar jobs in lockstep, a limited number of robots at a time.
 
-    One by one if the controller cannot.
+    If the controller cannot act for many robots, fall back to one run at a time.
     """
     controller = alike[0][0].controller
     if not isinstance(controller, VectorController):
         raise TypeError("only controllers that act for many robots run in lockstep")
+
+    # Lay out one row per robot: its row of the results, its world and its pose on the lattice.
     starts = []
     packed = [run for _, run in alike]
     for job, run in alike:
@@ -289,8 +308,12 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
     world = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike])
     poses = np.concatenate(starts)
     metres = np.array([float(run.settings.metres) for run in packed])
+
+    # Limit a fleet by the cache, by the memory of its robots, and by the size of their logs.
     most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
     most = _at_once(most, (run.options.steps for run in packed))
+
+    # Run fleet by fleet; None means that the controller broke its contract for some of the robots.
     for first in range(0, len(rows), most):
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)
@@ -314,7 +337,7 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
 
 
 def _run_compiled(job: _RunBlock, runs: Runs, digest: bool, stop: Ints) -> None:
-    """Runs a job in one call of the core; one by one if the controller raises, to find which do."""
+    """Run a job in one call of the core; if the controller raises, run each of its runs alone."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
         raise TypeError("only compiled controllers run in a batch")
@@ -338,10 +361,13 @@ def _fill(
     metres: float | Floats,
     digest: bool,
 ) -> None:
-    """Turns the core's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
+    """Turn the core's reports into results, by the rules of :attr:`sim.outcome.Outcome.verdict`."""
     ending = reports["ending"]
     steps = reports["steps"]
     decided = (lib.WG_TUNNEL, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
+
+    # Later rules override earlier ones: a budget that was spent, then an ending of the core, then a
+    # cut into a wall, then an event that ends a run in the step in which it happens.
     confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE[Verdict.STALLED], _CODE[Verdict.TIMEOUT])
     for code in (lib.WG_LOOP, lib.WG_REACHED):

@@ -1,10 +1,9 @@
-"""Everything that can happen to a robot with chance.
+"""Explore everything that can happen to a robot whose controller draws random numbers.
 
-All states that some draws lead to, and what follows each. A random controller draws one of a few
-values (``coin``), and its poses are on a lattice (``lattice``), so the states that it can be in are
-finite in number, often few enough to look at each. If the target can be reached from every one of
-them, the robot arrives with probability one; if from none, it never arrives, whatever it draws;
-else some draws are its end.
+A random controller draws one of a few values (``coin``), and its poses are on a lattice
+(``lattice``), so it can be in a finite number of states, often few enough to visit them all. If the
+target can be reached from every one of them, the robot arrives with probability one. If it can be
+reached from none, the robot never arrives, whatever it draws. Otherwise some draws trap it.
 
 Source: John Kemeny and Laurie Snell, "Finite Markov chains", 1960, chapter 3: absorbing chains.
 """
@@ -35,20 +34,19 @@ from worldgen.world import World
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
 
 ARRIVED = -1
-ENDED = -2
-"""What may follow a state instead of another one.
+"""Follows a state from which the robot arrives, in place of another state."""
 
-The target, or an end elsewhere, such as a command that is none, or a
-crash."""
+ENDED = -2
+"""Follows a state in which the run ends without arrival, as in a crash or an invalid command."""
 
 UNSEEN = -1
-"""Of the next random number.
+"""Marks a random number that the controller has not read, so every value is equally likely."""
 
-That the controller has not looked at it yet, so that any value is equally likely.
-"""
+# The word of a state that counts the draws.
+_DRAWS = 4
 
-_DRAWS = 4  # the word of a state that counts the draws
-_NOT_DONE = -1  # an ending of a step that has not been made
+# The ending of a step that has not been simulated yet.
+_NOT_DONE = -1
 
 Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
@@ -56,16 +54,16 @@ Following: TypeAlias = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True, eq=False)
 class Outcomes:
-    """States that some draws lead to, and what follows each.
+    """The states that some draws lead to, and the successors of each.
 
     Args:
-        coin: How many values a random number has.
-        states: (n, k) complete states; the first is the start. The number of draws in them is 0.
-        faces: (n,) which value the next random number has, from 0, or :data:`UNSEEN`.
-        following: What may follow each state: the value that leads there, and the number of the
-            state, :data:`ARRIVED` or :data:`ENDED`. Where the value makes no difference there is
-            one entry, with :data:`UNSEEN`.
-        ranks: (n,) fewest steps to the target, from 1; 0 where none lead there.
+        coin: How many values a random number can take.
+        states: (n, k) complete states, the start first. Their number of draws is set to 0.
+        faces: (n,) the value that the next random number will take, from 0, or :data:`UNSEEN`.
+        following: The successors of each state: pairs of the value that leads there and the number
+            of the next state, :data:`ARRIVED` or :data:`ENDED`. If the value makes no difference,
+            there is one pair, with :data:`UNSEEN`.
+        ranks: (n,) fewest steps to the target, from 1; 0 if it cannot be reached.
     """
 
     coin: int
@@ -76,21 +74,24 @@ class Outcomes:
 
     @property
     def chance(self) -> str:
-        """``sure`` (with probability one the robot arrives), ``trap`` (it never does) or ``part``."""
+        """``sure`` if the robot arrives with probability one, ``trap`` if never, else ``part``."""
         if not self.ranks[0]:
             return "trap"
         return "part" if any(map(self._is_lost, range(len(self.ranks)))) else "sure"
 
     def way_to_loss(self) -> tuple[tuple[int, ...], int]:
-        """The fewest steps after which all is lost.
+        """Return the shortest path to a state from which the robot can no longer arrive.
 
-        The values drawn on the way there, and the number of steps.
+        Returns:
+            The values drawn along that path, and its number of steps.
 
         Raises:
             ValueError: If the robot arrives whatever it draws.
         """
         if not self.ranks[0]:
             return (), 0
+
+        # Breadth first from the start, so the first lost state found is a nearest one.
         before: dict[int, tuple[int, int]] = {}
         queue = deque([0])
         while queue:
@@ -98,36 +99,35 @@ class Outcomes:
             for face, after in self.following[number]:
                 if after == ENDED or (after >= 0 and not self.ranks[after]):
                     return _drawn({**before, after: (number, face)}, after)
+                # State 0 is the start, which is already in the queue.
                 if after > 0 and after not in before:
                     before[after] = (number, face)
                     queue.append(after)
-        raise ValueError("nothing is ever lost")
+        raise ValueError("no sequence of draws loses the target")
 
     def _is_lost(self, number: int) -> bool:
         return not self.ranks[number] or any(after == ENDED for _, after in self.following[number])
 
 
 def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
-    """Why not everything that can happen to a robot can be looked at.
-
-    Empty if only its amount may stand against it.
+    """Return why the states of a run cannot all be explored; empty if nothing but their number can.
 
     Args:
         controller: The controller.
-        world: Where.
-        options: Of the run.
+        world: The world that it drives in.
+        options: Options of the run.
     """
     if not isinstance(controller, CompiledController):
-        return "only what a compiled controller may do can be looked at"
+        return "only what a compiled controller does can be explored"
     if MOTIONS.get(options.motion).name != "swept":
         return "only the motion model swept has a lattice of poses on which no wall is ever entered"
     robot = robot_for(controller, options.robot)
     if world.is_dynamic:
         return "the world changes"
     if robot.random:
-        return "the simulator draws random numbers of its own, for slip or a noisy sensor"
+        return "the simulator draws its own random numbers, for slip or a noisy sensor"
     if "time" in controller.senses:
-        return "the controller reads the clock, so it never comes back to a state"
+        return "the controller reads the clock, so it never returns to a state"
     if "random" in controller.senses and not robot.coin:
         return "a random number may be any below 1; give it few values with +coin=N"
     return ""
@@ -136,19 +136,19 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
 def explore(
     world: World, controller: str | Controller, options: RunOptions, *, most: int
 ) -> Outcomes | None:
-    """Looks at every state that some draws lead to.
+    """Visit every state that some sequence of draws leads to.
 
     Args:
-        world: One that does not change.
+        world: A world that does not change.
         controller: The controller, or its name.
-        options: ``swept``, with a robot whose ``coin`` and ``lattice`` make the states few.
-        most: States.
+        options: ``swept``, with a robot whose ``coin`` and ``lattice`` keep the states few.
+        most: The largest number of states to visit.
 
     Returns:
         The states; ``None`` if there are more than ``most``.
 
     Raises:
-        InvalidParameter: If :func:`why_not_explored` says so.
+        InvalidParameter: If :func:`why_not_explored` returns a reason.
     """
     found = controller_of(controller)
     against = why_not_explored(found, world, options)
@@ -163,9 +163,10 @@ def explore(
 
 
 def states_of(trace: Trace) -> Ints:
-    """The states of a recording as :class:`Outcomes` has them.
+    """Return the states of a recording in the form that :class:`Outcomes` uses.
 
-    (n + 1, k), without the number of draws.
+    Returns:
+        (n + 1, k) states, with their number of draws set to 0.
     """
     states = trace.states.view(np.int64).copy()
     states[:, _DRAWS] = 0
@@ -173,7 +174,7 @@ def states_of(trace: Trace) -> Ints:
 
 
 class _Search:
-    """Breadth first, all states of one distance in one call of the core."""
+    """A breadth-first search that steps all states of one depth in one call of the core."""
 
     def __init__(self, run: LatticeRun, controller: CompiledController, most: int) -> None:
         self._run = run
@@ -187,7 +188,7 @@ class _Search:
         self._following: list[Following] = []
 
     def run(self) -> bool:
-        """Looks at all states; False if there are too many."""
+        """Visit all states; return False if there are too many."""
         while len(self._following) < len(self._states):
             first = len(self._following)
             states = np.array(self._states[first:])
@@ -212,12 +213,15 @@ class _Search:
         )
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
-        """What follows each state, in order."""
+        """Yield the successors of each state, in order."""
+        # A state whose random number is unread is stepped once for each value; others once.
         times = np.where(faces == UNSEEN, self.coin, 1)
         first = np.cumsum(times) - times
         each = np.repeat(faces, times)
         values = np.where(each == UNSEEN, np.arange(len(each)) - np.repeat(first, times), each)
         after, endings, drew = self._step(np.repeat(states, times, axis=0), values)
+
+        # Gather the rows that belong to one state.
         for row, count in zip(first.tolist(), times.tolist(), strict=True):
             group = slice(row, row + count)
             yield self._entry(
@@ -227,16 +231,17 @@ class _Search:
     def _entry(
         self, after: Ints, endings: list[int], drew: list[int], values: list[int]
     ) -> Following:
-        """What follows one state, from what each value of the random number makes of it."""
+        """Return the successors of one state, given where each value of the random number leads."""
         alike = len(set(endings)) == 1 and len(set(drew)) == 1 and bool((after == after[0]).all())
-        if len(values) > 1 and alike:  # it was not looked at, or makes no difference
+        # The controller did not read the number, or its value makes no difference.
+        if len(values) > 1 and alike:
             return ((UNSEEN, self._number(after[0], endings[0], UNSEEN)),)
         faces = [UNSEEN if used else value for used, value in zip(drew, values, strict=True)]
         numbers = [self._number(*one) for one in zip(after, endings, faces, strict=True)]
         return tuple(zip(values if len(values) > 1 else (UNSEEN,), numbers, strict=True))
 
     def _number(self, state: Ints, ending: int, face: int) -> int:
-        """The number of a state, a new one if it is new, or how the run ended."""
+        """Return the number of a state, adding it if it is new, or how the run ended."""
         if ending != lib.WG_LIMIT:
             return ARRIVED if ending == lib.WG_REACHED else ENDED
         key = (state.tobytes(), face)
@@ -247,7 +252,7 @@ class _Search:
         return self._numbers[key]
 
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
-        """States after one step, how it ended, and whether the random number was used up."""
+        """Return the states after one step, the endings, and whether the random number was used."""
         count = len(states)
         episode = self._episode()
         if episode.guarded:
@@ -271,9 +276,10 @@ class _Search:
     def _step_guarded(
         self, episode: CoreEpisode, states: Ints, values: Ints
     ) -> tuple[Ints, Ints, Ints]:
-        """The same in another process.
+        """Do the same in another process, which the controller may crash.
 
-        Where it ends, the state that it was at is one in which the controller fails.
+        If it does, it fails in the first state that has no ending yet; the search records a crash
+        there and resumes with the state after it.
         """
         memory = self._run.memory
         after = memory.own(states)
@@ -305,7 +311,8 @@ class _Search:
 
 
 def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
-    """Fewest steps from each state to the target; 0 where none lead there."""
+    """Return the fewest steps from each state to the target; 0 where no path leads there."""
+    # Reverse the graph, and begin with the states one step from the target.
     before: list[list[int]] = [[] for _ in following]
     ranks = [0] * len(following)
     queue = deque[int]()
@@ -316,6 +323,8 @@ def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
         for _, after in entry:
             if after >= 0:
                 before[after].append(number)
+
+    # Search breadth first from the target, backwards.
     while queue:
         number = queue.popleft()
         for earlier in before[number]:
@@ -326,7 +335,7 @@ def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
 
 
 def _drawn(before: dict[int, tuple[int, int]], number: int) -> tuple[tuple[int, ...], int]:
-    """The values drawn on the way to a state, and its steps."""
+    """Return the values drawn on the path to a state, and the steps of that path."""
     values = []
     steps = 0
     while number in before:

@@ -1,6 +1,6 @@
-"""Whether controllers of shared libraries run in another process.
+"""Decide whether controllers from shared libraries run in their own process.
 
-In campaigns, where a crash is a verdict.
+Campaigns turn this on, so that a crash of the controller is a verdict and not the campaign's end.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ _contained: list[bool] = []
 
 
 def contain() -> None:
-    """From now on run controllers of shared libraries in another process, where the system can fork one."""
+    """Run controllers from shared libraries in another process, if the system can fork one."""
     if os.name == "posix" and not _contained:
         _contained.append(True)
 
 
 def is_contained() -> bool:
-    """Return whether controllers of shared libraries run in another process."""
+    """Return True if controllers from shared libraries run in another process."""
     return bool(_contained)

@@ -1,4 +1,4 @@
-"""Verdicts in words."""
+"""Describe verdicts and their evidence for people."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ __all__ = ["describe_evidence", "describe_frames"]
 
 
 def describe_evidence(episode: Episode) -> str:
-    """What the evidence says, to stand behind the verdict; starts with a blank, or is empty."""
+    """Return a phrase about the evidence to put after the verdict: a space and text, or nothing."""
     match episode.evidence:
         case LoopEvidence(entry=entry, period=period):
             often = "in every step" if period == 1 else f"every {period} steps"
-            return f" for ever (the state after step {entry} comes back {often})"
+            return f" forever (the state after step {entry} comes back {often})"
         case WallEvidence() as wall:
             since = "" if wall.cause is None else f", since a {wall.cause} in step {wall.since}"
             return f" (step {wall.step}, wall cell {wall.cell}{since})"
@@ -37,8 +37,8 @@ def describe_evidence(episode: Episode) -> str:
             return f" ({_manner(budget)}{seen}{_multiple(budget)})"
         case BudgetEvidence() as budget:
             return (
-                f" (still reaching new cells when its {episode.steps} steps were "
-                f"over{_multiple(budget)})"
+                f" (still reaching new cells when its {episode.steps} steps were used "
+                f"up{_multiple(budget)})"
             )
         case FaultEvidence() as fault:
             return f" ({_fault(episode.verdict, fault)})"
@@ -46,9 +46,9 @@ def describe_evidence(episode: Episode) -> str:
 
 
 def describe_frames(evidence: Evidence | None) -> str:
-    """Return where a controller crashed, a line such as ``  mine.py:12 in act: gap = 1 / free`` for each frame.
+    """Return where a controller crashed: one line for each frame, the innermost last.
 
-    The innermost frame comes last, as in Python's tracebacks; each line ends with a newline.
+    A line reads ``  mine.py:12 in act: gap = 1 / free`` and ends with a newline.
     """
     frames = evidence.frames if isinstance(evidence, FaultEvidence) else None
     return "".join(f"  {_frame(frame)}\n" for frame in frames or ())
@@ -63,7 +63,7 @@ def _frame(frame: Mapping[str, Value]) -> str:
 
 
 def _multiple(budget: BudgetEvidence) -> str:
-    """The budget in times of the witness, with a comma before it; empty where there is none."""
+    """Return the budget as a multiple of the witness's time, after a comma; empty without one."""
     return (
         ""
         if budget.witness_multiple is None
@@ -72,10 +72,9 @@ def _multiple(budget: BudgetEvidence) -> str:
 
 
 def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
-    """What the controller did wrong, with a program's last line on stderr."""
-    error = (
-        fault.error or "speed or turn rate is no finite number"
-    )  # that is all that the core judges
+    """Return what the controller did wrong, with the last line that a program wrote to stderr."""
+    # The core reports an error only for commands that are not finite, and leaves it empty.
+    error = fault.error or "speed or turn rate is not a finite number"
     at = f", {fault.at}" if fault.at else ""
     within = "" if fault.deadline is None else f" within {fault.deadline} s"
     where = f" in step {fault.step}" if verdict != Verdict.CRASH or fault.stderr is not None else ""
@@ -88,7 +87,7 @@ def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
 
 
 def _manner(budget: BudgetEvidence) -> str:
-    """In what manner a run stalls, with a comma behind it; empty where that is not known."""
+    """Return how a run stalls, followed by a comma; empty if that is not known."""
     if budget.kind is None or budget.box is None:
         return ""
     columns, rows = budget.box

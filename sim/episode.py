@@ -1,4 +1,4 @@
-"""One run of a controller in a world, and its verdict with evidence."""
+"""Run one controller in one world, and return a verdict with its evidence."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "prepare", "simulate", "wall_evidence"]
 
-# steps, 30 MB: what slow controllers have recorded before it is known whether it is needed.
+# Steps, 30 MB. Slow controllers record this much at once, before a verdict says whether the
+# recording is needed, so that they need not run twice.
 _RECORDED_AT_ONCE = 100_000
 
 
@@ -38,13 +39,13 @@ class Episode:
 
     Args:
         verdict: How it ended.
-        steps: Steps simulated; for a ``loop`` those until its first state has come back.
+        steps: Steps simulated; for a ``loop``, up to the first return of a state.
         time: Their duration, s.
-        path_length: m.
+        path_length: Distance driven, m.
         collisions: Times that the robot began to touch a wall.
-        trace_digest: 16 hex digits over every state.
-        evidence: What a checker needs, a record of the verdict's kind.
-        trace: The recorded states, if they were asked for.
+        trace_digest: 16 hex digits, a digest of every state.
+        evidence: The facts that confirm the verdict for a checker; a record of the verdict's kind.
+        trace: The recorded states, if requested.
     """
 
     verdict: Verdict
@@ -58,7 +59,7 @@ class Episode:
 
     @property
     def went_into_a_wall(self) -> bool:
-        """Whether the robot did, by its verdict or as a run that walls do not end says."""
+        """Whether the robot went into a wall, even in a run that a wall does not end."""
         evidence = self.evidence
         entered = isinstance(evidence, ReachedEvidence) and evidence.wall_step is not None
         return entered or isinstance(evidence, WallEvidence)
@@ -83,28 +84,31 @@ def simulate(
     lean: bool = False,
     **settings: Value,
 ) -> Episode:
-    """Runs a controller in a world until it arrives, provably loops, breaks a rule, or its budget is spent.
+    """Run a controller until it arrives, provably loops, breaks a rule or spends its budget.
 
     Args:
-        world: Where.
+        world: The world to drive in.
         controller: Its name, the controller itself, or its class.
-        options: How; without them, ``swept`` and a budget of 50 times the witness's time.
-        record: Whether to keep every state (``trace``).
-        lean: Whether a recording may leave out what would take more than 64 MB of a compiled
-            controller's memory, to be seen with ``Trace.show_memory``.
+        options: How to run; if omitted, ``swept`` and a budget of 50 times the witness's time.
+        record: Whether to keep every state, as ``trace``.
+        lean: Whether a recording may omit a compiled controller's memory if that would take more
+            than 64 MB. ``Trace.show_memory`` still shows it, by running again.
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
         The verdict and its evidence.
 
     Raises:
-        InvalidParameter: If a name or an option is unknown or of the wrong type, or the two do not
-            fit each other.
-        InvalidWorld: If the robot cannot stand at the start.
+        InvalidParameter: If a name or an option is unknown or of the wrong type, or the controller
+            and the options do not fit each other.
+        InvalidWorld: If the robot does not fit at the start.
     """
     check_world(world)
     options = options_from(world, options, settings)
     found = controller_of(controller)
+
+    # Slow controllers record in their first run, to be run only once. Compiled ones are fast enough
+    # to run again, and record only the steps that the verdict needs.
     run = prepare(world, found, options, lean=lean)
     at_once = (
         record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
@@ -121,7 +125,7 @@ def simulate(
 def prepare(
     world: World, controller: str | Controller | type, options: RunOptions, *, lean: bool = False
 ) -> Runnable:
-    """Packs a scenario for its motion model; see :func:`simulate`."""
+    """Pack a world, a controller and options for their motion model; see :func:`simulate`."""
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(
@@ -144,13 +148,14 @@ def prepare(
 def _loop(
     run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool
 ) -> Episode:
-    """Finds where the recurrence begins; the run ends with its first period."""
+    """Prove a loop that the core reported; the run then ends with the loop's first period."""
     entry = found.entry
     period = found.period
     if record:
         check_recordable(entry + period)
     proof = run.prove(entry, period, record=record)
-    if proof is None:  # the controller keeps memory that it does not declare: the budget counts
+    if proof is None:
+        # The controller hides memory that it does not declare, so only the budget decides.
         return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
     outcome, state = proof
     if outcome.overlap_step >= 0:
@@ -162,6 +167,7 @@ def _loop(
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
     if (
+        # A stalled run of the thesis's robot says more if it is known where it is confined.
         outcome.verdict == Verdict.STALLED
         and isinstance(evidence, BudgetEvidence)
         and isinstance(run, ThesisRun)
@@ -190,7 +196,7 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
 
 
 def wall_evidence(outcome: Outcome) -> WallEvidence:
-    """Return where a run went into a wall, and which move let it in, where the motion model knows."""
+    """Return where a run went into a wall and, if known, the move that let it in."""
     tunnelled = outcome.ending == Verdict.TUNNEL
     return WallEvidence(
         step=outcome.hit_step if tunnelled else outcome.overlap_step,

@@ -1,8 +1,7 @@
-"""Evidence: what a verdict claims about its run, as one record for each kind of claim.
+"""Evidence: what a verdict claims about its run, with one record type for each kind of claim.
 
-A checker confirms it from the recorded trace. This is the one place that knows its form in files
-    and in JSON: a table
-of the fields that are known.
+A checker confirms the claim from the recorded trace. Only this module knows how evidence is written
+to files and to JSON: as a table of the fields that are known.
 """
 
 from __future__ import annotations
@@ -39,8 +38,8 @@ class ReachedEvidence:
     """The robot arrived.
 
     Args:
-        step: In which it did.
-        wall_step: First step that ended with the centre in a wall, where that ends no run.
+        step: Step of the arrival.
+        wall_step: First step that ended with the centre in a wall, if walls did not end the run.
     """
 
     step: int
@@ -49,12 +48,12 @@ class ReachedEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopEvidence:
-    """The complete state came back.
+    """The complete state recurred, so the run repeats itself endlessly.
 
     Args:
         entry: Step after which the loop begins.
-        period: Its steps.
-        state_digest: 16 hex digits of the state at the entry.
+        period: Length of the loop, steps.
+        state_digest: 16 hex digits, the digest of the state at the entry.
     """
 
     entry: int
@@ -64,16 +63,16 @@ class LoopEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class BudgetEvidence:
-    """The budget was spent without arrival or proof: ``stalled`` or ``timeout``.
+    """The budget was spent without an arrival or a proof: ``stalled`` or ``timeout``.
 
     Args:
         last_new_cell: Last step in which the centre entered a cell for the first time.
-        witness_multiple: The run's time in times of the witness's; ``None`` without a witness.
-        kind: How a run under ``stepped`` stalls. ``drifting``: its poses come back but for
-            rounding.
-        entry: Of a drifting run, the step from which on they do.
-        period: Of a drifting run, after how many steps.
-        box: Columns and rows of cells that the centre was in, in the second half of the run.
+        witness_multiple: The run's time divided by the witness's; ``None`` without a witness.
+        kind: How a run under ``stepped`` stalls: ``drifting`` if its poses recur except for
+            rounding, or ``confined``.
+        entry: Step from which the poses of a drifting run recur.
+        period: Steps after which they recur.
+        box: Columns and rows of cells that the centre visited in the second half of the run.
     """
 
     last_new_cell: int
@@ -89,12 +88,12 @@ class WallEvidence:
     """The robot went into a wall: ``tunnel`` or ``overlap``.
 
     Args:
-        step: In which it did.
+        step: Step in which it did.
         cell: The wall's cell (ix, iy).
-        cause: The move that let it in, where the motion model knows: ``slide``, ``back-off`` or
+        cause: The move that let it in, if the motion model knows: ``slide``, ``back-off`` or
             ``corner``.
-        since: The step of that move.
-        reached: Of a breach, the step in which the robot arrives if walls end nothing.
+        since: Step of that move.
+        reached: Of a breach, the step in which the robot arrives if walls do not end the run.
     """
 
     step: int
@@ -106,11 +105,11 @@ class WallEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class BurnedEvidence:
-    """Fire or falling debris met the robot.
+    """Fire or falling debris caught the robot.
 
     Args:
-        step: In which it did.
-        cell: Of the fire or debris (ix, iy).
+        step: Step in which it did.
+        cell: Cell of the fire or debris (ix, iy).
         state: ``burning`` or ``solid``.
     """
 
@@ -121,21 +120,21 @@ class BurnedEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class FaultEvidence:
-    """What the controller itself did wrong: ``crash``, ``hang`` or ``invalid-command``.
+    """What the controller did wrong: ``crash``, ``hang`` or ``invalid-command``.
 
     Args:
-        error: The same in every replay; ``None`` of a command that is no finite number.
-        step: In which it did.
-        deadline: s that it had to answer.
-        answer: The answer that cannot be read.
-        unfinished: What came of an answer.
-        stderr: A program's last lines.
+        error: What went wrong, the same in every replay; ``None`` if a command is not finite.
+        step: Step in which it did.
+        deadline: Time that it had to answer, s.
+        answer: The answer that could not be read.
+        unfinished: The part of an answer that arrived before the deadline.
+        stderr: The last lines that a program wrote to stderr.
         at: The innermost line of the controller's own file.
         remedy: How to keep the contract.
-        reason: How a program died, by its report on stderr.
-        message: What a compiled controller's exception said.
-        frames: Of the user's code, the innermost last.
-        bump: Whether the robot touched a wall; only noted of crashes of programs.
+        reason: Why a program died, according to its report on stderr.
+        message: The message of a compiled controller's exception.
+        frames: Frames of the user's code, the innermost last.
+        bump: Whether the robot touched a wall; recorded only for crashes of programs.
     """
 
     error: str | None = None
@@ -174,29 +173,29 @@ _TYPES: Mapping[type[object], Mapping[str, Any]] = {
 
 
 def evidence_table(evidence: Evidence) -> dict[str, Value]:
-    """Return evidence as files and JSON hold it: a table of what is known."""
+    """Return evidence as a table of the known fields, as files and JSON hold it."""
     known = {field.name: getattr(evidence, field.name) for field in fields(evidence)}
     return {name: _plain(value) for name, value in known.items() if value is not None}
 
 
 def fault_evidence(facts: Mapping[str, Value]) -> FaultEvidence:
-    """Return what a controller did wrong, from its table."""
+    """Return what a controller did wrong, read from its table."""
     return FaultEvidence(**_values(FaultEvidence, facts))
 
 
 def read_evidence(verdict: Verdict, table: Mapping[str, Value]) -> Evidence | None:
-    """Return the evidence for a verdict from its table.
+    """Return the evidence for a verdict, read from its table.
 
-    A file may come from anywhere, and a replay compares its table word by word anyway. So names
-    that the record does not have are passed over, and what is optional and of another type counts
-    as unknown.
+    The reader is lenient, because a file may come from anywhere and a replay compares its table
+    word by word anyway. It ignores unknown names, and treats an optional field of the wrong type as
+    unknown.
 
     Args:
-        verdict: What the evidence is for.
-        table: As :func:`evidence_table` makes it.
+        verdict: The verdict that the evidence is for.
+        table: A table as :func:`evidence_table` writes it.
 
     Returns:
-        ``None`` if a part is missing that the evidence cannot do without.
+        The evidence, or ``None`` if a required field is missing.
     """
     kind = _KINDS[verdict]
     values = _values(kind, table)
@@ -213,7 +212,7 @@ def _is_optional(wanted: Any) -> bool:
 
 
 def _of_type(value: Value | None, wanted: Any) -> Any:
-    """Return a value of a file as a field has it; ``None`` if it is of another type."""
+    """Return a value from a file in a field's type; ``None`` if it is of another type."""
     origin = typing.get_origin(wanted)
     if origin is types.UnionType or origin is typing.Union:
         found = (_of_type(value, one) for one in typing.get_args(wanted) if one is not type(None))
@@ -222,7 +221,7 @@ def _of_type(value: Value | None, wanted: Any) -> Any:
         return value if value in typing.get_args(wanted) else None
     if origin is tuple:
         return _as_tuple(value, typing.get_args(wanted))
-    if origin is not None:  # a table of any values
+    if origin is not None:  # A mapping, whose values may be of any type.
         return value if isinstance(value, Mapping) else None
     if wanted is float:
         return (

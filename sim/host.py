@@ -1,8 +1,8 @@
-"""Serves a Python controller as a program: ``python -m sim.host ./mine.py:Robot``.
+"""Serve a Python controller as a program: ``python -m sim.host ./mine.py:Robot``.
 
-Behind ``cmd:`` it gives a Python class what a program has: a deadline for each step, a memory
-limit, a process of its own. A class that hangs is then a ``hang``, where in our own process it
-would hang us; its loops are no longer proved.
+Run through ``cmd:``, a Python class gets what a program has: a deadline for each step, a memory
+limit and its own process. A class that never returns is then reported as a ``hang`` and no longer
+blocks the simulator. The price is that its loops can no longer be proved.
 """
 
 from __future__ import annotations
@@ -31,12 +31,13 @@ __all__ = ["serve"]
 
 
 def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> None:
-    """Answers observations until there are no more.
+    """Answer observations until there are no more.
 
     Args:
-        controller: Whoever raises ends this process, as a program that crashes.
-        lines: The protocol's lines.
-        answers: Where the commands go; what the controller prints goes to stderr.
+        controller: The controller. An exception that it raises ends this process, as a crash
+            would end any program.
+        lines: The protocol's messages, one per line.
+        answers: Receives the commands. Anything that the controller prints goes to stderr instead.
     """
     memory: tuple[float, ...] = ()
     with contextlib.redirect_stdout(sys.stderr):
@@ -62,7 +63,7 @@ def _observation(message: dict[str, Any]) -> Observation:
 
 
 def _answer(command: Command) -> bytes:
-    """As it is, nan and infinity included: what is wrong with it, the reader says."""
+    """Encode a command unchanged, nan and infinity included; the reader judges it."""
     answer: dict[str, Any] = {"speed": float(command.speed), "turn_rate": float(command.turn_rate)}
     if command.used_random:
         answer["used_random"] = True
@@ -79,8 +80,8 @@ def _load(arguments: list[str]) -> PythonController:
     found = CONTROLLERS.get(arguments[0])
     if isinstance(found, CompiledController | ProcessController):
         raise InvalidParameter(
-            "not-a-python-class",
-            "{controller} is no Python class",
+            "{controller} is not a Python class",
+            "give it to --controller as it is",
             "give it to --controller as it is",
             at_terminal=True,
             controller=arguments[0],
@@ -88,7 +89,7 @@ def _load(arguments: list[str]) -> PythonController:
     if wants_world(found):
         raise InvalidParameter(
             "plans-with-the-world",
-            "{controller} plans with the world, which a program is not told",
+            "{controller} plans with the world, which programs do not receive",
             "give it to --controller as it is",
             at_terminal=True,
             controller=arguments[0],
@@ -97,7 +98,8 @@ def _load(arguments: list[str]) -> PythonController:
 
 
 def main() -> None:
-    """Serves the controller that the command line names, in version 1 of the protocol."""
+    """Serve the controller named on the command line, in version 1 of the protocol."""
+    # Keep the real stdout for answers; whatever else writes to stdout now reaches stderr.
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     try:

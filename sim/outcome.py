@@ -1,4 +1,4 @@
-"""What one run found, in the same words for every motion model."""
+"""The outcome of one run, in the same terms for every motion model."""
 
 from __future__ import annotations
 
@@ -27,37 +27,38 @@ ENDINGS: Mapping[int, Ending] = {
     lib.WG_INVALID_COMMAND: Verdict.INVALID_COMMAND,
     lib.WG_CRASH: Verdict.CRASH,
 }
-"""By the core's number."""
+"""The ending that each of the core's numbers stands for."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The core's claims about a run; evidence checks confirm them from the trace.
+    """The core's claims about a run; checks of the evidence confirm them from the trace.
 
     Args:
         ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of
             :data:`sim.verdict.BY_THE_CONTROLLER`.
         steps: Steps simulated.
-        period: Steps of the recurrence, for ``loop``.
-        entry: Where it begins, for ``loop``; -1.
-        path_length: m.
+        period: Length of the recurrence, steps; for ``loop``.
+        entry: Step where it begins, for ``loop``; else -1.
+        path_length: Distance driven, m.
         collisions: Times that the robot began to touch a wall.
-        digest: 16 hex digits; of no meaning if it was not asked for.
+        digest: 16 hex digits; meaningless unless requested.
         last_new_cell: Last step in which the centre entered a cell for the first time.
-        hit_step: Step of the tunnel, fire or debris; -1.
+        hit_step: Step of the tunnel, fire or debris; -1 if none.
         hit_cell: Its cell (ix, iy).
         hit_state: ``solid`` or ``burning``, for ``burned``.
-        overlap_step: First step whose path cut a wall by more than the tolerance; -1.
-        overlap_cell: Its cell.
-        cause: Of a tunnel or overlap under ``stepped``: the move that let the robot into the wall,
-            ``slide``, ``back-off`` or ``corner``; else empty.
-        cause_step: The step of that move, from which on the robot overlapped a wall; -1.
-        wall_step: First step that ended with the centre in a wall, where that ends no run; -1.
+        overlap_step: First step whose path cut a wall by more than the tolerance; -1 if none.
+        overlap_cell: Its cell (ix, iy).
+        cause: The move that let the robot into the wall, for a tunnel or overlap under
+            ``stepped``: ``slide``, ``back-off`` or ``corner``; else empty.
+        cause_step: Step of that move, from which the robot overlapped a wall; -1 if none.
+        wall_step: First step that ended with the centre in a wall, if walls do not end the run;
+            else -1.
         random_draws: Random numbers used.
-        complete: Whether the recorded state is all that decides the future.
-        fault: What the controller did wrong, without the step; ``None`` if it did nothing or only
-            the core knows.
-        trace: The recording, if one was asked for.
+        complete: Whether the recorded state alone decides the future.
+        fault: What the controller did wrong, without the step; ``None`` if it did nothing wrong or
+            only the core knows what.
+        trace: The recording, if requested.
     """
 
     ending: Ending
@@ -83,7 +84,7 @@ class Outcome:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict; ``loop`` is the core's claim here, for the episode to prove."""
+        """The verdict; ``loop`` is only a claim of the core here, which the episode must prove."""
         ending = self.ending
         if ending in AT_ONCE:
             return Verdict(ending)
@@ -99,31 +100,31 @@ class Runnable(Protocol):
 
     @property
     def last_event_step(self) -> int:
-        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        """Step at whose beginning the world changes for the last time; 0 if it never changes."""
         ...
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
-        """Runs up to ``steps`` steps from the start.
+        """Simulate up to ``steps`` steps from the start.
 
         Args:
             steps: Budget.
-            find_loop: Whether a recurrence ends the run, when it is found: at the end of the
-                budget, or before.
+            find_loop: Whether a recurrence ends the run as soon as it is noticed, which may be
+                only at the end of the budget.
             record: Whether to keep every state.
-            digest: Whether to work out the trace's digest, which takes a fifth of the time.
+            digest: Whether to compute the trace's digest, which takes a fifth of the time.
         """
         ...
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
-        """Runs to the end of a loop's first period and compares the complete states at both of its ends.
+        """Simulate a loop's first period, and compare the complete states at both of its ends.
 
         Args:
-            entry: Where the loop begins, as :meth:`run` found it.
-            period: Its steps.
+            entry: Step where the loop begins, as :meth:`run` found it.
+            period: Its length, steps.
             record: Whether to keep every state.
 
         Returns:
-            The outcome up to there and the state at the entry; ``None`` if the state there does not
-            come back.
+            The outcome up to the end of the period and the state at the entry; ``None`` if that
+            state does not recur.
         """
         ...

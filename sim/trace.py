@@ -1,4 +1,4 @@
-"""The recorded states of one run, in the world's frame, whatever motion model made them."""
+"""Traces: the recorded states of one run, in the world's frame, for every motion model."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from worldgen.errors import InvalidParameter
 __all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
 
 BEHAVIOURS = ("collide", "seek", "drive")
-"""The behaviours of the thesis's robot."""
+"""Behaviours of the thesis's robot, in the order of their numbers."""
 
 Floats = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
 Recall: TypeAlias = Callable[[npt.NDArray[np.int64], Callable[[int, Floats], None]], None]
-"""Runs again, and shows the memory after each of some steps, which rise."""
+"""Runs again, and shows the memory after each of some steps, given in rising order."""
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211
@@ -28,29 +28,28 @@ _MASK = (1 << 64) - 1
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """States 0..n of a run and the path between them.
+    """The states 0..n of a run, and the path between them.
 
     Args:
-        time_step: s.
-        x: (n + 1,) m; index k is the state after step k, 0 the start.
-        y: (n + 1,) m.
-        heading: (n + 1,) rad.
-        bump: (n + 1,) bool: a wall stopped or bent the step.
-        path_x: (m,) m: the polyline that the centre drove, corners inside steps included.
+        time_step: Duration of a step, s.
+        x: (n + 1,) position, m; index k is the state after step k, 0 is the start.
+        y: (n + 1,) position, m.
+        heading: (n + 1,) rad, counter-clockwise from the x axis.
+        bump: (n + 1,) bool, True if a wall stopped or bent the step.
+        path_x: (m,) m, the polyline that the centre drove, with corners inside steps.
         path_y: (m,) m.
-        path_step: (m,) int64: step in which each point was reached; never falls.
-        path_share: (m,) when in that step, 0 to 1: its share that was over.
-        words: uint64, in any shape: what the digest runs over.
-        states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
-        complete: Whether ``states`` is really all that decides the future (a controller may hide
-            memory).
-        memory_at: Where in a state the controller's memory begins, whose words are the bits of
-            float64s; below 0: none can be seen.
-        recall: Of a recording that was too large to hold the memory: how it is seen after all. Such
-            a one has no ``words``, and the memory is not in its ``states``.
+        path_step: (m,) int64, step in which each point was reached; never decreases.
+        path_share: (m,) fraction of that step that had passed, 0 to 1.
+        words: uint64, any shape, the words that the digest is computed from.
+        states: (n + 1, k) uint64, complete states; a loop is a repetition of one of them.
+        complete: Whether ``states`` really decides the future; a controller may hide memory.
+        memory_at: Index in a state where the controller's memory begins, stored as the bits of
+            float64s; below 0 if it cannot be seen.
+        active: (n + 1,) int8, index into :data:`BEHAVIOURS` of the one that acted in the step, -1
+            for none; ``None`` for other robots.
+        recall: Shows the memory of a lean recording, which was too large to hold it. Such a
+            recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
-        active: (n + 1,) int8: which of :data:`BEHAVIOURS` acted in the step, -1 for none; None for
-            other robots.
     """
 
     time_step: float
@@ -77,13 +76,13 @@ class Trace:
 
     @property
     def memory_size(self) -> int:
-        """How many numbers the controller's memory has, as far as it can be seen."""
+        """How many numbers of the controller's memory can be seen."""
         if self.recall is not None:
             return self.recalled
         return max(0, self.states.shape[1] - self.memory_at) if self.memory_at >= 0 else 0
 
     def memory(self, step: int) -> Floats:
-        """(m,) the controller's memory after a step."""
+        """Return the controller's memory after a step, (m,)."""
         found: list[Floats] = []
         self.show_memory(np.array([step]), lambda _, memory: found.append(memory.copy()))
         return found[0]
@@ -91,13 +90,11 @@ class Trace:
     def show_memory(
         self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]
     ) -> None:
-        """Hands the controller's memory after each of some steps to ``take``.
-
-        It must copy what it keeps.
+        """Pass the controller's memory after each of some steps to ``take``.
 
         Args:
-            steps: (n,) rising, of this run.
-            take: Gets the step and (m,) the memory.
+            steps: (n,) steps of this run, in rising order.
+            take: Receives the step and (m,) the memory, and must copy what it keeps.
         """
         if self.recall is not None:
             self.recall(steps, take)
@@ -110,21 +107,24 @@ class Trace:
         return f"Trace({self.steps} steps, {self.time_step:g} s each, {len(self.path_x)} points)"
 
     def digest(self) -> str:
-        """The trace's digest, worked out afresh from the recorded words: 16 hex digits.
+        """Compute the trace's digest from the recorded words.
+
+        Returns:
+            16 hex digits.
 
         Raises:
-            InvalidParameter: If the recording left them out.
+            InvalidParameter: If the recording is lean, and so has no words.
         """
         if self.recall is not None:
             raise InvalidParameter(
                 "recording-is-lean",
-                "this recording is lean and has no words to work a digest out of",
-                "record it whole",
+                "this recording is lean and has no words to compute a digest from",
+                "record the whole run",
             )
         return fnv1a(self.words)
 
     def to_csv(self) -> str:
-        """Lines ``t,x,y,heading``, one a state, with a header."""
+        """Return the states as lines ``t,x,y,heading``, after a header."""
         lines = ["t,x,y,heading"]
         for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):
             lines.append(
@@ -134,7 +134,7 @@ class Trace:
 
 
 def fnv1a(words: Words) -> str:
-    """Rolling FNV-1a over 64-bit words, in plain Python integers: 16 hex digits."""
+    """Return the rolling FNV-1a hash of 64-bit words as 16 hex digits, in plain Python integers."""
     value = _HASH_START
     for word in words.ravel().tolist():
         value = ((value ^ word) * _HASH_PRIME) & _MASK
@@ -142,5 +142,5 @@ def fnv1a(words: Words) -> str:
 
 
 def state_digest(state: Words) -> str:
-    """Digest of one complete state."""
+    """Return the digest of one complete state, 16 hex digits."""
     return fnv1a(state)

@@ -17,10 +17,9 @@ __all__ = [
 
 
 class Verdict(StrEnum):
-    """How a run ended; equal to its word, as files and JSON have it.
+    """How a run ended; equal to its word, as written in files and JSON.
 
-    The order is that of tables: whether the robot arrived, then the milder failures before the
-        graver ones.
+    Tables use this order: arrival first, then failures from mild to grave.
     """
 
     REACHED = "reached"
@@ -36,19 +35,19 @@ class Verdict(StrEnum):
 
 
 FAILURES = tuple(verdict for verdict in Verdict if verdict != Verdict.REACHED)
-"""Every verdict on a robot that does not arrive."""
+"""Every verdict on a robot that did not arrive."""
 
 NEVER = (Verdict.LOOP, Verdict.STALLED)
-"""Verdicts on a robot that drives on forever."""
+"""Verdicts on a robot that keeps driving forever."""
 
 OUT_OF_BUDGET = (Verdict.STALLED, Verdict.TIMEOUT)
 """Verdicts on a run that ended because its budget was spent."""
 
 UNENDED = (Verdict.LOOP, *OUT_OF_BUDGET)
-"""Verdicts on a run that only its budget ended, or the proof that it repeats."""
+"""Verdicts on a run that nothing ended but its budget, or the proof that it repeats."""
 
 BY_THE_CONTROLLER = (Verdict.CRASH, Verdict.HANG, Verdict.INVALID_COMMAND)
-"""Verdicts on what the controller itself did, wherever the robot was."""
+"""Verdicts on a fault of the controller itself, wherever the robot was."""
 
 AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
 """Verdicts on an event that ends a run in the step in which it happens."""
@@ -56,11 +55,9 @@ AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
 MEANINGS = {
     Verdict.REACHED: "The robot arrives.",
     Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats "
-    "itself endlessly and "
-    "never arrives, although its target can be reached.",
+    "itself endlessly and never arrives, although its target can be reached.",
     Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "
-    "times what the path to "
-    "its target takes.",
+    "times what the path to its target takes.",
     Verdict.TIMEOUT: "The robot has not arrived within a budget that is many times what the path "
     "to its target takes.",
     Verdict.TUNNEL: "The robot's centre passes through a wall.",
@@ -70,4 +67,4 @@ MEANINGS = {
     Verdict.HANG: "The controller gives no answer in time.",
     Verdict.INVALID_COMMAND: "The controller commands what no robot can do.",
 }
-"""One sentence on each verdict, for a reader who does not know the word."""
+"""One sentence on each verdict, written for a reader who does not know the word."""

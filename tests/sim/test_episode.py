@@ -275,7 +275,7 @@ def test_a_crash_names_the_line_and_an_invalid_command_its_fault():
         if "SystemExit(7)" in line
     )
     assert simulate(arena(), Quitting()).evidence.at == f"test_episode.py:{quit_at}"
-    assert "speed or turn rate is no finite number in step 1" in describe_evidence(
+    assert "speed or turn rate is not a finite number in step 1" in describe_evidence(
         simulate(arena(), Nonsense())
     )
 
