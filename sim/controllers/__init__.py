@@ -1,15 +1,16 @@
-"""Controllers: observation and memory in, command and memory out; one file each.
+"""Controllers: observation and memory in, command and memory out.
 
 Contents:
-    CompiledController, PythonController, VectorController, ProcessController: the ways to bring
-        one.
-    Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
-    MemoryField, MemoryMap: how its memory is shown to people.
-    CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or
+    CompiledController, PythonController, VectorController, ProcessController: Bring your own
+        controller as one of these.
+    Observation, Command: What a controller sees and commands, for one robot.
+    Observations, Commands: The same for many robots, in arrays.
+    MemoryField, MemoryMap: How a controller's memory is shown to people.
+    CONTROLLERS: Finds a controller by name, as ``package.module:name``, ``./file.py:name``, or
         ``cmd:./program --flag``.
-    controller_of: the same, or the thing itself, checked.
-    names_in: the controllers of a list with commas.
-    in_plain_place: one name for all ways to write a controller's file.
+    controller_of: Finds a controller by name, or checks the one that it is given.
+    names_in: Splits a comma-separated list of controllers.
+    in_plain_place: Normalises the path in a controller's name.
 """
 
 from sim.controllers.base import (

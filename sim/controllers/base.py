@@ -1,6 +1,6 @@
-"""The controller contract: a compiled function on arrays, or a class.
+"""The controller contract: a compiled function on arrays, or a Python class.
 
-Programs: :mod:`sim.controllers.programs`.
+Controllers that are programs are in :mod:`sim.controllers.programs`.
 """
 
 from __future__ import annotations
@@ -73,13 +73,12 @@ class Observation(NamedTuple):
         values: list[Any] = array.tolist()
         values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
-        return tuple.__new__(
-            cls, values
-        )  # as _make does, in half the time: this runs in every step
+        # The same as _make in half the time, which counts because it runs in every step.
+        return tuple.__new__(cls, values)
 
 
 class Observations(NamedTuple):
-    """What many robots see: an :class:`Observation` whose numbers are arrays of shape (n,)."""
+    """What many robots see: the fields of an :class:`Observation`, as arrays of shape (n,)."""
 
     bump: npt.NDArray[np.bool_]
     bump_bearing: Floats
@@ -99,7 +98,7 @@ class Observations(NamedTuple):
     odometry_y: Floats
     odometry_heading: Floats
     beams: Floats
-    """(n, beams)"""
+    """(n, beams) m, distance to the first wall along each range beam."""
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
@@ -110,19 +109,19 @@ class Observations(NamedTuple):
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
-"""What a controller senses that does not say what it looks at.
+"""The senses of a controller that does not declare any.
 
-All but the clock, which no loop can outlast.
+The clock is excluded: a controller that reads it never repeats a state, so no loop can be proved.
 """
 
 
 class Command(NamedTuple):
-    """What a controller asks for.
+    """What a controller commands.
 
     Args:
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
         turn_rate: rad/s, counter-clockwise; takes effect before the next move.
-        used_random: Whether ``observation.random`` was used, so that the next one is fresh.
+        used_random: Whether ``observation.random`` was used, so that the next one must be new.
     """
 
     speed: float = 0.0
@@ -131,9 +130,9 @@ class Command(NamedTuple):
 
 
 class Commands(NamedTuple):
-    """What many robots are asked for.
+    """What many robots are commanded.
 
-    A :class:`Command` of arrays of shape (n,), or of numbers for all.
+    Each field of a :class:`Command` is an array of shape (n,), or one number for all robots.
     """
 
     speed: npt.ArrayLike = 0.0
@@ -143,32 +142,33 @@ class Commands(NamedTuple):
 
 @dataclass(frozen=True)
 class CompiledController:
-    """A controller that is compiled: millions of steps a second, and loops can be proved.
+    """A compiled controller: it runs millions of steps a second, and its loops can be proved.
 
     Args:
-        name: For messages and files.
-        act: A function of the core; or ``act(observation, memory, command)`` on flat float64 arrays
-            (:mod:`sim.kernels.layout`), which numba compiles: it changes ``memory`` and ``command``
-            in place, and all its state is in ``memory``.
-        memory: Memory at reset, numbers.
-        start_speed: m/s during the first step, before anything has been seen; more than the robot's
-            top speed is that speed.
+        name: Name in messages and files.
+        act: A function of the core, or ``act(observation, memory, command)`` on flat float64 arrays
+            (:mod:`sim.kernels.layout`), which numba compiles. It changes ``memory`` and ``command``
+            in place and keeps all its state in ``memory``.
+        memory: The numbers in the memory at reset.
+        start_speed: Speed during the first step, before anything has been seen, m/s; limited to the
+            robot's top speed.
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: Whether it uses random numbers.
-        senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan.
-            Without names it gets all but ``time``, and a step takes up to twice as long. Who looks
-            at ``time`` never comes back to a state, so no loop is proved.
-        needs: Options of the robot without which it cannot work, such as
-            ``RobotOptions(beams=36)``; a run that says otherwise has its way.
+        senses: Names of the fields of :class:`Observation` that it reads; the others may be nan. By
+            default it gets all but ``time``, and a step takes up to twice as long. A controller
+            that reads ``time`` never repeats a state, so its loops cannot be proved.
+        needs: Options of the robot that it cannot work without, such as ``RobotOptions(beams=36)``.
+            A run that sets them differently takes precedence.
         slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does
-            less in a unit.
+            less work in each unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
-        memory_map: What the memory (m,) says about the world, also for pages; no run calls it.
-        memory_map_on: Indices of the numbers that the map hangs on; without any it hangs on all.
+        memory_map: Returns what the memory (m,) represents in the world, also for pages; a run
+            never calls it.
+        memory_map_on: Indices of the numbers that the map depends on; empty means all of them.
 
     Raises:
-        InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is
-            below 0 or nan.
+        InvalidParameter: If a sense does not exist, ``needs`` is not a :class:`RobotOptions`, or
+            the start speed is below 0 or nan.
     """
 
     name: str
@@ -188,7 +188,8 @@ class CompiledController:
         check_declared(self.name, self.senses, self.needs)
         check_fields(self.name, self.memory_fields)
         speed: object = self.start_speed
-        if not isinstance(speed, int | float | np.number) or not speed >= 0.0:  # also true for nan
+        # The comparison is written so that nan fails it too.
+        if not isinstance(speed, int | float | np.number) or not speed >= 0.0:
             raise InvalidParameter(
                 "out-of-range",
                 "controller {name!r} has start_speed={speed!r}",
@@ -199,18 +200,16 @@ class CompiledController:
 
 
 def check_declared(name: str, senses: object, needs: object) -> None:
-    """Refuses what a controller cannot declare.
-
-    Names of senses that there are not, needs that are no options.
+    """Check that a controller declares only senses that exist and options of a robot.
 
     Raises:
-        InvalidParameter: If it does.
+        InvalidParameter: If it declares anything else.
     """
     if not isinstance(senses, tuple | list | set | frozenset):
         raise InvalidParameter(
             "wrong-declaration",
-            "controller {name!r} has senses={senses!r}, which is no tuple of names",
-            "write one such as ('bump', 'x')",
+            "controller {name!r} has senses={senses!r}, which is not a tuple of names",
+            "write a tuple such as ('bump', 'x')",
             name=name,
             senses=senses,
         )
@@ -227,7 +226,7 @@ def check_declared(name: str, senses: object, needs: object) -> None:
     if not isinstance(needs, RobotOptions):
         raise InvalidParameter(
             "wrong-declaration",
-            "controller {name!r} has needs={needs!r}, which are no options",
+            "controller {name!r} has needs={needs!r}, which are not options of a robot",
             "write RobotOptions(beams=36)",
             name=name,
             needs=needs,
@@ -237,21 +236,23 @@ def check_declared(name: str, senses: object, needs: object) -> None:
 class PythonController(Protocol):
     """A controller as a Python class.
 
-    Make it a frozen dataclass and keep all its state in ``memory``. ``memory`` is a tuple of
-    numbers. A loop is only proved for a controller that keeps to this; one that changes itself is
-    at most ``stalled`` or ``timeout``. One that plans first writes ``reset(self, world)`` and gets
-    the :class:`~worldgen.world.World`, without certificate and provenance. Attributes ``senses``
-    and ``needs`` may say what it looks at and which robot it needs, as for a
-    :class:`CompiledController`; so may ``memory_fields``, a method ``memory_map(self, memory)`` and
-    ``memory_map_on`` how its memory is shown.
+    Make it a frozen dataclass and keep all its state in ``memory``, a tuple of numbers. Loops are
+    proved only for a controller that does so; one that changes its own attributes gets at most
+    ``stalled`` or ``timeout``.
+
+    A controller that plans first defines ``reset(self, world)`` and receives the
+    :class:`~worldgen.world.World`, without certificate and provenance. The optional attributes
+    ``senses`` and ``needs`` declare what it reads and which robot it needs, as for a
+    :class:`CompiledController`. The optional attributes ``memory_fields`` and ``memory_map_on`` and
+    a method ``memory_map(self, memory)`` declare how its memory is shown.
     """
 
     def reset(self) -> Memory:
-        """Memory at the start of an episode."""
+        """Return the memory at the start of an episode."""
         ...
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Command for the next step, and the memory after it."""
+        """Return the command for the next step, and the memory after it."""
         ...
 
 
@@ -259,25 +260,25 @@ class PythonController(Protocol):
 class VectorController(Protocol):
     """A controller as a Python class that acts for many robots at once, with NumPy.
 
-    Millions of steps a second. Row i of everything belongs to robot i and must depend on nothing
-    else. There may be any number of robots, also one, and there are fewer and fewer as they arrive.
-    A run is to the bit the same alone and among others if NumPy works out each row likewise: a
-        matrix product may not. All else is as for a :class:`PythonController`.
+    It runs millions of steps a second. Row i of everything belongs to robot i and must depend on
+    nothing else. The number of robots varies, may be 1, and falls as robots arrive. A run gives the
+    same bits alone and among others as long as NumPy computes each row the same way, which a matrix
+    product may not. Everything else is as for a :class:`PythonController`.
     """
 
     def reset(self) -> Memory:
-        """Memory of each robot at the start of an episode, m numbers."""
+        """Return the memory of each robot at the start of an episode, m numbers."""
         ...
 
     def act_many(self, observation: Observations, memory: Floats) -> tuple[Commands, Floats]:
-        """Commands for the next step, and the memories after it.
+        """Return the commands for the next step, and the memories after it.
 
         Args:
-            observation: What they see; not to be changed.
-            memory: (n, m), likewise.
+            observation: What the robots see; must not be changed.
+            memory: (n, m) the robots' memories; must not be changed.
 
         Returns:
-            The commands, and the memories, (n, m).
+            The commands, and the new memories, (n, m).
         """
         ...
 
@@ -285,6 +286,7 @@ class VectorController(Protocol):
 Controller: TypeAlias = CompiledController | PythonController | VectorController
 
 
+# Senses that the core computes only on request, because they cost time.
 _COSTLY_SENSES: dict[str, int] = {
     "bump_bearing": lib.WG_SENSE_BUMP_BEARING,
     "signal": lib.WG_SENSE_SIGNAL,
@@ -301,32 +303,29 @@ _COSTLY_SENSES: dict[str, int] = {
 
 
 def robot_for(controller: Controller, robot: RobotOptions) -> RobotOptions:
-    """A run's robot, with what the controller needs where the run leaves the default."""
+    """Return a run's robot, with the controller's needs wherever the run keeps the default."""
     needs: RobotOptions = getattr(controller, "needs", _PLAIN)
     return RobotOptions.of({**needs.changed(), **robot.changed()})
 
 
 def wants_world(controller: Any) -> bool:
-    """Whether a class plans first: its ``reset`` takes an argument, the world."""
+    """Return True if a class plans first: its ``reset`` takes the world as an argument."""
     try:
         parameters = inspect.signature(controller.reset).parameters.values()
-    except (
-        AttributeError,
-        TypeError,
-        ValueError,
-    ):  # no such method, or one that does not say what it takes
+    except (AttributeError, TypeError, ValueError):
+        # There is no such method, or it does not reveal its parameters.
         return False
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return any(one.default is one.empty and one.kind in by_place for one in parameters)
 
 
 def bits_of(sense: str) -> int:
-    """Return the ``WG_SENSE_`` bit of a field of an observation; 0 for what is always there."""
+    """Return the ``WG_SENSE_`` bit of a field of an observation; 0 if it is always available."""
     return _COSTLY_SENSES.get(sense, 0)
 
 
 def senses_of(controller: Controller) -> int:
-    """The ``SENSE_`` bits of what a controller looks at."""
+    """Return the ``WG_SENSE_`` bits of everything that a controller reads."""
     bits = 0
     for name in getattr(controller, "senses", DEFAULT_SENSES):
         bits |= bits_of(name)

@@ -1,4 +1,4 @@
-"""Finds a controller by name and checks it.
+"""Find a controller by name, and check it.
 
 A name is a registered one, ``module:name``, ``./file.py:name``, ``lib:./file.so:name`` or
 ``cmd:PROGRAM``.
@@ -28,7 +28,7 @@ _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
 class _Controllers(Registry[Controller]):
-    """A registry in which ``cmd:`` begins the command line of a program, and ``lib:`` the file of a shared library."""
+    """A registry that also knows programs (``cmd:``) and shared libraries (``lib:``)."""
 
     def get(self, name: str) -> Controller:
         if is_process_name(name):
@@ -57,7 +57,8 @@ class _Controllers(Registry[Controller]):
 
 
 def _program_hint(name: str) -> Message | None:
-    """Return what to say of a name that is a command line without ``cmd:``, or a file without its class."""
+    """Return a hint for a command line without ``cmd:``, or for a file without its class."""
+    # A Python file needs the name of its class, or cmd: if it is meant as a program.
     first, *arguments = name.split(" ")
     if first.endswith(".py") and not arguments and os.path.isfile(first):  # noqa: PTH113 - Path may refuse a text
         classes = _classes_in(Path(first))
@@ -72,6 +73,8 @@ def _program_hint(name: str) -> Message | None:
             file=first,
             example=classes[0] if classes else "Robot",
         )
+
+    # Anything else that exists or is on PATH is a program, so only cmd: is missing.
     is_here = os.path.isfile(first)  # noqa: PTH113 - as above
     place = name.rpartition(":")[0]
     if is_here or (arguments and shutil.which(first) is not None):
@@ -83,6 +86,8 @@ def _program_hint(name: str) -> Message | None:
             name=name,
             command=command,
         )
+
+    # A colon after a path that is not Python reads like ./file.py:name gone wrong.
     if "/" in place and not place.endswith(".py"):
         return Message(
             "not-python",
@@ -95,7 +100,7 @@ def _program_hint(name: str) -> Message | None:
 
 
 def _classes_in(file: Path) -> list[str]:
-    """Return the classes of a file that can drive a robot, without running it."""
+    """Return the names of the classes in a file that can drive a robot, without running it."""
     try:
         tree = ast.parse(file.read_text("utf-8"))
     except (OSError, ValueError, SyntaxError):
@@ -139,25 +144,26 @@ CONTROLLERS: Registry[Controller] = _Controllers("worldgen.controllers", "contro
 
 
 def controller_of(given: str | Controller | type) -> Controller:
-    """The controller of that name, or the thing itself.
+    """Return the controller with that name, or the given one after checking it.
 
-    A controller, or a class that makes one without arguments.
+    Args:
+        given: A name, a controller, or a class that makes one without arguments.
 
     Raises:
-        InvalidParameter: If nothing is called so, it is no controller, or it raises when it is
-            made.
+        InvalidParameter: If there is no such controller, the thing is not a controller, or making
+            it raises an exception.
     """
     return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
 
 
 def in_plain_place(name: str, *, resolve: bool = False) -> str:
-    """Return the one name for all ways to write a controller's file.
+    """Return a controller's name with its file's path normalised.
 
-    ``mine.py:Robot`` for ``./mine.py:Robot``.
+    ``./mine.py:Robot`` becomes ``mine.py:Robot``, so that both spellings are one controller.
 
     Args:
-        name: With options or without; names of other kinds come back as they are.
-        resolve: Give the file's full path, so that a path seen from another folder is the same too.
+        name: The name, with or without options; names of other kinds are returned unchanged.
+        resolve: Whether to give the file's full path, so that the name is the same in all folders.
     """
     found = _IN_A_FILE.fullmatch(name)
     if found is None:
@@ -167,11 +173,10 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
 
 
 def names_in(text: str) -> list[str]:
-    """Return the controllers of a list with commas between them.
+    """Split a comma-separated list of controllers.
 
-    A comma in the command line of a program belongs to it, unless another controller follows: a
-        registered one,
-    ``file.py:name`` or ``module:name``, or another program.
+    A comma after a program's name belongs to its command line, unless another controller follows: a
+    registered one, ``file.py:name``, ``module:name``, or another program.
     """
     names: list[str] = []
     for part in text.split(","):
@@ -189,7 +194,7 @@ def _begins_a_controller(text: str) -> bool:
 
 
 def called(given: object) -> str:
-    """What a controller is called in messages and tables."""
+    """Return the name of a controller for messages and tables."""
     if isinstance(given, str):
         return given
     kind = type(given).__name__

@@ -1,10 +1,9 @@
-"""The contract of a Python controller, and what to say where one does not keep it.
+"""The contract of a Python controller, and the message for a controller that breaks it.
 
-A controller that returns the wrong thing has not crashed: it is incomplete. If it does so from the
-    start, no run can
-show anything, and that is an error of usage. If only some branch forgets the memory, the search has
-found that branch: the verdict is ``invalid-command``, and the world in which the branch is taken is
-    the failure.
+A controller that returns the wrong thing has not crashed; it is incomplete. If it does so in its
+first step, no run can show anything, and that is an error of usage. If only some branch forgets the
+memory, the search has found that branch: the verdict is ``invalid-command``, and the world that
+leads into the branch is the failure.
 """
 
 from __future__ import annotations
@@ -21,18 +20,19 @@ from worldgen.support.plain_text import shown
 
 __all__ = ["ContractBroken", "check_contract", "flat_memory", "no_command", "no_memory"]
 
-_LONGEST_ANSWER = 200  # characters
+# Characters of an answer that are quoted.
+_LONGEST_ANSWER = 200
 _RETURN = "end {} with: return Command(speed, turn_rate), memory"
 _MEMORY = "return a tuple of numbers whose length never changes, such as () or (0.0, 1.0)"
 
 
 class ContractBroken(ControllerError, TypeError):
-    """A controller returned what the contract does not allow.
+    """A controller returned something that the contract does not allow.
 
     Args:
-        error: What is wrong, the same in every replay.
-        answer: What came.
-        remedy: The way out.
+        error: What is wrong, in the same words in every replay.
+        answer: What it returned.
+        remedy: How to mend it.
     """
 
     def __init__(self, error: str, answer: object, remedy: str) -> None:
@@ -42,7 +42,7 @@ class ContractBroken(ControllerError, TypeError):
 
 
 def no_memory(answer: object, method: str = "act") -> ContractBroken:
-    """Return what to raise for an answer that is not a command and a memory."""
+    """Return the error for an answer that is not a command and a memory."""
     remedy = _RETURN.format(method)
     if answer is None:
         return ContractBroken(f"{method} returned nothing", answer, remedy)
@@ -53,7 +53,7 @@ def no_memory(answer: object, method: str = "act") -> ContractBroken:
 
 
 def no_command(answer: object, method: str = "act") -> ContractBroken:
-    """Return what to raise for the first part of an answer if it is not a command."""
+    """Return the error for an answer whose first part is not a command."""
     return ContractBroken(f"{method} did not return a command", answer, _RETURN.format(method))
 
 
@@ -62,10 +62,10 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
 
     Args:
         memory: What ``reset`` or ``act`` returned.
-        size: The length that it must have; any if omitted.
+        size: Required length; any length if omitted.
 
     Raises:
-        ContractBroken: If it is not a tuple of numbers, or of another length.
+        ContractBroken: If it is not a tuple of numbers, or has another length.
     """
     if not isinstance(memory, tuple) or not all(
         isinstance(value, int | float | np.number) for value in memory
@@ -78,11 +78,11 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
 
 
 def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
-    """Refuse a controller that breaks the contract before its first step is over.
+    """Refuse a controller that breaks the contract in its first step.
 
     Args:
-        name: The controller's, for the message.
-        evidence: Of the run, or what is known of its fault.
+        name: The controller's name, for the message.
+        evidence: Evidence of the run, or what is known of the controller's fault.
         steps: Steps of the run.
 
     Raises:

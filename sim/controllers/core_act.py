@@ -1,7 +1,7 @@
-"""Controllers of the C core: their functions by name, and what stands where in their memories.
+"""Controllers of the C core: their functions by name, and the layout of their memories.
 
-``sim/core/controllers/wg_controllers.h`` declares each memory as a struct; its fields are named
-there and nowhere else.
+``sim/core/controllers/wg_controllers.h`` declares each memory as a struct. Python reads the places
+of its fields from there, so they are listed only once.
 """
 
 from __future__ import annotations
@@ -27,41 +27,45 @@ Floats = npt.NDArray[np.float64]
 ffi: Any = _ffi
 lib: Any = _lib
 
-SENSES = 17  # numbers of an observation before its beams
-_NUMBER = 8  # bytes
+# Numbers of an observation before its beams.
+SENSES = 17
+
+# Bytes of a number.
+_NUMBER = 8
 
 
 @dataclass(frozen=True)
 class CoreAct:
-    """The act of a controller, a function of the C core.
+    """The act function of a controller, written in C.
 
     Args:
-        name: As ``wg_library_act`` has it.
+        name: Name by which ``wg_library_act`` knows it.
     """
 
     name: str
 
     @property
     def address(self) -> int:
-        """Where the function is: a ``WgAct``."""
+        """Address of the function, a ``WgAct``."""
         return _address(self.name)
 
     @property
     def is_guarded(self) -> bool:
-        """Whether it is run in another process, because it may crash or hang."""
+        """Whether it runs in another process, because it may crash or hang."""
         return False
 
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
-        """Act once; changes ``memory`` and ``command`` in place.
+        """Act once, changing ``memory`` and ``command`` in place.
 
         Args:
-            observation: (17 + beams,).
-            memory: Its memory.
-            command: (3,) zeros.
+            observation: (17 + beams,) what the robot sees.
+            memory: (m,) its memory.
+            command: (3,) zeros; receives the command.
 
         Raises:
-            Misbehaviour: If the controller says that it cannot go on.
+            ControllerError: If the controller reports that it cannot continue.
         """
+        # The struct holds the numbers in the array's order, so one copy of bytes fills it.
         beams = np.ascontiguousarray(observation[SENSES:], np.float64)
         seen = ffi.new("WgObservation *")
         ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(
@@ -88,10 +92,10 @@ def _address(name: str) -> int:
 
 
 def controller_error_of(error: str) -> ControllerError:
-    """Return what a function of C did wrong.
+    """Return the error for a controller in C that failed.
 
     Args:
-        error: ``WgReport.error``.
+        error: The text in ``WgReport.error``.
     """
     if error == HANG:
         return ControllerError(Verdict.HANG, error, {"deadline": DEADLINE})
@@ -100,20 +104,17 @@ def controller_error_of(error: str) -> ControllerError:
 
 
 def place(struct: str, *fields: str | int) -> int:
-    """Return the index in a memory of a field of its struct.
-
-    Of a field of a field where several are named.
-    """
+    """Return the index in a memory of a field of its struct; several names descend into it."""
     return int(ffi.offsetof(struct, *fields)) // _NUMBER
 
 
 def size_of(struct: str) -> int:
-    """Return the numbers that a struct takes of a memory, without those of an array at its end."""
+    """Return how many numbers a struct takes, not counting an array at its end."""
     return int(ffi.sizeof(struct)) // _NUMBER
 
 
 def memory_at_reset(size: int, numbers: Mapping[int, float]) -> tuple[float, ...]:
-    """Return a memory of zeros but for some numbers, given by their places."""
+    """Return a memory of zeros, except for some numbers given by their places."""
     memory = [0.0] * size
     for at, number in numbers.items():
         memory[at] = number

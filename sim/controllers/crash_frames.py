@@ -1,7 +1,7 @@
-"""Where a Python controller raised: the frames of the user's code, in short.
+"""Where a Python controller raised an exception: the frames of the user's code, in short.
 
-The frames name files without their folders, so that a failure reads the same in another checkout,
-and quote the statement, which stays the same when other lines of its file move.
+Frames name files without their folders, so that a failure reads the same in another checkout. They
+quote the statement, which stays the same when other lines of its file move.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from worldgen.world import Value
 __all__ = ["MOST_FRAMES", "crash_facts"]
 
 MOST_FRAMES = 6
-"""Frames that are kept, the innermost ones."""
+"""How many frames are kept, counted from the innermost."""
 
-_LONGEST_CODE = 160  # characters of a statement that are kept
-_INSTALLED = frozenset(
-    ("site-packages", "dist-packages")
-)  # folders of libraries; the second one is Debian's
+# Characters of a statement that are kept.
+_LONGEST_CODE = 160
+
+# Folders that contain installed libraries; the second one is Debian's.
+_INSTALLED = frozenset(("site-packages", "dist-packages"))
 _OURS = Path(__file__).resolve().parents[2]
 _OUR_PACKAGES = tuple(
     f"{_OURS / name}/" for name in ("sim", "fuzz", "worldgen", "worldgen_plugins")
@@ -37,23 +38,22 @@ _LIBRARIES = tuple(
 
 
 def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
-    """Return what an exception's traceback says about a controller.
+    """Return what an exception's traceback reveals about a controller's fault.
 
     Args:
         error: What the controller raised.
-        controller: The controller, whose own file counts as the user's wherever it is installed.
+        controller: The controller. Its file counts as the user's code wherever it is installed.
 
     Returns:
         ``at``, the innermost line of the controller's own file, and ``frames``, the innermost
-        frames of the user's code: ``file``, ``line``, ``function``, ``code``, and ``repeat`` of a
-        line that occurs several times in its function; the outermost first. What is unknown is left
-        out.
+        frames of the user's code, outermost first. A frame has ``file``, ``line``, ``function`` and
+        ``code``, and ``repeat`` if an equal line precedes it in its function. Unknown facts are
+        omitted.
     """
     act = getattr(controller, "act", None) or getattr(controller, "act_many", None)
     own_file = getattr(getattr(act, "__code__", None), "co_filename", "")
 
-    # Only frames that are kept have their source read, so a recursion of any depth is cheap to look
-    # through.
+    # Source is read only for frames that are kept, so a deep recursion costs little.
     calls = list(_calls(error))
     lines = [call.tb_lineno for call in calls if call.tb_frame.f_code.co_filename == own_file]
     of_the_user = [call for call in calls if _is_the_users(call, own_file)]
@@ -100,12 +100,12 @@ def _frame(call: TracebackType) -> Value:
 
 
 def _statement(call: TracebackType) -> dict[str, Value]:
-    """Return the source of what was being done, on one line, and which of equal lines in its function that is."""
+    """Return the failed statement on one line, and which of the equal lines before it it is."""
     code = call.tb_frame.f_code
     line = call.tb_lineno
     instruction = call.tb_lasti // 2
 
-    # A call may span lines; the first alone would not tell one `raise ValueError(` from another.
+    # A call may span lines; the first line alone could not tell two `raise ValueError(` apart.
     positions = list(code.co_positions())
     last = positions[instruction][1] if 0 <= instruction < len(positions) else None
     linecache.checkcache(code.co_filename)

@@ -1,6 +1,6 @@
-"""Functions of a user's that numba compiles, as the core calls them.
+"""Compile a user's act function with numba, in the form in which the core calls it.
 
-Numba is an extra, ``worldgen[numba]``.
+Numba is an optional dependency, ``worldgen[numba]``.
 """
 
 from __future__ import annotations
@@ -15,21 +15,22 @@ from worldgen.plugins.installation import pip_install
 
 __all__ = ["compiled_act", "flat_address"]
 
-_kept: list[Any] = []  # functions whose addresses the core may have
+# Functions whose addresses the core may hold; dropping one would free its code.
+_kept: list[Any] = []
 
 
 @functools.cache
 def compiled_act(act: Act) -> Any:
-    """Return the compiled form of an act function, of three flat float64 arrays.
+    """Return the compiled form of an act function of three flat float64 arrays.
 
     Raises:
-        InvalidParameter: If numba is not installed, or cannot compile it.
+        InvalidParameter: If numba is not installed, or cannot compile the function.
     """
     numba = _numba(act)
     array = numba.float64[::1]
     try:
         with warnings.catch_warnings():
-            # What numba warns of, its error, if any, says better.
+            # If numba's warnings matter, an error follows that says it better.
             warnings.simplefilter("ignore", numba.core.errors.NumbaWarning)
             compiled = numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
                 getattr(act, "py_func", act)
@@ -42,12 +43,14 @@ def compiled_act(act: Act) -> Any:
             function=_name(act),
             reason=_reason(error),
         ) from error
+
+    # Numba keeps its own generator for random and numpy.random, which no seed of ours controls.
     if any("_random_state" in code for code in compiled.inspect_llvm().values()):
         raise InvalidParameter(
             "draws-outside-seed",
             "controller function {function} draws random numbers of Python or NumPy, which no seed "
             "of a run decides",
-            "use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0",
+            "use observation[OBS_RANDOM], and set command[CMD_DRAW] = 1.0",
             function=_name(act),
         )
     return compiled
@@ -55,12 +58,13 @@ def compiled_act(act: Act) -> Any:
 
 @functools.cache
 def flat_address(act: Act) -> int:
-    """Return the address of an act function as the core calls it.
+    """Return the address of an act function for the core to call.
 
-    A ``WgFlatAct``, which says whether it raised.
+    Returns:
+        The address of a ``WgFlatAct``, whose result tells whether the function raised.
 
     Raises:
-        InvalidParameter: If numba is not installed, or cannot compile it.
+        InvalidParameter: If numba is not installed, or cannot compile the function.
     """
     compiled = compiled_act(act)
     numba = _numba(act)
@@ -76,7 +80,7 @@ def flat_address(act: Act) -> int:
                 numba.carray(memory, (memory_size,)),
                 numba.carray(command, (3,)),
             )
-        except Exception:  # noqa: BLE001 - a controller may raise anything; which, is found out by a second run
+        except Exception:  # noqa: BLE001 - anything may be raised; a second run finds out what
             return 1
         return 0
 
@@ -107,15 +111,15 @@ def _name(act: Act) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Return what numba says, without the stages that it was in.
+    """Return numba's message without its list of compiler stages.
 
-    With the call that it does not know, if that is it.
+    If the message is about a call that numba does not know, include that call.
     """
     lines = (line.strip() for line in str(error).splitlines())
-    said = [
+    reason = [
         line
         for line in lines
         if line and not line.startswith(("Failed in", "During:", "- Resolution"))
     ]
-    with_call = len(said) > 1 and said[1].startswith(">>>")
-    return " ".join(said[: 2 if with_call else 1])
+    with_call = len(reason) > 1 and reason[1].startswith(">>>")
+    return " ".join(reason[: 2 if with_call else 1])

@@ -1,7 +1,6 @@
-"""How a controller's memory reads for people: names of its numbers, and the map that it keeps.
+"""How to show a controller's memory to people: names of its numbers, and the map that it keeps.
 
-Both are declared beside the controller and only ever read what a run has left; a run is the same
-without them.
+A controller declares both, and pages use them to read what a run has left. They never affect a run.
 """
 
 from __future__ import annotations
@@ -24,10 +23,11 @@ class MemoryField(NamedTuple):
     """A number of the memory that has a name.
 
     Args:
-        name: As people read it.
+        name: The name to show.
         place: Its index in the memory.
-        words: What its values mean, if they are whole: the first word is that of ``least``.
-        least: See ``words``.
+        words: The meanings of its values if they are whole numbers, starting with that for
+            ``least``.
+        least: The smallest value.
     """
 
     name: str
@@ -42,13 +42,13 @@ def _none() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class MemoryMap:
-    """What a memory says about the world; lengths in m, in the world's frame.
+    """What a memory represents in the world; lengths in m, in the world's frame.
 
     Args:
-        blocked: (n, 4) lines, x and y of both ends, that the controller holds for walls or ways
-            that are closed.
-        cells: (n, 4) rectangles, x and y of two corners, that it holds for occupied.
-        plan: (n, 2) corners of the way that it means to drive.
+        blocked: (n, 4) line segments, x and y of both ends, that the controller takes for walls or
+            closed passages.
+        cells: (n, 4) rectangles, x and y of two corners, that it takes for occupied.
+        plan: (n, 2) corners of the path that it plans to drive.
         places: Points that it remembers, x and y by name.
     """
 
@@ -59,17 +59,17 @@ class MemoryMap:
 
 
 def check_fields(name: str, fields: Any) -> None:
-    """Refuses what is no tuple of named numbers of a memory.
+    """Check that a declaration is a tuple of :class:`MemoryField`.
 
     Raises:
-        InvalidParameter: If it is none.
+        InvalidParameter: If it is anything else.
     """
     if not isinstance(fields, tuple | list) or not all(
         isinstance(one, MemoryField) for one in fields
     ):
         raise InvalidParameter(
             "wrong-declaration",
-            "controller {name!r} has memory_fields={fields!r}, which is no tuple of them",
+            "controller {name!r} has memory_fields={fields!r}, which is not a tuple of MemoryField",
             "write (MemoryField('mode', 0, ('seek', 'turn')),)",
             name=name,
             fields=fields,

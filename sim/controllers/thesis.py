@@ -1,17 +1,17 @@
-"""The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
+"""The thesis's robot: seek the signal, drive, and turn by a fixed or random angle when it collides.
 
-Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is
-done. Under ``stepped`` the thesis's own program runs, to the last bit
-(``sim/core/thesis_episode.c``). For the other motion models ``sim/core/controllers/thesis_rules.c``
-has the same idea on the pose lattice, with the same arbiter.
+Three behaviours (drive, seek, collide) compete under an arbiter, and the one in control keeps it
+until it is done. Under ``stepped`` the thesis's own program runs, faithful to the last bit
+(``sim/core/thesis_episode.c``). For the other motion models,
+``sim/core/controllers/thesis_rules.c`` implements the same idea on the pose lattice, with the same
+arbiter.
 
-Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to
-a heading that grows clockwise on a screen whose y points down. Its legend calls that "left", the
-screen's side where the robot then passes, and its text contradicts itself.
+Names are from the robot's point of view. ``turn-right`` is the thesis's algorithm 1, which adds
+pi/2 to a heading that grows clockwise, because y points down on its screen. Its legend calls that
+"left", the side of the screen on which the robot then passes, and its text contradicts itself.
 
 Source: the thesis on behaviour-based search and rescue robots that this program descends from
-    (2005-2006),
-sections 3 and 4 and its listing; the arbiter is rebuilt from the prose.
+    (2005-2006), sections 3 and 4 and its listing; the arbiter is rebuilt from the prose.
 """
 
 from __future__ import annotations
@@ -24,11 +24,13 @@ from sim.controllers.memory_view import MemoryField
 
 __all__ = ["RANDOM", "turn_left", "turn_random", "turn_right"]
 
-RIGHT = 1  # the thesis's numbers of its rules
+# The thesis's numbers for its rules.
+RIGHT = 1
 LEFT = 2
 RANDOM = 3
 
-_IDLE = -1  # no behaviour is in charge
+# The value of `behaviour` while no behaviour is in control.
+_IDLE = -1
 _BEHAVIOUR = place("WgThesisMemory", "behaviour")
 _AT_RESET = memory_at_reset(
     size_of("WgThesisMemory"),
@@ -47,10 +49,7 @@ _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
 
 def _controller(name: str, rule: int) -> CompiledController:
-    """Return the robot under one of the thesis's rules.
-
-    It drives at its top speed from the start.
-    """
+    """Return the robot under one of the thesis's rules; it starts at its top speed."""
     return CompiledController(
         name,
         CoreAct(name),

@@ -1,4 +1,4 @@
-"""Asks a controller that acts for many robots at once."""
+"""Call a controller that acts for many robots at once, and check what it returns."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ Floats = npt.NDArray[np.float64]
 
 
 class Asker:
-    """Asks a controller that acts for many robots, always through the same arrays.
+    """Calls a controller that acts for many robots, always with the same arrays.
 
     Args:
         controller: The controller.
         seen: (n, OBS_SIZE + beams) what the robots observe.
         memory: (n, m) the robots' memories.
-        command: (n, CMD_SIZE), filled in each step.
+        command: (n, CMD_SIZE) filled in each step.
     """
 
     def __init__(
@@ -52,22 +52,23 @@ class Asker:
 
         Args:
             count: Rows, at least 1.
-            after: (count, m), filled: their memories then.
+            after: (count, m) filled with the memories after the step.
 
         Raises:
-            ContractBroken: If what it returns does not fit; and whatever it raises itself.
+            ContractBroken: If the result does not fit. Exceptions of the controller pass through.
         """
-        # Views of twenty columns take as long as a hundred robots, and the count seldom changes.
+        # Twenty views cost as much as simulating a hundred robots, and the count seldom changes.
         if count != self._count:
             self._observed = Observations.of(self._seen[:count])
             self._memories = self._memory[:count]
             self._count = count
         else:
+            # `bump` is a copy, the one column that its view does not keep up to date.
             bump = self._seen[:count, layout.OBS_BUMP] != 0.0
             self._observed = Observations._make((bump, *self._observed[1:]))
         answer = self._act(self._observed, self._memories)
 
-        # What came back must have one command and one memory for each robot.
+        # The answer must have one command and one memory for each robot.
         try:
             asked, kept = answer
         except (TypeError, ValueError):
@@ -88,6 +89,7 @@ class Asker:
                 error, kept, "return it in the shape in which it came: a row for each robot"
             )
 
+        # Copy the answer into the core's arrays.
         command = self._command[:count]
         command[:, layout.CMD_SPEED] = asked.speed
         command[:, layout.CMD_TURN_RATE] = asked.turn_rate
@@ -97,16 +99,16 @@ class Asker:
 
 @dataclass(frozen=True)
 class OneOfMany:
-    """A controller of many robots as a Python class for one."""
+    """A controller of many robots, wrapped as a Python class for one robot."""
 
     controller: VectorController
 
     def reset(self) -> Memory:
-        """As the controller's."""
+        """Return the wrapped controller's memory at reset."""
         return self.controller.reset()
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """The only robot's command and memory."""
+        """Return the command and the memory of the only robot."""
         seen = np.array([[*observation[:-1], *observation.beams]])
         before = np.array([memory])
         command = np.zeros((1, layout.CMD_SIZE))

@@ -1,6 +1,9 @@
-"""A controller in each of the three ways; ``worldgen new-controller`` copies them.
+"""Template controllers, one per kind; ``worldgen new-controller`` copies them.
 
 Contents:
-    compiled: a function on arrays. python: a class. process: a program of its own, which imports
-        nothing of ours.
+    python: A Python class.
+    vector: A Python class that drives many robots at once, with NumPy.
+    compiled: A function on arrays, compiled by numba.
+    process: A program in any language, which needs nothing from this package.
+    library: A function in C or C++, built as a shared library.
 """

@@ -1,4 +1,4 @@
-"""A controller that numba compiles: millions of steps a second. Try it, change it, try it again:
+"""A controller that numba compiles, for millions of steps a second. Edit it and try it with:
 
 worldgen run w.grid --controller ./example.py:example --trail run.png
 """  # noqa: D415 - a command has no full stop
@@ -15,17 +15,23 @@ from sim.kernels import layout
 
 Floats = npt.NDArray[np.float64]
 
-TURN = 1.5  # rad, counter-clockwise, after each bump
-PATIENCE = 20.0  # steps for which it drives on before it looks at the target again
-WAITING = 0  # what stands where in the memory: the steps still to drive on
+# How far to turn after a bump, rad, counter-clockwise.
+TURN = 1.5
+
+# Steps to drive straight on after a turn, before heading for the target again.
+PATIENCE = 20.0
+
+# Index in the memory: how many of those steps are left.
+WAITING = 0
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:
-    """One step: drives to the target; after a bump turns away and drives straight on for a while.
+    """Drive one step: head for the target, and after a bump turn away for a while.
 
-    Numbers, arrays, math and other compiled functions only. All state is in the memory; a global
-    that changes would be frozen at its first value. The command is all zero when this is called.
+    Use only numbers, arrays, math and other compiled functions. Keep all state in the memory; numba
+    freezes global variables at their first value. The command is all zeros at the start.
     """
+    # After a bump, turn away, and then drive straight on for some steps.
     if observation[layout.OBS_BUMP] != 0.0:
         turn = TURN
         memory[WAITING] = PATIENCE
@@ -33,8 +39,11 @@ def act(observation: Floats, memory: Floats, command: Floats) -> None:
         turn = 0.0
         memory[WAITING] -= 1.0
     else:
+        # Turn towards the target, the shorter way around.
         turn = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING]
         turn = (turn + math.pi) % (2 * math.pi) - math.pi
+
+    # A turn rate of turn / time_step completes the turn within this step.
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
     command[layout.CMD_TURN_RATE] = turn / observation[layout.OBS_TIME_STEP]
 
@@ -42,12 +51,8 @@ def act(observation: Floats, memory: Floats, command: Floats) -> None:
 example = CompiledController(
     "example",
     act,
-    memory=(0.0,),  # at the start of a run
-    senses=(
-        "bump",
-        "heading",
-        "target_heading",
-        "time_step",
-        "top_speed",
-    ),  # all others are nan, and cost no time
+    # The memory at the start of a run; its length stays the same.
+    memory=(0.0,),
+    # The observations that act() reads. The others are nan, and cost no time.
+    senses=("bump", "heading", "target_heading", "time_step", "top_speed"),
 )

@@ -1,4 +1,4 @@
-// A controller in C: as fast as the simulator itself. Build it, try it, change it, try it again:
+// A controller in C, as fast as the simulator itself. Build it and try it with:
 //
 //     cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" example.c -o example.so
 //     worldgen run w.grid --controller lib:./example.so:example --trail run.png
@@ -8,18 +8,20 @@
 #include "worldgen_controller.h"
 
 static const double PI = 3.14159265358979323846;
-static const double TURN = 1.5;       // rad, counter-clockwise, after each bump
-static const double PATIENCE = 20.0;  // steps for which it drives on before it looks at the target again
+static const double TURN = 1.5;       // how far to turn after a bump, rad, counter-clockwise
+static const double PATIENCE = 20.0;  // steps to drive straight on before heading for the target again
 
-// All of its state: a variable that outlives the function would make proofs of loops wrong.
+// All of its state. A static variable would hide state, and make proofs of loops wrong.
 typedef struct Memory {
-    double waiting;  // steps still to drive on
+    double waiting;  // steps left to drive straight on
 } Memory;
 
-// One step: drives to the target; after a bump turns away and drives straight on for a while.
+// Drive one step: head for the target, and after a bump turn away for a while.
 static void example(const WgObservation *seen, double *memory, WgCommand *command)
 {
     Memory *own = (Memory *)memory;
+
+    // After a bump, turn away, and then drive straight on for some steps.
     double turn = 0.0;
     if (seen->bump != 0.0) {
         turn = TURN;
@@ -27,9 +29,12 @@ static void example(const WgObservation *seen, double *memory, WgCommand *comman
     } else if (own->waiting > 0.0) {
         own->waiting -= 1.0;
     } else {
+        // Turn towards the target, the shorter way around.
         turn = seen->target_heading - seen->heading;
         turn -= 2.0 * PI * floor((turn + PI) / (2.0 * PI));
     }
+
+    // A turn rate of turn / time_step completes the turn within this step.
     command->speed = seen->top_speed;
     command->turn_rate = turn / seen->time_step;
 }

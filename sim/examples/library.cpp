@@ -1,4 +1,4 @@
-// A controller in C++: as fast as the simulator itself. Build it, try it, change it, try it again:
+// A controller in C++, as fast as the simulator itself. Build it and try it with:
 //
 //     c++ -std=c++20 -O2 -shared -fPIC -I"$(worldgen --include)" example.cpp -o example.so
 //     worldgen run w.grid --controller lib:./example.so:example --trail run.png
@@ -12,17 +12,19 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double turn_after_bump = 1.5;  // rad, counter-clockwise
-constexpr double patience = 20.0;        // steps for which it drives on before it looks at the target again
+constexpr double patience = 20.0;        // steps to drive straight on before heading for the target again
 
-// All of its state: a variable that outlives the function would make proofs of loops wrong.
+// All of its state. A static variable would hide state, and make proofs of loops wrong.
 struct Memory {
-    double waiting;  // steps still to drive on
+    double waiting;  // steps left to drive straight on
 };
 
-// One step: drives to the target; after a bump turns away and drives straight on for a while. It must not throw.
+// Drive one step: head for the target, and after a bump turn away for a while. It must not throw.
 void example(const WgObservation *seen, double *memory, WgCommand *command) noexcept
 {
     auto &own = *reinterpret_cast<Memory *>(memory);
+
+    // After a bump, turn away, and then drive straight on for some steps.
     double turn = 0.0;
     if (seen->bump != 0.0) {
         turn = turn_after_bump;
@@ -30,8 +32,11 @@ void example(const WgObservation *seen, double *memory, WgCommand *command) noex
     } else if (own.waiting > 0.0) {
         own.waiting -= 1.0;
     } else {
+        // Turn towards the target, the shorter way around.
         turn = std::remainder(seen->target_heading - seen->heading, 2.0 * pi);
     }
+
+    // A turn rate of turn / time_step completes the turn within this step.
     command->speed = seen->top_speed;
     command->turn_rate = turn / seen->time_step;
 }

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A controller as a program of its own, in any language. Try it, change it, try it again:
+"""A controller as a separate program; any language will do. Edit it and try it with:
 
 worldgen run w.grid --controller cmd:./example.py --trail run.png
 
-It reads lines of JSON and answers each observation with one line, the command, within a second.
-What it writes to stderr is kept and shown if it fails. docs/controllers.md has the whole protocol.
+It reads lines of JSON and must answer each observation within a second, with one line that holds
+the command. Its stderr is kept, and shown if it fails. docs/controllers.md describes the protocol.
 """  # noqa: D415 - a command has no full stop
 
 from __future__ import annotations
@@ -14,21 +14,25 @@ import math
 import sys
 from typing import Any
 
-TURN = 1.5  # rad, counter-clockwise, after each bump
-PATIENCE = 20  # steps for which it drives on before it looks at the target again
+# How far to turn after a bump, rad, counter-clockwise.
+TURN = 1.5
+
+# Steps to drive straight on after a turn, before heading for the target again.
+PATIENCE = 20
 
 
 class Robot:
-    """Drives to the target; after a bump turns away and drives straight on for a while."""
+    """Heads for the target; after a bump, turns away and drives straight on for a while."""
 
     def __init__(self, reset: dict[str, Any]) -> None:
-        # s, m/s; "radius", m, is there, too
-        self.time_step = reset["time_step"]
-        self.top_speed = reset["top_speed"]
-        self.waiting = 0  # steps still to drive on
+        # The reset also has "radius", the robot's, in m.
+        self.time_step = reset["time_step"]  # s
+        self.top_speed = reset["top_speed"]  # m/s
+        self.waiting = 0  # steps left to drive straight on
 
     def act(self, observation: dict[str, Any]) -> dict[str, Any]:
-        """One step: what the robot sees in, the command out."""
+        """Return the command for the next step, given what the robot observes."""
+        # After a bump, turn away, and then drive straight on for some steps.
         if observation["bump"]:
             turn = TURN
             self.waiting = PATIENCE
@@ -36,17 +40,20 @@ class Robot:
             turn = 0.0
             self.waiting = self.waiting - 1
         else:
+            # Turn towards the target, the shorter way around.
             turn = observation["target_heading"] - observation["heading"]
             turn = (turn + math.pi) % (2 * math.pi) - math.pi
+        # A turn rate of turn / time_step completes the turn within this step.
         return {"speed": self.top_speed, "turn_rate": turn / self.time_step}
 
 
 def main() -> None:
-    """Serves one episode after another, until there is nothing more to read."""
+    """Serve one episode after another until the input ends."""
     robot = None
     for line in sys.stdin:
         message = json.loads(line)
-        if "reset" in message:  # a new episode: all memory begins afresh, and nothing is answered
+        if "reset" in message:
+            # A new episode begins: forget everything, and do not answer this line.
             if message["worldgen"] != 1:
                 sys.exit(
                     f"this program speaks version 1 of the protocol, not {message['worldgen']}"
@@ -54,7 +61,8 @@ def main() -> None:
             robot = Robot(message["reset"])
         elif robot is not None:
             sys.stdout.write(json.dumps(robot.act(message)) + "\n")
-            sys.stdout.flush()  # or the line waits in a buffer, and the verdict is hang
+            # Without a flush the line stays in a buffer, and the verdict is a hang.
+            sys.stdout.flush()
 
 
 if __name__ == "__main__":

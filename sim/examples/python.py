@@ -1,4 +1,4 @@
-"""A controller as a Python class. Try it, change it, try it again:
+"""A controller as a Python class. Edit it and try it with:
 
 worldgen run w.grid --controller ./example.py:Example --trail run.png
 """  # noqa: D415 - a command has no full stop
@@ -13,24 +13,28 @@ from sim import Command, Observation
 
 @dataclass(frozen=True)
 class Example:
-    """Drives to the target; after a bump turns away and drives straight on for a while."""
+    """Heads for the target; after a bump, turns away and drives straight on for a while."""
 
-    turn: float = 1.5  # rad, counter-clockwise, after each bump
-    patience: int = 20  # steps for which it drives on before it looks at the target again
+    # How far to turn after a bump, rad, counter-clockwise.
+    turn: float = 1.5
+
+    # Steps to drive straight on after a turn, before heading for the target again.
+    patience: int = 20
 
     def reset(self) -> tuple[float, ...]:
-        """Memory at the start of a run: here the steps still to drive on."""
+        """Return the memory at the start of a run: the steps left to drive straight on."""
         return (0.0,)
 
     def act(
         self, observation: Observation, memory: tuple[float, ...]
     ) -> tuple[Command, tuple[float, ...]]:
-        """One step: what the robot sees and its memory in, command and new memory out.
+        """Return the command for the next step, and the new memory.
 
-        All state is in the memory, whose length stays the same; an attribute of self that changes
-        would be state too, and then no loop could be proved.
+        Keep all state in the memory, which must not change its length. State in attributes of self
+        would hide from the simulator, which could then no longer prove that the robot is in a loop.
         """
         (waiting,) = memory
+        # After a bump, turn away, and then drive straight on for some steps.
         if observation.bump:
             turn = self.turn
             waiting = float(self.patience)
@@ -39,11 +43,12 @@ class Example:
             waiting = waiting - 1.0
         else:
             turn = _shortest(observation.target_heading - observation.heading)
-        return Command(speed=observation.top_speed, turn_rate=turn / observation.time_step), (
-            waiting,
-        )
+
+        # A turn rate of turn / time_step completes the turn within this step.
+        command = Command(speed=observation.top_speed, turn_rate=turn / observation.time_step)
+        return command, (waiting,)
 
 
 def _shortest(turn: float) -> float:
-    """The same turn, rad, at most half a turn either way."""
+    """Return an equivalent turn of at most half a circle, rad."""
     return (turn + math.pi) % (2 * math.pi) - math.pi

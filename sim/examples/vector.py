@@ -1,4 +1,4 @@
-"""A controller that drives many robots at once, with NumPy. Try it, change it, try it again:
+"""A controller that drives many robots at once, with NumPy. Edit it and try it with:
 
 worldgen run w.grid --controller ./example.py:Example --trail run.png
 """  # noqa: D415 - a command has no full stop
@@ -16,41 +16,43 @@ from sim import Commands, Observations
 
 @dataclass(frozen=True)
 class Example:
-    """Drives to the target; after a bump turns away and drives straight on for a while."""
+    """Heads for the target; after a bump, turns away and drives straight on for a while."""
 
-    turn: float = 1.5  # rad, counter-clockwise, after each bump
-    patience: int = 20  # steps for which it drives on before it looks at the target again
-    senses = (
-        "bump",
-        "heading",
-        "target_heading",
-        "time_step",
-        "top_speed",
-    )  # all others are nan, and cost no time
+    # How far to turn after a bump, rad, counter-clockwise.
+    turn: float = 1.5
+
+    # Steps to drive straight on after a turn, before heading for the target again.
+    patience: int = 20
+
+    # The observations that act_many() reads. The others are nan, and cost no time.
+    senses = ("bump", "heading", "target_heading", "time_step", "top_speed")
 
     def reset(self) -> tuple[float, ...]:
-        """Memory of each robot at the start of a run: here the steps still to drive on."""
+        """Return each robot's memory at the start of a run: its steps left to drive straight on."""
         return (0.0,)
 
     def act_many(
         self, observation: Observations, memory: npt.NDArray[np.float64]
     ) -> tuple[Commands, npt.NDArray[np.float64]]:
-        """One step of n robots: what they see and their memories in, commands and new memories out.
+        """Return the commands for the next step of n robots, and their new memories.
 
-        Each field of the observation is an array (n,), of the beams (n, beams); the memory is an
-        array (n, 1). Row i is robot i, and must depend on nothing but row i. ``sim.simulate_many``
-        runs a thousand robots at once; one robot alone is an array with one row.
+        Each field of the observation is an array (n,), except ``beams``, which is (n, beams). The
+        memory is an array (n, 1). Row i belongs to robot i and must depend on nothing but row i.
+        ``sim.simulate_many`` runs a thousand robots at once; a single robot has one row.
         """
         bump = observation.bump
         waiting = memory[:, 0]
+
+        # After a bump turn away, then drive straight on for some steps, else head for the target.
         ahead = _shortest(observation.target_heading - observation.heading)
         turn = np.where(bump, self.turn, np.where(waiting > 0.0, 0.0, ahead))
         waiting = np.where(bump, float(self.patience), np.maximum(waiting - 1.0, 0.0))
-        return Commands(
-            speed=observation.top_speed, turn_rate=turn / observation.time_step
-        ), waiting[:, np.newaxis]
+
+        # A turn rate of turn / time_step completes the turn within this step.
+        commands = Commands(speed=observation.top_speed, turn_rate=turn / observation.time_step)
+        return commands, waiting[:, np.newaxis]
 
 
 def _shortest(turn: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """The same turns, rad, at most half a turn either way."""
+    """Return equivalent turns of at most half a circle, rad."""
     return (turn + math.pi) % (2 * math.pi) - math.pi

@@ -1,10 +1,11 @@
-// What a controller written in C or C++ sees and commands.
+// The interface of a controller written in C or C++: what it observes and what it commands.
 //
-// A shared library offers one with WG_CONTROLLER, and runs as `--controller lib:./robot.so:act`:
+// A shared library offers a controller with WG_CONTROLLER, and it runs as `--controller lib:./robot.so:act`:
 //
 //     cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" robot.c -o robot.so
 //
-// Angles are radians, counter-clockwise, in (-pi, pi] where not said otherwise; 0 is the x axis. x runs right, y up.
+// Unless noted otherwise, angles are radians, counter-clockwise, in (-pi, pi], and 0 is the x axis. x points right, y
+// points up, and positions are metres in the world's frame.
 
 #ifndef WORLDGEN_CONTROLLER_H
 #define WORLDGEN_CONTROLLER_H
@@ -15,13 +16,13 @@
 extern "C" {
 #endif
 
-// The version of this interface. A library that was built with another one is refused.
+// The version of this interface. A library built with another version is refused.
 enum { WG_CONTROLLER_ABI = 1 };
 
-// Range beams that a robot can have.
+// The largest number of range beams that a robot can have.
 enum { WG_MOST_BEAMS = 1000 };
 
-// Senses that cost time, or proofs. The others are always there: bump, heading, x, y, and what the robot is.
+// Senses that take time to compute, or that rule out proofs. All other fields are always available.
 enum {
     WG_SENSE_BUMP_BEARING = 1,
     WG_SENSE_SIGNAL = 2,
@@ -32,58 +33,58 @@ enum {
     WG_SENSE_TIME = 64,
     WG_SENSE_ODOMETRY = 128,
     WG_SENSE_BEAMS = 256,
-    WG_SENSE_NOTHING_ELSE = 512,  // only what is always there
+    WG_SENSE_NOTHING_ELSE = 512,  // only the fields that are always available
 };
 
-// What a controller senses after each step. A sense that it does not declare may be NaN.
+// What a controller observes after each step. A sense that it does not declare may be NaN.
 typedef struct WgObservation {
     double bump;              // 1 if a wall stopped or bent the last move, else 0
     double bump_bearing;      // rad: direction of that contact, relative to the robot's heading
     double signal;            // strength of the target's signal: 1 / (1 + squared distance in cells)
     double signal_heading;    // rad: world heading towards the neighbouring cell with the strongest signal
-    double heading;           // rad: the robot's own
-    double x;                 // m
+    double heading;           // rad: the robot's world heading
+    double x;                 // m: the robot's centre
     double y;                 // m
     double target_heading;    // rad: world heading towards the target
-    double target_distance;   // m, to the target's centre
+    double target_distance;   // m: distance to the target's centre
     double random;            // the next random number in [0, 1); set WgCommand.used_random to use it up
     double time_step;         // s: duration of a step
-    double top_speed;         // m/s: the robot's limit
-    double radius;            // m: the robot's
-    double time;              // s since the start
-    double odometry_x;        // m: own pose, as the wheels measure it
+    double top_speed;         // m/s: the robot's speed limit
+    double radius;            // m: the robot's radius
+    double time;              // s: time since the start of the episode
+    double odometry_x;        // m: the robot's position as its wheels measure it
     double odometry_y;        // m
-    double odometry_heading;  // rad
-    const double *beams;      // m: distance to the first wall along each range beam
-    int64_t beam_count;
+    double odometry_heading;  // rad: its heading as its wheels measure it
+    const double *beams;      // m: distance to the first wall along each range beam, counter-clockwise
+    int64_t beam_count;       // length of `beams`
 } WgObservation;
 
-// What a controller asks for. All zero (NULL) when the controller is called.
+// What a controller commands. All fields are zero (NULL) when the controller is called.
 typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
-    double used_random;  // 1 if WgObservation.random was used, so that the next one is fresh
-    const char *error;   // set to a sentence that outlives the run, it ends the run as a crash
+    double used_random;  // 1 if WgObservation.random was used, so that the next one must be new
+    const char *error;   // NULL, or a message that outlives the run, which then ends as a crash
 } WgCommand;
 
-// One step of a controller. All of its state is in `memory`, whose size it declares; a loop is proved only then.
+// Acts for one step. All of the controller's state is in `memory`, whose size it declares; only then are loops proved.
 typedef void (*WgAct)(const WgObservation *observation, double *memory, WgCommand *command);
 
-// Fills the memory at the start of an episode, the same each time; it is all zero when this is called.
+// Fills the memory at the start of an episode, the same each time. The memory is all zeros when this is called.
 typedef void (*WgReset)(double *memory);
 
-// What a library says about a controller. Fields that it leaves out are 0, and mean what is said here.
+// What a library declares about a controller. Fields that it omits are 0, with the meaning given here.
 typedef struct WgControllerInfo {
     uint32_t abi;         // WG_CONTROLLER_ABI
     uint32_t size;        // sizeof(WgControllerInfo)
-    WgAct act;
+    WgAct act;            // called once per step
     WgReset reset;        // NULL: the memory begins as zeros
-    int64_t memory_size;  // numbers
-    int64_t senses;       // WG_SENSE_ bits of what it looks at; 0: all but the time. A loop of a controller that looks at
-                          // the time cannot be proved
-    int64_t beams;        // range beams that it needs, at most WG_MOST_BEAMS; a run can say otherwise
-    double beam_range;    // m, that it needs; 0: the simulator's default
-    double start_speed;   // m/s in the first step, before it has sensed anything
+    int64_t memory_size;  // length of the memory, in doubles
+    int64_t senses;       // WG_SENSE_ bits of the fields that it reads; 0: all but the time. The loops of a controller
+                          // that reads the time cannot be proved
+    int64_t beams;        // number of range beams that it needs, at most WG_MOST_BEAMS; a run can override it
+    double beam_range;    // m: range of beams that it needs; 0: the simulator's default
+    double start_speed;   // m/s: speed in the first step, before it has observed anything
 } WgControllerInfo;
 
 #ifdef __cplusplus
@@ -101,12 +102,12 @@ typedef struct WgControllerInfo {
 #define WG_EXPORT WG_VISIBLE
 #endif
 
-// Offers the function `name`, a WgAct, as the controller `lib:./robot.so:name`. What follows are fields of
+// Offers the function `name`, a WgAct, as the controller `lib:./robot.so:name`. The other arguments set fields of
 // WgControllerInfo, in their order:
 //
 //     WG_CONTROLLER(act, .memory_size = 2, .senses = WG_SENSE_TARGET_HEADING | WG_SENSE_BEAMS, .beams = 36)
 //
-// In C++ this takes C++20.
+// In C++ this needs C++20.
 #define WG_CONTROLLER(name, ...)                              \
     WG_EXPORT const WgControllerInfo *name##_controller(void) \
     {                                                         \

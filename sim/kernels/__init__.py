@@ -1,1 +1,1 @@
-"""Names for controllers that numba compiles: :mod:`sim.kernels.layout`."""
+"""Names for use in controllers that numba compiles: :mod:`sim.kernels.layout`."""

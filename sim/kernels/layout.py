@@ -1,8 +1,8 @@
-"""What is where in the flat arrays of a controller that numba compiles.
+"""Indices into the flat arrays that controllers compiled by numba receive.
 
-``act(observation, memory, command)``. The names are those of ``worldgen_controller.h``, which says
-what each number means and in which unit: ``OBS_BUMP`` is ``WgObservation.bump``. From ``OBS_SIZE``
-    on an observation has its range beams, in metres.
+Such a controller is a function ``act(observation, memory, command)``. The names match those in
+``worldgen_controller.h``, which gives the meaning and unit of each number: ``OBS_BUMP`` is
+``WgObservation.bump``. The range beams, in metres, follow from index ``OBS_SIZE`` on.
 """
 
 from __future__ import annotations

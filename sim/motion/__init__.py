@@ -1,7 +1,8 @@
 """Motion models: how a commanded motion becomes displacement.
 
 Contents:
-    Motion, MOTIONS: what a model is, and all of them by name.
+    Motion: What a motion model is.
+    MOTIONS: All motion models, by name.
 """
 
 from sim.motion.base import MOTIONS, Motion

@@ -1,4 +1,4 @@
-"""What a motion model is."""
+"""Motion models: the record that describes one, and the table of all of them."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ THESIS = "thesis"  # float64 poses in pixels, the thesis's own robots
 
 @dataclass(frozen=True)
 class Motion:
-    """How commanded motion becomes displacement.
+    """A motion model: how commanded motion becomes displacement.
 
     Args:
-        name: As on the command line.
-        version: Goes up when equal scenarios no longer give equal traces; failures record it.
-        kernel: Which simulator runs it, ``LATTICE`` or ``THESIS``.
+        name: Its name on the command line.
+        version: Increases when equal scenarios no longer give equal traces; failures record it.
+        kernel: The simulator that runs it, ``LATTICE`` or ``THESIS``.
         code: The core's number for it.
-        overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as
-            ``overlap``.
+        overlap_tolerance: How far the disc may cut into a wall, in cells, before that is reported
+            as ``overlap``.
         summary: One line for people.
-        exact_events: Whether events count at their time inside a step, else from the beginning of
-            that step.
+        exact_events: Whether events happen at their time within a step; otherwise they happen at
+            the beginning of that step.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Motion:
 class Motions:
     """The motion models, by name.
 
-    There is a simulator for each in C, so none can be added from elsewhere.
+    Each has its own simulator in C, so users cannot add one.
 
     Args:
         *models: All of them.
@@ -53,17 +53,17 @@ class Motions:
         self._models = {model.name: model for model in models}
 
     def names(self) -> list[str]:
-        """Return their names, sorted."""
+        """Return the names of the models, sorted."""
         return sorted(self._models)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.names())
 
     def get(self, name: str) -> Motion:
-        """Return the motion model of that name.
+        """Return the motion model with that name.
 
         Raises:
-            InvalidParameter: If there is none.
+            InvalidParameter: If there is no such model.
         """
         if name in self._models:
             return self._models[name]
@@ -89,9 +89,9 @@ MOTIONS = Motions(
         exact_events=True,
         summary="exact: the disc stops at walls and slides along them; it cannot tunnel",
     ),
-    # It looks only where a step ends, as most small simulators do. Between two clear ends a short
-    # step can shave a corner by its sagitta: 0.016 cell at 0.3 cell a step and radius 0.7. A tenth
-    # of a cell leaves that unreported.
+    # Like most small simulators, it checks only where a step ends. Between two clear ends, a short
+    # step can shave a corner by its sagitta: 0.016 cell at 0.3 cell a step and radius 0.7. A
+    # tolerance of a tenth of a cell leaves that unreported.
     Motion(
         "endpoint",
         version=2,
@@ -100,8 +100,8 @@ MOTIONS = Motions(
         overlap_tolerance=0.1,
         summary="checks only the end of each step: fast robots tunnel",
     ),
-    # The thesis's motion in steps of one pixel, a tenth of a cell, with its faults. What it calls
-    # touching is up to half a pixel inside (its corner case).
+    # The thesis's motion in steps of one pixel, a tenth of a cell, including its faults. A robot
+    # that it considers touching may be up to half a pixel inside the wall (its corner case).
     Motion(
         "stepped",
         version=1,
