@@ -80,8 +80,8 @@ def _load(arguments: list[str]) -> PythonController:
     found = CONTROLLERS.get(arguments[0])
     if isinstance(found, CompiledController | ProcessController):
         raise InvalidParameter(
+            "not-a-python-class",
             "{controller} is not a Python class",
-            "give it to --controller as it is",
             "give it to --controller as it is",
             at_terminal=True,
             controller=arguments[0],
