@@ -9,7 +9,7 @@ Contents, each imported when it is first used:
     Scenario: Everything about a run except the world.
     CompiledController, PythonController, VectorController, ProcessController: Bring your own
         controller as one of these.
-    Observation, Command: What a controller sees and what it commands, for one robot.
+    Observation, Command: A controller's input and output, for one robot.
     Observations, Commands: The same for many robots, in arrays.
     MemoryField, MemoryMap: How pages and pictures show a controller's memory.
     CONTROLLERS, MOTIONS: The registered controllers and the motion models, by name.

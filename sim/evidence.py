@@ -120,10 +120,10 @@ class BurnedEvidence:
 
 @dataclass(frozen=True, kw_only=True)
 class FaultEvidence:
-    """What the controller did wrong: ``crash``, ``hang`` or ``invalid-command``.
+    """A fault of the controller: ``crash``, ``hang`` or ``invalid-command``.
 
     Args:
-        error: What went wrong, the same in every replay; ``None`` if a command is not finite.
+        error: The fault, in the same words in every replay; ``None`` if a command is not finite.
         step: Step in which it did.
         deadline: Time that it had to answer, s.
         answer: The answer that could not be read.

@@ -56,8 +56,8 @@ class Outcome:
             else -1.
         random_draws: Random numbers used.
         complete: Whether the recorded state alone decides the future.
-        fault: What the controller did wrong, without the step; ``None`` if it did nothing wrong or
-            only the core knows what.
+        fault: The controller's fault, without the step; ``None`` if it made none or only the core
+            knows it.
         trace: The recording, if requested.
     """
 

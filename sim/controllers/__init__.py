@@ -3,7 +3,7 @@
 Contents:
     CompiledController, PythonController, VectorController, ProcessController: Bring your own
         controller as one of these.
-    Observation, Command: What a controller sees and commands, for one robot.
+    Observation, Command: A controller's input and output, for one robot.
     Observations, Commands: The same for many robots, in arrays.
     MemoryField, MemoryMap: How a controller's memory is shown to people.
     CONTROLLERS: Finds a controller by name, as ``package.module:name``, ``./file.py:name``, or

@@ -46,7 +46,7 @@ _PLAIN = RobotOptions()
 
 
 class Observation(NamedTuple):
-    """What a controller sees after each step; units and frames as in ``worldgen_controller.h``."""
+    """A controller's input after each step; units and frames as in ``worldgen_controller.h``."""
 
     bump: bool
     bump_bearing: float
@@ -116,7 +116,7 @@ The clock is excluded: a controller that reads it never repeats a state, so no l
 
 
 class Command(NamedTuple):
-    """What a controller commands.
+    """The output of a controller.
 
     Args:
         speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
@@ -274,7 +274,7 @@ class VectorController(Protocol):
         """Return the commands for the next step, and the memories after it.
 
         Args:
-            observation: What the robots see; must not be changed.
+            observation: The robots' observations; must not be changed.
             memory: (n, m) the robots' memories; must not be changed.
 
         Returns:
@@ -313,7 +313,7 @@ def wants_world(controller: Any) -> bool:
     try:
         parameters = inspect.signature(controller.reset).parameters.values()
     except (AttributeError, TypeError, ValueError):
-        # There is no such method, or it does not reveal its parameters.
+        # The method is missing, or does not reveal its parameters.
         return False
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return any(one.default is one.empty and one.kind in by_place for one in parameters)

@@ -150,8 +150,8 @@ def controller_of(given: str | Controller | type) -> Controller:
         given: A name, a controller, or a class that makes one without arguments.
 
     Raises:
-        InvalidParameter: If there is no such controller, the thing is not a controller, or making
-            it raises an exception.
+        InvalidParameter: If the name is unknown, the thing is not a controller, or making it
+            raises an exception.
     """
     return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
 

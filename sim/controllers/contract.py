@@ -30,8 +30,8 @@ class ContractBroken(ControllerError, TypeError):
     """A controller returned something that the contract does not allow.
 
     Args:
-        error: What is wrong, in the same words in every replay.
-        answer: What it returned.
+        error: The fault, in the same words in every replay.
+        answer: The returned value.
         remedy: How to mend it.
     """
 

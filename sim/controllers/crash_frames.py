@@ -41,7 +41,7 @@ def crash_facts(error: BaseException, controller: object) -> dict[str, Value]:
     """Return what an exception's traceback reveals about a controller's fault.
 
     Args:
-        error: What the controller raised.
+        error: The controller's exception.
         controller: The controller. Its file counts as the user's code wherever it is installed.
 
     Returns:

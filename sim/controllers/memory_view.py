@@ -42,7 +42,7 @@ def _none() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class MemoryMap:
-    """What a memory represents in the world; lengths in m, in the world's frame.
+    """The part of the world that a memory represents; lengths in m, in the world's frame.
 
     Args:
         blocked: (n, 4) line segments, x and y of both ends, that the controller takes for walls or

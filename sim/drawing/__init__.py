@@ -1,1 +1,1 @@
-"""Runs as pictures over their worlds."""
+"""Prepare runs for drawing over their worlds."""

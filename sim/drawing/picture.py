@@ -1,4 +1,4 @@
-"""A run as something to draw over its world."""
+"""Turn a run into things to draw over its world."""
 
 from __future__ import annotations
 
@@ -14,25 +14,32 @@ from worldgen.world import World
 
 __all__ = ["drive_of", "trail_of"]
 
-_MOST_BUMPS = 400  # marks beyond that hide the picture
+# Marks of bumps; more of them would hide the picture.
+_MOST_BUMPS = 400
 
 
 def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
-    """The driven line of a recorded episode, its loop, bumps and breaches.
-
-    ``None`` without a recording.
+    """Return the line that a recorded episode drove, with its loop, bumps and broken walls.
 
     Args:
         episode: The run.
-        world: Where it was; without it the walls that the robot went into are not marked.
+        world: The world that it drove in; without it, the walls that the robot went into are not
+            marked.
+
+    Returns:
+        The line; ``None`` without a recording.
     """
     trace = episode.trace
     if trace is None:
         return None
+
+    # Find the point of the path at which the loop begins.
     evidence = episode.evidence
     loop_from = None
     if isinstance(evidence, LoopEvidence):
         loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
+
+    # Mark where bumps begin, where the robot went into a wall, and where a run without a loop ends.
     onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
     marks = [EventMark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
     if isinstance(evidence, WallEvidence) and 0 <= evidence.step <= trace.steps:
@@ -51,10 +58,7 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
 
 
 def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
-    """What the robot of a recorded episode did, and when.
-
-    One without a recording stays at its start.
-    """
+    """Return what the robot did and when; without a recording, it stays at its start."""
     trace = episode.trace
     trail = trail_of(episode, world)
     if trace is None or trail is None:

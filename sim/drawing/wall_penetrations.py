@@ -1,6 +1,6 @@
-"""Walls that a robot went into: which cells, when, and where it broke in.
+"""Find the walls that a robot went into: which cells, when, and where it broke in.
 
-The player marks the same ones.
+The player on web pages marks the same cells.
 """
 
 from __future__ import annotations
@@ -23,24 +23,31 @@ __all__ = ["penetrated_cells"]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-_TOLERANCE = 0.1  # cells: a shallower cut of the disc is not reported by any motion model
-_FURTHEST = 6  # cells: of a larger robot only the cells that its centre enters are looked for
-_FINENESS = 0.125  # cells between two places of a way that are looked at
+# Cells. No motion model reports a cut of the disc that is shallower.
+_TOLERANCE = 0.1
+
+# Cells. Of a larger robot, only the cells that its centre enters are looked for.
+_FURTHEST = 6
+
+# Cells between two places of a path that are checked.
+_FINENESS = 0.125
 
 
 def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
-    """The wall cells that the robot cut into, the first to come first.
+    """Return the wall cells that the robot cut into, in order of time.
 
-    The one that the verdict names is among them.
+    The cell that the verdict names is among them.
 
     Args:
         episode: A recorded run.
-        world: Where it was.
+        world: The world that it drove in.
     """
     trace = episode.trace
     evidence = episode.evidence
     if trace is None or not episode.went_into_a_wall:
         return []
+
+    # Find the first step in which each cell was cut; the verdict's own step takes precedence.
     first: dict[tuple[int, int], int] = {}
     for step, ix, iy in _cut_into(trace, world):
         first[ix, iy] = min(step, first.get((ix, iy), step))
@@ -60,12 +67,14 @@ def penetrated_cells(episode: Episode, world: World) -> list[WallPenetration]:
 
 
 def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
-    """Steps and cells, more than once where the robot stays in one."""
+    """Yield steps and cells that the robot cuts into; a cell may come more than once."""
     side = world.cell_size
     line = world.timeline
     steps = trace.path_step
     x = trace.path_x / side
     y = trace.path_y / side
+
+    # Between two events the cells stay the same, so those stretches of the path go together.
     changes = np.searchsorted(steps * trace.time_step, line.times, side="left")
     bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
@@ -75,6 +84,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
         yield from _discs(
             solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side
         )
+        # Include the last point before this stretch, where its first segment begins.
         before = max(0, begin - 1)
         yield from _centres(solid, steps[before:end], x[before:end], y[before:end])
 
@@ -82,7 +92,7 @@ def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
 def _discs(
     solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats, radius: float
 ) -> Iterator[tuple[int, int, int]]:
-    """Walls that the disc cuts into deeper than is forgiven, or that its centre is in."""
+    """Yield walls that the disc cuts into beyond the tolerance, or that its centre is in."""
     reach = 0 if radius > _FURTHEST else math.ceil(radius)
     most = max(0.0, radius - _TOLERANCE)
     for di in range(-reach, reach + 1):
@@ -98,7 +108,7 @@ def _discs(
 def _centres(
     solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats
 ) -> Iterator[tuple[int, int, int]]:
-    """Walls that the centre goes through between two points of its way."""
+    """Yield walls that the centre passes through between two points of its path."""
     lengths = np.hypot(np.diff(x), np.diff(y))
     for k in np.flatnonzero(lengths > _FINENESS).tolist():
         share = np.arange(1, math.ceil(lengths[k] / _FINENESS)) / math.ceil(lengths[k] / _FINENESS)
@@ -109,7 +119,7 @@ def _centres(
 
 
 def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[np.bool_]:
-    """Whether cells of the grid, or of what lies around it, are walls."""
+    """Return where cells of the grid, or of the solid border around it, are walls."""
     found: npt.NDArray[np.bool_] = solid[
         np.clip(iy + 1, 0, solid.shape[0] - 1), np.clip(ix + 1, 0, solid.shape[1] - 1)
     ]
@@ -117,14 +127,14 @@ def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[n
 
 
 def _firsts(steps: Ints, ix: Ints, iy: Ints) -> Iterator[tuple[int, int, int]]:
-    """Each cell once, with the first of its steps, which rise."""
+    """Yield each cell once, with its first step; the steps must be in rising order."""
     cells, first = np.unique(np.column_stack((ix, iy)), axis=0, return_index=True)
     for (i, j), at in zip(cells.tolist(), first.tolist(), strict=True):
         yield int(steps[at]), i, j
 
 
 def _broken_in(trace: Trace, world: World, step: int, ix: int, iy: int) -> tuple[float, float]:
-    """The centre's first place in a cell during a step, or the cell's place that it came nearest to, m."""
+    """Return where the centre first entered a cell during a step, or came nearest to it, m."""
     side = world.cell_size
     share = np.linspace(0.0, 1.0, 65)
     before = max(0, step - 1)

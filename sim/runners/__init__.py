@@ -1,1 +1,1 @@
-"""Runs of every kind of controller: pack the world for the C core, run, read the result."""
+"""Run controllers of every kind: pack the world for the C core, run it, and read the results."""

@@ -1,7 +1,7 @@
-"""How much of this process's time goes into controllers' own code.
+"""Measure how much of this process's time goes into controllers' own code.
 
-Classes that act, and programs that are waited for. A compiled controller is part of a kernel, where
-nothing can be measured.
+That covers classes that act, and programs that are waited for. A compiled controller runs inside
+the core, where it cannot be measured.
 """
 
 from __future__ import annotations
@@ -19,24 +19,25 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 MEASURED_EVERY = 17
-"""One call in so many is measured and counts for all.
+"""One call in this many is measured, and counts for all of them.
 
-Measuring each would take a third of a quick class's time. It is a prime, because a controller may
-do its heavy work in every tenth or sixteenth step. The first call is always measured, and counts
-    once: many controllers do in it what they do only once.
+Measuring each call would take a third of a quick class's time. The number is a prime, because a
+controller may do its heavy work in every tenth or sixteenth step. The first call is always measured
+and counts once, because many controllers do work in it that they do only once.
 """
 
-_spent = [0.0]  # s of this process, in all
+# Seconds spent in controllers' own code, over the life of this process.
+_spent = [0.0]
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Where time went.
+    """How much time was spent, and how much of it in controllers' own code.
 
     Args:
-        seconds: In all.
-        own: Of these, in controllers' own code.
-        broken: Steps that were broken off, because they did not end when the time was over.
+        seconds: All of the time, s.
+        own: Time in controllers' own code, s.
+        broken: Steps that were interrupted because they did not end in time.
     """
 
     seconds: float = 0.0
@@ -45,7 +46,7 @@ class Effort:
 
     @classmethod
     def so_far(cls) -> Self:
-        """Return a reading of this process; the difference of two is the effort between them."""
+        """Return a reading of this process; the effort is the difference between two readings."""
         return cls(time.perf_counter(), _spent[0], steps_broken_off())
 
     def since(self) -> Effort:
@@ -54,23 +55,23 @@ class Effort:
         return Effort(now.seconds - self.seconds, now.own - self.own, now.broken - self.broken)
 
     def __add__(self, other: Effort) -> Effort:
-        """Return both together."""
+        """Return the sum of both efforts."""
         return Effort(
             self.seconds + other.seconds, self.own + other.own, self.broken + other.broken
         )
 
     @property
     def share(self) -> float:
-        """Share of the time that went into controllers' own code; 0 if there was no time."""
+        """Fraction of the time spent in controllers' own code; 0 before any time has passed."""
         return min(self.own / self.seconds, 1.0) if self.seconds else 0.0
 
 
 def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:
-    """Return a function that does the same, and counts as a controller's own code.
+    """Wrap a function so that its time counts as a controller's own.
 
     Args:
-        call: What is measured.
-        weight: For how many calls each one counts.
+        call: The function to measure.
+        weight: How many calls each measured call counts for.
     """
 
     def measured(*args: P.args, **kwargs: P.kwargs) -> T:

@@ -1,6 +1,6 @@
-"""What the C core takes, made of arrays: surroundings, controllers and episodes.
+"""Build the structs that the C core takes from arrays: surroundings, controllers and episodes.
 
-No maths of its own.
+This module only converts; it computes nothing itself.
 """
 
 from __future__ import annotations
@@ -42,19 +42,28 @@ Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int32]
 
-SENSES = 17  # numbers of an observation before its beams
-STATE_WORDS = 5  # of a state before the controller's memory
+# Numbers of an observation before its beams.
+SENSES = 17
+
+# Words of a state before the controller's memory.
+STATE_WORDS = 5
+
+# Fields of a WgEvent.
 EVENT_FIELDS = 5
+
+# The largest side of a grid, cells, that the beams' tables can describe in 16 bits.
 _MOST_CELLS_OF_RUNS = 65535
 MOST_CORNERS = int(lib.WG_MOST_CORNERS)
-_FIRST_PORTION = 1 << 12  # steps
-_PORTION_TIME = (
-    0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
-)
+
+# Steps in the first call of a run; later calls grow until they take long enough.
+_FIRST_PORTION = 1 << 12
+
+# Least time of a call, s: short enough to notice Ctrl-C, long enough to cost nothing.
+_PORTION_TIME = 0.05
 
 
 def _report_type() -> np.dtype[Any]:
-    """Return WgReport as a type of NumPy, so that many of them are columns."""
+    """Return WgReport as a NumPy type, so that the fields of many reports are columns."""
     kinds = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
     names = []
     formats = []
@@ -70,19 +79,19 @@ def _report_type() -> np.dtype[Any]:
 
 
 REPORT = _report_type()
-"""One WgReport."""
+"""A WgReport as a NumPy type."""
 
 
 @functools.cache
 def headings() -> Ints:
-    """Return (131072,) cosines and sines of all headings, 2^-30."""
+    """Return (131072,) int64, cosines and sines of all headings, in units of 2^-30."""
     table = np.zeros(2 * int(lib.WG_TURN), np.int64)
     lib.wg_heading_table(writable(ffi, table, np.int64))
     return table
 
 
 def near_masks(cells: Cells) -> Table:
-    """Return (height, width) masks of the cells around each cell that are not free."""
+    """Return (height, width) int32, masks of the cells around each cell that are not free."""
     near = np.zeros(cells.shape, np.int32)
     lib.wg_near_masks(grid_of(cells), writable(ffi, near, np.int32))
     return near
@@ -90,23 +99,23 @@ def near_masks(cells: Cells) -> Table:
 
 @functools.cache
 def ray_table() -> Any:
-    """Return the directions of range beams, WgRay[8193]."""
+    """Return the directions of range beams in an eighth of a turn, WgRay[8193]."""
     table = ffi.new("WgRay[]", int(lib.WG_TURN) // 8 + 1)
     lib.wg_ray_table(pointer(ffi, headings(), np.int64), table)
     return table
 
 
-before_start.append(
-    ray_table
-)  # and, for it, headings: both are made once, and are no part of the shared memory
+# Both this table and the headings that it uses are made once, in ordinary memory. Making them
+# before the other process is forked gives it a copy.
+before_start.append(ray_table)
 
 
 class BeamTables(NamedTuple):
-    """What range beams look up in cells that never change.
+    """Tables that speed up range beams in cells that never change.
 
     Args:
-        runs: (height + 2, width + 2, 4) uint16, wg_free_runs.
-        spread: (beams,) wg_beam_spread.
+        runs: (height + 2, width + 2, 4) uint16, the result of wg_free_runs.
+        spread: (beams,) int64, the result of wg_beam_spread.
     """
 
     runs: npt.NDArray[np.uint16]
@@ -114,14 +123,12 @@ class BeamTables(NamedTuple):
 
 
 def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> BeamTables | None:
-    """Return the tables for beams as a WgSettings says.
-
-    None if it asks for none, or the grid is too large.
+    """Return the tables for beams, or None if it has no beams or the grid is too large.
 
     Args:
-        cells: (height, width) that never change.
-        settings: WgSettings.
-        memory: Where the core is to find the tables.
+        cells: (height, width) cells that never change.
+        settings: WgSettings of the run.
+        memory: Where the core will look for the tables.
     """
     height, width = cells.shape
     if not settings.senses & lib.WG_SENSE_BEAMS or max(height, width) > _MOST_CELLS_OF_RUNS:
@@ -134,18 +141,18 @@ def beam_tables(cells: Cells, settings: Any, memory: CoreMemory = PRIVATE) -> Be
 
 
 def grid_of(cells: Cells) -> Any:
-    """Return the WgGrid of cells, which must outlive it."""
+    """Return the WgGrid of some cells, which must outlive it."""
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
 
 def memory_for(controller: object) -> CoreMemory:
-    """Return where everything must be that the core works on while it runs a controller."""
+    """Return the memory in which the core must find everything while it runs a controller."""
     is_guarded = isinstance(controller, CompiledController) and _guarded_address(controller) != 0
     return guarded.SHARED if is_guarded else PRIVATE
 
 
 def _guarded_address(controller: CompiledController) -> int:
-    """Return the address of a controller's function if it is run in another process, else 0."""
+    """Return the address of a controller's function if it runs in another process, else 0."""
     act = controller.act
     return act.address if isinstance(act, CoreAct) and act.is_guarded else 0
 
@@ -156,17 +163,17 @@ def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
 
 
 class CoreArena:
-    """What surrounds a robot; ``cells``, ``near`` and ``visited`` change during an episode.
+    """The surroundings of a robot; ``cells``, ``near`` and ``visited`` change during an episode.
 
     Args:
-        cells: (height, width) uint8, cell states now.
+        cells: (height, width) uint8, current states of the cells.
         near: (height, width) int32, :func:`near_masks` of ``cells``.
-        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no
-            rows where the masks reach as far as any step.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; empty
+            if the masks reach as far as any step.
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
-        beams: What makes range beams three times as fast in cells that never change.
-        memory: Where the core is to find all this; the arrays are copied there.
+        beams: Tables that make range beams three times as fast, if the cells never change.
+        memory: Where the core will look for all this; the arrays are copied there.
     """
 
     def __init__(
@@ -198,8 +205,8 @@ class CoreArena:
         self.c.visited = writable(ffi, visited, np.uint8)
         if beams is not None:
             beams = BeamTables(memory.own(beams.runs), memory.own(beams.spread))
-            # Kept here too: of two threads that first ask for the table at once, one gets a table
-            # of its own.
+            # Keep a reference here: if two threads request the table first, one of them gets its
+            # own copy, which the cache does not keep alive.
             self._rays = ray_table()
             self.c.rays = self._rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
@@ -208,14 +215,14 @@ class CoreArena:
 
 
 class Driver:
-    """A controller as the core calls it.
+    """A controller in the form in which the core calls it.
 
     Args:
-        controller: What drives; None for one that acts outside the core.
+        controller: The controller; None for one that acts outside the core.
         memory: Its memory at reset.
 
     Attributes:
-        guarded: Address of the controller's function if it is run in another process, else 0.
+        guarded: Address of the controller's function if it runs in another process, else 0.
     """
 
     def __init__(self, controller: CompiledController | None, memory: Sequence[float]) -> None:
@@ -237,14 +244,14 @@ class Driver:
 
 
 class Workspace:
-    """What passes between an episode and a controller outside the core, over the core's memory.
+    """Views of the core's memory through which an episode talks to a controller outside the core.
 
     Args:
-        episode: Whose.
+        episode: The episode.
 
     Attributes:
-        observation: (17 + beams,) what the controller senses.
-        memory: Its memory.
+        observation: (17 + beams,) what the controller observes.
+        memory: (m,) its memory.
         command: (3,) speed, turn rate, and whether the random number was used.
     """
 
@@ -260,10 +267,10 @@ class Workspace:
 
 
 def _buffer(owner: object, address: Any, count: int) -> Any:
-    """Return so many float64s in the memory of an owner.
+    """Return a number of float64s in an owner's memory as a buffer.
 
-    It lives as long as the buffer and what is made of it. A controller of the user's may keep a
-    view of what it was given.
+    The owner lives as long as the buffer and every view of it, because a user's controller may keep
+    what it was given.
     """
     held = ffi.gc(address, lambda _, owner=owner: None)
     return ffi.buffer(held, 8 * count)
@@ -273,16 +280,16 @@ class CoreEpisode:
     """An episode of the core, at its start.
 
     Args:
-        arena: As it is before the first event.
-        settings: WgSettings.
-        driver: What drives.
-        log_steps: Steps of the longest run in which a recurrence is searched; 0 if none is.
+        arena: The surroundings before the first event.
+        settings: WgSettings of the run.
+        driver: The controller.
+        log_steps: Steps of the longest run in which a recurrence is searched for; 0 for no search.
 
     Attributes:
-        words: Of the complete state.
-        guarded: Address of the controller's function if it is run in another process, else 0. Then
-            all that a call takes must be in :data:`sim.controllers.shared.guarded.SHARED`, the
-            settings too.
+        words: Words of the complete state.
+        guarded: Address of the controller's function if it runs in another process, else 0. In
+            that case everything that a call takes, the settings included, must be in
+            :data:`sim.controllers.shared.guarded.SHARED`.
 
     Raises:
         MemoryError: If there is not enough memory.
@@ -309,7 +316,7 @@ class CoreEpisode:
         self.begin()
 
     def _place(self, arena: CoreArena, settings: Any, driver: Driver, log_steps: int) -> None:
-        """Make the episode where the process that runs it finds it."""
+        """Create the episode in shared memory, where the other process finds it."""
         sizes = ffi.new("int64_t[2]")
         check(lib.wg_episode_sizes(arena.c, settings, driver.c, log_steps, sizes))
         block = guarded.SHARED.block(sizes[0], clear=True)
@@ -318,26 +325,26 @@ class CoreEpisode:
         self._blocks = (block, log)
 
     def begin(self) -> None:
-        """Put the robot back to its start; the arena must be as it was before the first event."""
+        """Put the robot back at its start; the arena must be as it was before the first event."""
         check(lib.wg_episode_begin(self.c))
 
     @property
     def report(self) -> Any:
-        """WgReport."""
+        """The WgReport of the run so far."""
         return self.c.robot.report
 
     @property
     def state(self) -> Any:
-        """WgState."""
+        """The robot's WgState."""
         return self.c.robot.body.state
 
     @property
     def entry(self) -> int:
-        """The first step of a loop with which the run has ended; -1 if it has ended otherwise."""
+        """First step of the loop with which the run ended; -1 if it ended otherwise."""
         return int(lib.wg_episode_entry(self.c))
 
     def state_words(self) -> Ints:
-        """Return (words,) the complete state."""
+        """Return (words,) int64, the complete state."""
         return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
 
     def known_words(self) -> npt.NDArray[np.uint64]:
@@ -361,7 +368,7 @@ class CoreEpisode:
         )
 
     def run(self, steps: int) -> bool:
-        """Run at most so many steps; return whether the episode goes on."""
+        """Run at most this many steps; return True if the episode is not over."""
         if not self.guarded:
             return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
         work = ffi.addressof(lib, "wg_call_run")
@@ -376,12 +383,12 @@ class CoreEpisode:
         return bool(answer.result == lib.WG_GOES_ON)
 
     def _fail(self, error: str) -> None:
-        """End as a crash of the controller, for this reason."""
+        """End the episode as a crash of the controller, with this message."""
         self._error = ffi.new("char[]", error.encode())
         lib.wg_episode_fail(self.c, self._error)
 
     def run_to_the_end(self) -> None:
-        """Run in portions, between which Ctrl-C is heard."""
+        """Run in portions, so that Ctrl-C is noticed between them."""
         portion = _FIRST_PORTION
         began = time.monotonic()
         while self.run(portion):

@@ -1,4 +1,4 @@
-"""Runs of edited copies of a world, without a world or a run of its own for each."""
+"""Run edited copies of a world without building a world or a run for each of them."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ from worldgen.world import World
 __all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_path"]
 
 ANY_ENDING = int(lib.WG_ANY_ENDING)
-"""How a run ends that neither went through a wall, nor burned, nor failed."""
+"""Matches a run that did not go through a wall, burn or fail."""
 
-_STEPS_AT_ONCE = 200_000  # then Ctrl-C is heard: 0.02 to 2 s
-# columns of an event
+# Steps in one call of the core, 0.02 to 2 s; Ctrl-C is noticed between calls.
+_STEPS_AT_ONCE = 200_000
+# Columns of an event.
 _IX = 2
 _IY = 3
 
@@ -35,14 +36,14 @@ Ints = npt.NDArray[np.int64]
 
 
 class EditKind(IntEnum):
-    """What an edit does to the grid.
+    """The effect of an edit on the grid; the numbers of the :class:`CellEdit` follow each name.
 
     Args:
-        FREE_BOX: What is solid in a box of cells becomes free: ix, iy, width, height.
-        FREE_RUN: So many of the solid cells, in order of rows: first, count.
-        FREE_RIM: The outermost cells.
-        DROP_ROWS: Rows go: first, count; what is above moves down.
-        DROP_COLUMNS: Columns go: first, count; what is right of them moves left.
+        FREE_BOX: Free the solid cells in a box: ix, iy, width, height.
+        FREE_RUN: Free some of the solid cells, counted row by row: first, count.
+        FREE_RIM: Free the outermost cells.
+        DROP_ROWS: Remove rows and move those above down: first, count.
+        DROP_COLUMNS: Remove columns and move those to the right left: first, count.
     """
 
     FREE_BOX = lib.WG_FREE_BOX
@@ -63,11 +64,11 @@ class CellEdit(NamedTuple):
 
     @property
     def frees(self) -> bool:
-        """Whether it only frees cells, so that whatever way there is remains."""
+        """Whether it only frees cells, so that every existing path remains."""
         return self.kind < EditKind.DROP_ROWS
 
     def shape(self, height: int, width: int) -> tuple[int, int]:
-        """Of the grid after the edit."""
+        """Return the grid's height and width after the edit."""
         return (
             height - (self.b if self.kind == EditKind.DROP_ROWS else 0),
             width - (self.b if self.kind == EditKind.DROP_COLUMNS else 0),
@@ -75,14 +76,14 @@ class CellEdit(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """How an edited world's run is to end.
+    """How the run of an edited world should end.
 
     Args:
-        ending: ``WG_LIMIT`` and the like of the core; :data:`ANY_ENDING` for one of ``WG_LIMIT``,
+        ending: The core's ending, such as ``WG_LIMIT``; :data:`ANY_ENDING` for one of ``WG_LIMIT``,
             ``WG_REACHED`` and ``WG_LOOP``.
         overlap: Whether with an overlap; ``None`` if that does not matter.
-        crash: Whether the controller is to crash instead.
-        hang: Whether a step of the controller is not to come back instead.
+        crash: Whether the controller should crash instead.
+        hang: Whether a step of the controller should hang instead.
     """
 
     ending: int
@@ -92,9 +93,12 @@ class Wanted(NamedTuple):
 
 
 class EditedRuns:
-    """One world, compiled controller and set of options.
+    """Tries edits of one world's cells under one compiled controller, entirely in compiled code.
 
-    Edits of the world's cells are tried in compiled code.
+    Args:
+        world: The world to edit.
+        controller: The controller that drives in the edited worlds.
+        options: Options of the runs.
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
@@ -114,22 +118,23 @@ class EditedRuns:
     def first(
         self, edits: Sequence[CellEdit], wanted: Wanted, *, way: bool
     ) -> tuple[int | None, int]:
-        """Tries edits in their order, for a while.
+        """Try edits in order, for as long as they give grids of one shape.
 
         Args:
-            edits: Not empty.
-            wanted: How the run is to end.
-            way: Whether, where rows or columns go, the target is surely to be reached.
+            edits: The edits, at least one.
+            wanted: How the run should end.
+            way: Whether an edit that drops rows or columns must leave the target surely reachable.
 
         Returns:
-            Index of the first edit whose run ends so, ``None`` if there is none yet, and the number
-            of edits done with.
+            The index of the first edit whose run ends as wanted, ``None`` if none has yet, and
+            how many edits were tried.
         """
         shape = edits[0].shape(*self._world.walls.shape)
         alike = 1
         if min(shape) < 1:
             return None, 1
-        changing = self._world.is_dynamic and not edits[0].frees  # then each has events of its own
+        # In a changing world, each edit that drops cells has its own list of events.
+        changing = self._world.is_dynamic and not edits[0].frees
         while (
             not changing
             and alike < len(edits)
@@ -142,6 +147,7 @@ class EditedRuns:
     def _try(
         self, edits: Sequence[CellEdit], shape: tuple[int, int], wanted: Wanted, *, way: bool
     ) -> tuple[bool, int]:
+        # Lay out the edited surroundings, which each edit overwrites.
         run = self._run
         controller = self._controller
         fresh = run.arena()
@@ -154,6 +160,7 @@ class EditedRuns:
         settings = copy_of(run.settings, run.memory)
         episode = CoreEpisode(work, settings, Driver(controller, controller.memory))
 
+        # Describe the ending that is wanted, and the progress of the search.
         fails = wanted.crash or wanted.hang
         wanted_struct = run.memory.new("WgWanted *")
         wanted_struct.ending = lib.WG_CRASH if fails else wanted.ending
@@ -164,6 +171,8 @@ class EditedRuns:
         todo = run.memory.own(np.array(edits, np.int64))
         rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
         grid = grid_of(fresh.cells)
+
+        # Try the edits. One call may end within a run, which the next call then continues.
         if episode.guarded:
             seen = run.memory.new("WgGrid *", grid)
             objects = (episode.c, settings, run.settings, seen, rows, wanted_struct, tried)
@@ -177,18 +186,13 @@ class EditedRuns:
                     episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried
                 )
             )
-            count = (
-                tried.next
-            )  # a run that is not over is run on, in portions between which Ctrl-C is heard
+            count = tried.next
         self.trials += int(tried.runs)
         return bool(tried.found), int(tried.next)
 
 
 def _try_guarded(episode: CoreEpisode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
-    """Try edits in another process.
-
-    Where it ends, that is how the run of the last edit has ended.
-    """
+    """Try edits in another process; if it dies, the controller failed in the last edit's run."""
     tried = objects[-1]
     work = ffi.addressof(lib, "wg_call_first_edit")
     report = ffi.addressof(episode.report)
@@ -204,17 +208,17 @@ def _try_guarded(episode: CoreEpisode, objects: Sequence[Any], count: int, wante
 
 
 def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
-    """Whether a quick look shows that the target can be reached, without touching what is ever not free.
+    """Return True if a quick check finds a path to the target that avoids cells that ever close.
 
-    ``False`` shows nothing. The robot's place is taken on the lattice, so it may be wrong by half a
-    lattice unit.
+    ``False`` proves nothing. The robot's position is rounded to the lattice, so it may be off by
+    half a lattice unit.
 
     Args:
         world: The world.
-        regardless_of_time: Whether to keep away only from what is solid for ever: then ``True``
-            shows nothing either of a world that changes, but without such a way there is hardly
-            another.
+        regardless_of_time: Whether to avoid only cells that are solid forever. In a changing world
+            ``True`` then proves nothing either, but without such a path there is hardly another.
     """
+    # Mark the cells to avoid.
     side = world.cell_size
     shape = world.walls.shape
     cells = np.array(world.walls, np.uint8, order="C")
@@ -224,6 +228,8 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
         cells[world.timeline.cells_that_become(CellState.SOLID, CellState.BURNING, shape=shape)] = (
             lib.WG_SOLID
         )
+
+    # Search a graph with a node at each corner, edge and centre of a cell.
     points = (world.start.x, world.start.y, world.target.x, world.target.y)
     sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
     disc = ffi.new("WgDisc *", disc_numbers(world))[0]
@@ -235,7 +241,7 @@ def has_sure_path(world: World, *, regardless_of_time: bool = False) -> bool:
 
 
 def _moved_events(events: Ints, edit: CellEdit) -> Ints:
-    """Events after rows or columns are dropped."""
+    """Return the events after rows or columns are dropped."""
     column = _IY if edit.kind == EditKind.DROP_ROWS else _IX
     place = events[:, column]
     kept = events[(place < edit.a) | (place >= edit.a + edit.b)].copy()

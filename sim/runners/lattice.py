@@ -1,4 +1,4 @@
-"""Packs a world for the core's episodes, runs them, and reads the results. No maths of its own."""
+"""Pack a world for the core's episodes, run them, and read the results."""
 
 from __future__ import annotations
 
@@ -60,13 +60,16 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Reports = npt.NDArray[Any]
 
-_STEP_TIME = 1 << 32  # parts of a step in which times are counted
-_MANY = 64  # runs in one call of the core
+# Parts of a step in which times are counted.
+_STEP_TIME = 1 << 32
 
-# A recorded row: whether a wall was touched, then the state; and a point of the path.
+# Runs in one call of the core.
+_MANY = 64
+
+# Columns of a recorded row: whether a wall was touched, then the state. Then those of a path point.
 _BUMP = 0
 _STATE = 1
-_HEADING = 2  # in a state, after x and y
+_HEADING = 2  # index in a state, after x and y
 _POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
 _POINT_FIELDS = 4
 
@@ -75,11 +78,10 @@ class LatticeRun:
     """One world, controller and set of options, ready to run any number of times.
 
     Args:
-        world: Where.
-        controller: Who.
-        options: How.
-        lean: Whether the recording of a compiled controller leaves its memory out if that would
-            take much.
+        world: The world to drive in.
+        controller: The controller.
+        options: Options of the run.
+        lean: Whether the recording of a compiled controller omits its memory if that is large.
 
     Raises:
         InvalidWorld: If the start is not clear of walls.
@@ -119,7 +121,7 @@ class LatticeRun:
         settings.motion = motion_code
         settings.seed = self.options.seed
 
-        # Between the lattice and SI units.
+        # Factors between the lattice and SI units.
         settings.metres = float(exact(world.cell_size) / UNIT)
         settings.speed = float(exact(step) / exact(world.cell_size) * UNIT)
         settings.turn = step * (TURN / (2.0 * math.pi))
@@ -134,7 +136,7 @@ class LatticeRun:
         self._fill_sensors()
 
     def _fill_dynamics(self) -> None:
-        """An option that is off becomes a limit that nothing reaches."""
+        """Fill in the dynamics; an option that is off becomes a limit that is never reached."""
         settings = self.settings
         robot = self.options.robot
         gain = self.options.time_step * settings.speed * lib.WG_SPEED_UNIT
@@ -167,9 +169,9 @@ class LatticeRun:
         settings.coin = robot.coin
 
     def _clearance_table(self) -> npt.NDArray[np.int32]:
-        """Distances to cells that are ever not free.
+        """Return distances to cells that are ever not free.
 
-        Of no rows where the masks reach as far as the fastest step.
+        The table is empty if the masks around each cell reach as far as the fastest step.
         """
         fastest = int(self.settings.top_speed * self.settings.speed) + 1
         if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
@@ -183,12 +185,13 @@ class LatticeRun:
         return table
 
     def start_of(self, pose: Pose) -> tuple[int, int, int]:
-        """A start on the lattice.
+        """Return a start as lattice x, y and heading.
 
-        Heading, and the clear point nearest to the place, among the nine next to it.
+        The position becomes the nearest lattice point at which the robot is clear of walls, among
+        the nine closest ones.
 
         Raises:
-            InvalidWorld: If none of them is clear of walls.
+            InvalidWorld: If none of them is clear.
         """
         side = self.world.cell_size
         settings = self.settings
@@ -207,14 +210,11 @@ class LatticeRun:
 
     @property
     def last_event_step(self) -> int:
-        """Step in which the world changes for the last time; 0 if it never does."""
+        """Step in which the world changes for the last time; 0 if it never changes."""
         return int(self.events[-1, 0]) if len(self.events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
-        """Runs up to ``steps`` steps from the start.
-
-        With ``find_loop`` a recurrence ends the run.
-        """
+        """Simulate up to ``steps`` steps from the start; see :meth:`sim.outcome.Runnable.run`."""
         self.settings.steps = steps
         self.settings.digest = int(digest)
         self.settings.find_loop = (
@@ -227,10 +227,10 @@ class LatticeRun:
         return self._outcome(loop.episode, loop.recording(), loop.complete, loop.fault)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
-        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
+        """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
 
-        A controller that is not compiled may be in a state that we do not see: it must repeat a
-            second period too.
+        A controller that is not compiled may have state that we cannot see, so it must repeat a
+        second period too.
         """
         if not isinstance(self.controller, CompiledController):
             return self._prove_by_recording(entry, period, record)
@@ -248,9 +248,8 @@ class LatticeRun:
         if record:
             check_recordable(entry + 2 * period)
         elif entry + 2 * period > MAX_RECORDED:
-            return (
-                None  # too long to be proved; nobody asked for a recording, so the budget decides
-            )
+            # Too long to record, and no recording was requested, so the budget decides.
+            return None
         whole = self.run(entry + 2 * period, find_loop=False, record=True)
         if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None
@@ -262,27 +261,21 @@ class LatticeRun:
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """What runs in lockstep must have in common.
-
-        The shapes of the grid and of the table of distances.
-        """
+        """Shapes of the grid and of the distance table; runs in lockstep must have the same."""
         return self._cells.shape, self._clearance.shape
 
     @property
     def bytes_per_robot(self) -> int:
-        """What a robot takes of a fleet's memory.
-
-        Where it has been, and a world that changes as it goes.
-        """
+        """Bytes for one robot in a fleet: its visited cells, and its copy of a changing world."""
         own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
         return int(own + self._cells.size)
 
     @property
     def can_loop(self) -> bool:
-        """Whether a state can come back.
+        """True if a state can recur.
 
-        Not if the controller reads the clock, or noise that is new in each step. What a controller
-        does not declare among its ``senses`` it does not get, so noise there decides nothing.
+        It cannot if the controller reads the clock, or noise that is new in each step. Senses that
+        a controller does not declare are not computed, so noise in them does not matter.
         """
         robot = self.options.robot
         noisy = lib.WG_SENSE_TIME
@@ -303,18 +296,18 @@ class LatticeRun:
         digest: bool,
         stop: Ints | None = None,
     ) -> Reports:
-        """Runs many episodes in few calls of the core; several threads may do so at once.
+        """Run many episodes in few calls of the core; several threads may do so at the same time.
 
         Args:
             controller: The controller of this run.
-            starts: (n, 3) :meth:`start_of`.
-            seeds: (n,).
-            digest: Whether to work out the traces' digests.
-            stop: (1,) once it is not 0, no run counts and this soon returns.
+            starts: (n, 3) starts from :meth:`start_of`.
+            seeds: (n,) uint64 seeds.
+            digest: Whether to compute the traces' digests.
+            stop: (1,) set to anything but 0 to make this return soon; its results are then invalid.
 
         Returns:
-            (n,) reports, :data:`sim.runners.core_calls.REPORT`; fewer if the controller failed in
-            one, which is the last.
+            (n,) reports of type :data:`sim.runners.core_calls.REPORT`; fewer if the controller
+            failed in a run, which is then the last.
         """
         settings = copy_of(self.settings, self.memory)
         settings.steps = self.options.steps
@@ -326,6 +319,8 @@ class LatticeRun:
         stop = np.zeros(1, np.int64) if stop is None else stop
         if episode.guarded:
             return self._run_many_guarded(episode, settings, fresh, starts, seeds, stop)
+
+        # Run in groups; the arrays that a call gets must stay alive until it returns.
         stop_at = pointer(ffi, stop, np.int64)
         for first in range(0, len(seeds), _MANY):
             part = slice(first, first + _MANY)
@@ -360,10 +355,7 @@ class LatticeRun:
         seeds: npt.NDArray[np.uint64],
         stop: Ints,
     ) -> Reports:
-        """The same in another process, a run at a time.
-
-        So that it soon hears that it is to stop.
-        """
+        """Do the same in another process, one run at a time, to notice a request to stop."""
         memory = self.memory
         reports = memory.zeros(len(seeds), REPORT)
         own_starts = memory.own(starts)
@@ -400,14 +392,16 @@ class LatticeRun:
         return reports.copy()
 
     def sensed_of_walls(self, states: Ints) -> Floats:
-        """What the controller senses, of all that walls decide besides contact, before the first event.
+        """Return what the controller senses of the walls at some poses, before the first event.
+
+        Contact is not included, because it depends on the last move.
 
         Args:
-            states: (n, 3) x, y and heading, lattice units.
+            states: (n, 3) x, y and heading, in lattice units.
 
         Returns:
-            (n, 17 + beams) observations in which the signal and the beams count, if it looks at
-            them.
+            (n, 17 + beams) observations. Only the signal and the beams are valid, and only if the
+            controller reads them.
         """
         settings = copy_of(self.settings)
         settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
@@ -423,7 +417,7 @@ class LatticeRun:
         return seen
 
     def arena(self) -> CoreArena:
-        """The world before the first event."""
+        """Return the surroundings before the first event, with the start marked as visited."""
         visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
         height, width = visited.shape
         row = min(int(self.settings.start_y) // UNIT, height - 1)
@@ -442,6 +436,8 @@ class LatticeRun:
     def _run_compiled(
         self, controller: CompiledController, record: bool
     ) -> tuple[Outcome, CoreEpisode]:
+        # Run once for the verdict. Only if a recording is wanted, run again with room for exactly
+        # the steps and path points that there are.
         episode = self._episode(controller)
         episode.run_to_the_end()
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
@@ -464,9 +460,10 @@ class LatticeRun:
         return CoreEpisode(self.arena(), self.settings, Driver(controller, controller.memory))
 
     def _fault(self, controller: CompiledController, failed: CoreEpisode) -> ControllerError:
-        """What went wrong in the last step of an episode.
+        """Return what went wrong in the last step of an episode.
 
-        What a function of numba raised is found by asking it once more, in Python.
+        A function compiled by numba reports only that it raised. To find out what, the last step is
+        run again from Python.
         """
         if isinstance(controller.act, CoreAct):
             return controller_error_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
@@ -474,15 +471,14 @@ class LatticeRun:
         settings.find_loop = lib.WG_NO_LOOP
         episode = CoreEpisode(self.arena(), settings, Driver(controller, controller.memory))
         episode.run(int(failed.report.steps) - 1)
-        episode.c.controller.act = (
-            ffi.NULL
-        )  # from here on the episode stops where the controller is to act
+        # Without a function the episode stops where the controller is to act.
+        episode.c.controller.act = ffi.NULL
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
-        room = Workspace(episode)
+        workspace = Workspace(episode)
         act = compiled_act(controller.act)
         try:
-            act(room.observation, room.memory, room.command)
+            act(workspace.observation, workspace.memory, workspace.command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
             return ControllerError(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
@@ -491,7 +487,7 @@ class LatticeRun:
         )
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
-        """The recording without the memory, which it can recall."""
+        """Return the recording without the memory, which it can recall by running again."""
         settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
@@ -547,7 +543,7 @@ class LatticeRun:
         )
 
     def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
-        """The recorded rows in metres and radians."""
+        """Return a recording in metres and radians."""
         states = rows[:, _STATE:]
         side = self.world.cell_size
         turned = states[:, _HEADING]
@@ -571,10 +567,10 @@ class LatticeRun:
 
 
 def _with_stands(rows: Ints, path: Ints) -> Ints:
-    """The path from the start on, with a point at the end of each step in which the robot came to stand."""
+    """Return the path with a point added at the end of each step in which the robot stopped."""
     last = np.zeros(len(rows), np.int64)
     np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
-    last[0] = -1  # the start
+    last[0] = -1  # So that the start gets a point too.
     stands = np.flatnonzero(last < _STEP_TIME)
     ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
     ends[:, _POINT_STEP] = stands
@@ -586,10 +582,8 @@ def _with_stands(rows: Ints, path: Ints) -> Ints:
 
 
 def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
-    """What the digest runs over.
-
-    Of each step the contact, the points of its path, and the state after it.
-    """
+    """Return the words of the digest: for each step its contact, path points and final state."""
+    # Sort the pieces of all steps into their order in the digest, and find where each one begins.
     steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])
     kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
     order = np.lexsort((np.arange(len(steps)), kinds, steps))
@@ -599,6 +593,8 @@ def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
     places = np.empty(len(steps), np.int64)
     places[order] = starts[:-1]
     words = np.empty(starts[-1], np.int64)
+
+    # Write the pieces there, one column at a time.
     words[places[kinds == 0]] = rows[1:, _BUMP]
     for k, column in enumerate((_POINT_X, _POINT_Y, _POINT_TIME)):
         words[places[kinds == 1] + k] = path[:, column]
@@ -608,20 +604,21 @@ def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
 
 
 def _units(radians: float) -> float:
-    """An angle in heading units; a whole turn exactly."""
+    """Return an angle in heading units; a whole turn is exact."""
     return TURN * (radians / (2 * math.pi))
 
 
 def _metres(units: Ints, cell_size: float) -> Floats:
-    """Lattice units as metres, correctly rounded, so that short decimals stay short."""
+    """Return lattice units in metres, correctly rounded, so that short decimals stay short."""
     ratio = exact(cell_size) / UNIT
     if int(np.abs(units).max(initial=0)) * ratio.numerator < 2**53 and ratio.denominator < 2**53:
-        return (units * ratio.numerator) / float(ratio.denominator)  # one rounding: both are exact
+        # Numerator and denominator are exact here, so this division rounds only once.
+        return (units * ratio.numerator) / float(ratio.denominator)
     return np.array([lattice_to_metres(unit, cell_size) for unit in units.tolist()])
 
 
 def _event_rows(world: World, time_step: float) -> Ints:
-    """Events as the core takes them, sorted by time."""
+    """Return the world's events in the core's form, sorted by time."""
     rows = [
         (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state))
         for event in world.timeline

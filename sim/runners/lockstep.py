@@ -1,4 +1,4 @@
-"""Runs many robots in lockstep under one controller that acts for all of them at once."""
+"""Run many robots in lockstep under one controller that acts for all of them at once."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class FleetRun:
     """Many episodes in worlds of one shape.
 
     Args:
-        controller: Acts for all.
-        runs: One for each world, with equal options but for the number of steps.
+        controller: Acts for all robots.
+        runs: One run per world; their options are equal except for the number of steps.
         world: (n,) index of each robot's world.
-        starts: (n, 3) :meth:`sim.runners.lattice.LatticeRun.start_of`.
-        seeds: (n,).
+        starts: (n, 3) starts from :meth:`sim.runners.lattice.LatticeRun.start_of`.
+        seeds: (n,) uint64 seeds.
     """
 
     def __init__(
@@ -55,11 +55,11 @@ class FleetRun:
         self._memory: Floats = np.zeros(0)
 
     def run(self, *, digest: bool) -> Any:
-        """Runs all; as :meth:`sim.runners.lattice.LatticeRun.run_many` reports it.
+        """Run all robots, and report as :meth:`sim.runners.lattice.LatticeRun.run_many` does.
 
-        ``None`` if the controller raised, or changed what is outside its memory: then no robot's
-            run can be trusted
-        to be its own, and each must be run alone.
+        Returns:
+            The reports. ``None`` if the controller raised or changed state outside its memory: runs
+            may then have influenced each other, and each robot must be run alone.
         """
         before = hidden_state(self._controller)
         if before is None:
@@ -74,6 +74,7 @@ class FleetRun:
         return found if hidden_state(self._controller) == before else None
 
     def _run(self, digest: bool) -> Reports:
+        # Run every robot with its whole budget, looking for loops.
         can_loop = np.array([run.can_loop for run in self._runs])[self._world]
         budgets = np.array([run.options.steps for run in self._runs])[self._world]
         everyone = np.arange(len(self._world))
@@ -82,13 +83,13 @@ class FleetRun:
             everyone, budgets, find_loop, np.zeros_like(everyone), digest=digest
         )
 
-        # Loops are run again, up to the end of their first period, which also proves them.
+        # Run loops again up to the end of their first period, which also proves them.
         looped = np.flatnonzero(reports["ending"] == int(lib.WG_LOOP))
         ends = entries[looped] + reports["period"][looped]
         prove = np.full(len(looped), int(lib.WG_PROVE_LOOP))
         reports[looped] = self._drive(looped, ends, prove, entries[looped], digest=digest)[0]
 
-        # Where two different states had one fingerprint, the budget counts.
+        # Two different states may share a fingerprint. Those runs did not loop; the budget decides.
         unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
         no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
         again = self._drive(
@@ -100,20 +101,21 @@ class FleetRun:
     def _drive(
         self, robots: Ints, steps: Ints, find_loop: Ints, loop_entry: Ints, *, digest: bool
     ) -> tuple[Reports, Ints]:
-        """Run some robots from their starts until each has ended.
+        """Run some robots from their starts until each of them has ended.
 
         Args:
-            robots: (n,) which.
-            steps: (n,) of their runs.
+            robots: (n,) indices of the robots.
+            steps: (n,) budgets.
             find_loop: (n,) WgSettings.find_loop.
             loop_entry: (n,) WgSettings.loop_entry.
-            digest: Whether to work out the traces' digests.
+            digest: Whether to compute the traces' digests.
 
         Returns:
-            (n,) reports, and (n,) the first steps of loops.
+            (n,) reports, and (n,) the first steps of the loops.
         """
         if not len(robots):
             return np.zeros(0, REPORT), np.zeros(0, np.int64)
+        # Give each robot its own settings.
         fleet = _Fleet(self._runs, self._world[robots], self._memory)
         for k, robot in enumerate(robots.tolist()):
             settings = fleet.settings[k]
@@ -125,6 +127,8 @@ class FleetRun:
             settings.steps = int(steps[k])
             settings.find_loop = int(find_loop[k])
             settings.loop_entry = int(loop_entry[k])
+
+        # Alternate between the core, which moves the robots, and the controller.
         with contextlib.closing(fleet):
             fleet.begin()
             asker = Asker(self._controller, fleet.observation, fleet.memory, fleet.command)
@@ -142,9 +146,9 @@ class _Fleet:
     """Robots in lockstep, in the core.
 
     Args:
-        runs: Of worlds of one shape, with as many beams.
-        world: (n,) each robot's run.
-        memory: The controller's at reset.
+        runs: Runs in worlds of one shape, with equally many beams.
+        world: (n,) index of each robot's run.
+        memory: The controller's memory at reset.
     """
 
     def __init__(self, runs: Sequence[LatticeRun], world: Ints, memory: Floats) -> None:
@@ -163,8 +167,8 @@ class _Fleet:
         self.memory = np.zeros((n, memory.size))
         self.command = np.zeros((n, 3))
 
-        # What changes as a robot goes is its own: where it has been, and cells in which something
-        # happens.
+        # Each robot has its own copy of what changes: the cells that it has visited and, if there
+        # are events, the cells themselves.
         shape = self._fresh[0].cells.shape
         self._visited = np.zeros((n, *shape), np.uint8)
         happens = any(len(arena.events) for arena in self._fresh)
@@ -172,9 +176,10 @@ class _Fleet:
         self._near = np.zeros((n, *shape) if happens else (0,), np.int32)
 
     def begin(self) -> None:
-        """Put all robots at the starts that their settings name."""
+        """Put all robots at the starts given in their settings."""
         height, width = self._visited.shape[1:]
         for k, index in enumerate(self._world.tolist()):
+            # Point the robot's arena at its own copies, and mark its start as visited.
             settings = self.settings[k]
             arena = self._arenas[k]
             row = min(settings.start_y // UNIT, height - 1)
@@ -185,6 +190,8 @@ class _Fleet:
                 self._near[k] = self._fresh[index].near
                 arena.cells = writable(ffi, self._cells[k], np.uint8)
                 arena.near = writable(ffi, self._near[k], np.int32)
+
+        # Reserve a log for each robot whose loops are looked for.
         seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]
         logs = np.array(
             [settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)],
@@ -204,11 +211,15 @@ class _Fleet:
         ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
 
     def step(self, count: int, after: Floats) -> int:
-        """Let the first slots obey and go on; return how many are to act then, in the first slots.
+        """Apply the commands of the robots in the first slots, and run until they act again.
 
         Args:
-            count: Slots.
-            after: (count, memory) as the controller wants it; without rows before it was asked.
+            count: How many slots are in use.
+            after: (count, memory) the memories that the controller returned; empty on the first
+                call, before it has acted.
+
+        Returns:
+            How many robots must act now; they are in the first slots.
         """
         return int(
             lib.wg_fleet_step(
@@ -222,7 +233,7 @@ class _Fleet:
         )
 
     def reports(self) -> tuple[Reports, Ints]:
-        """Return (n,) reports, and (n,) the first steps of loops with which runs ended, else -1."""
+        """Return (n,) reports, and (n,) the first step of each loop, or -1 without a loop."""
         n = len(self.settings)
         reports = np.zeros(n, REPORT)
         entries = np.zeros(n, np.int64)
@@ -240,15 +251,15 @@ class _Fleet:
 
 
 class ControllerRaised(Exception):
-    """The controller raised."""
+    """The controller raised an exception."""
 
 
 @contextlib.contextmanager
 def its_own_fault() -> Iterator[None]:
-    """Tell what a controller raises from what is raised elsewhere.
+    """Tell exceptions of the controller apart from those raised elsewhere.
 
     Raises:
-        ControllerRaised: If anything is raised inside but ``KeyboardInterrupt`` and
+        ControllerRaised: If the block raises anything except ``KeyboardInterrupt`` and
             :class:`OutOfTime`.
     """
     try:

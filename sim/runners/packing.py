@@ -1,7 +1,4 @@
-"""What every simulator needs of a world before it starts.
-
-The disc in lattice numbers, events by step.
-"""
+"""Numbers that every simulator needs before a run: the disc on the lattice, and events by step."""
 
 from __future__ import annotations
 
@@ -18,19 +15,19 @@ __all__ = ["disc_numbers", "event_step", "event_time", "start_overlaps", "target
 
 
 def disc_numbers(world: World) -> tuple[int, int]:
-    """Squared clear distance of the robot's disc, lattice units squared, and its root, rounded up."""
+    """Return the disc's squared clear distance, lattice units squared, and its root, rounded up."""
     clear_sq = clear_distance_sq(radius_in_cells(world))
     return clear_sq, math.isqrt(clear_sq - 1) + 1
 
 
 def target_sq(world: World) -> int:
-    """Squared radius of the target, lattice units squared, rounded down."""
+    """Return the squared radius of the target, lattice units squared, rounded down."""
     within = in_cells(world.target.radius, world.cell_size) * UNIT
     return math.floor(within * within)
 
 
 def start_overlaps(world: World) -> InvalidWorld:
-    """The error for a robot that cannot stand at its start."""
+    """Return the error for a robot that does not fit at its start."""
     return InvalidWorld(
         "start-in-wall",
         "start ({x:g}, {y:g}) m: the robot of radius {robot_radius:g} m overlaps a wall there",
@@ -42,19 +39,20 @@ def start_overlaps(world: World) -> InvalidWorld:
 
 
 def event_step(event: Event, time_step: float) -> int:
-    """The step at whose beginning an event counts: that in which it falls, at least the first."""
+    """Return the step at whose beginning an event takes effect: that in which it falls."""
     return max(1, math.ceil(exact(event.time) / exact(time_step)))
 
 
 def event_time(event: Event, time_step: float, unit: int) -> tuple[int, int]:
-    """The step in which an event falls, from 1, and its time in that step, in ``unit``ths of it, rounded.
+    """Return the step in which an event falls, from 1, and its time within that step.
 
-    One that falls between two steps belongs to the later one.
+    The time is rounded to ``unit``ths of a step. An event between two steps belongs to the later.
     """
     return _step_and_rest(event.time, time_step, unit)
 
 
-@functools.lru_cache(maxsize=4096)  # a world whose cells are edited keeps its times: 10 us each
+# Cached, because a world whose cells are edited keeps its times, and each takes 10 us to compute.
+@functools.lru_cache(maxsize=4096)
 def _step_and_rest(time: float, time_step: float, unit: int) -> tuple[int, int]:
     steps = exact(time) / exact(time_step)
     whole, rest = divmod(math.floor(steps * unit + Fraction(1, 2)), unit)

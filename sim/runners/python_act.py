@@ -1,7 +1,4 @@
-"""Let a controller that is a Python object act in the loop of the core.
-
-``sim/core/python_act.c``.
-"""
+"""Let a controller that is a Python object act in the core's loop (``sim/core/python_act.c``)."""
 
 from __future__ import annotations
 
@@ -19,29 +16,30 @@ from sim.runners.stopping import breakable, portions
 
 __all__ = ["Stops", "act_in_core"]
 
-_COMMAND = struct.Struct("3d")  # speed, turn rate, and whether the random number was used
+# Speed, turn rate, and whether the random number was used.
+_COMMAND = struct.Struct("3d")
 
 
 def _address(of: Any, thing: Any) -> int:
     return int(of.cast("uintptr_t", thing))
 
 
-# cffi would give up Python's lock in this call; ctypes keeps it, and raises what the controller
-# raises.
+# cffi would release Python's lock in this call. ctypes keeps it, and passes on the controller's
+# exceptions.
 _act_in_python: Any = ctypes.PYFUNCTYPE(
     ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.py_object, ctypes.c_int64
 )(_address(ffi, ffi.addressof(lib, "wg_act_in_python")))
 
 
 class Stops:
-    """A run that stops wherever its controller is to act; iterate to let it run from stop to stop.
+    """A run that stops wherever its controller must act; iterating runs it from stop to stop.
 
     Args:
         of: ``ffi`` of the core that runs it.
         core: ``lib`` of that core.
         name: ``wg_episode`` or ``wg_seat``: the functions NAME_step and NAME_stop run it.
-        subject: What they take.
-        episode: Where the controller sees and answers; its ``c`` is a WgEpisode.
+        subject: The struct that those functions take.
+        episode: Where the controller observes and answers; its ``c`` is a WgEpisode.
     """
 
     def __init__(self, of: Any, core: Any, name: str, subject: Any, episode: Any) -> None:
@@ -65,9 +63,9 @@ def act_in_core(
     """Let a controller act wherever a run stops, until the run is over.
 
     Args:
-        act: The controller's.
+        act: The controller's method.
         stops: The run.
-        memory: At its start, floats.
+        memory: The controller's memory at the start, as floats.
         is_measured: Whether its time counts as the controller's own
             (:mod:`sim.runners.controller_time`).
 
@@ -89,10 +87,10 @@ def act_in_core(
 
 
 def _settled(answer: Any, size: int) -> tuple[float, ...]:
-    """Read an answer of any form.
+    """Read an answer that is not in the usual form, which C reads itself.
 
     Args:
-        answer: What the controller returned.
+        answer: The controller's return value.
         size: The length that its memory must have.
 
     Returns:
@@ -110,7 +108,7 @@ def _settled(answer: Any, size: int) -> tuple[float, ...]:
     try:
         speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
     except TypeError:
-        flat_memory(after, size)  # of two faults this one is told
+        flat_memory(after, size)  # Of two faults, report the memory's.
         raise no_command(asked) from None
     numbers = struct.Struct(f"{3 + size}d")
     try:
@@ -121,7 +119,7 @@ def _settled(answer: Any, size: int) -> tuple[float, ...]:
 
 
 def _numbers(speed: Any, turn_rate: Any, used_random: Any) -> tuple[float, float, float]:
-    """Return a command as floats; what is not a number becomes nan, which the core refuses."""
+    """Return a command as floats; anything but a number becomes nan, which the core refuses."""
     try:
         numbers = _COMMAND.unpack(_COMMAND.pack(speed, turn_rate, bool(used_random)))
     except (struct.error, OverflowError):

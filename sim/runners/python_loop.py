@@ -1,6 +1,6 @@
 """The episode loop for a Python controller or a program.
 
-The core stops in each step, and the controller acts.
+The core stops in each step to let the controller act.
 """
 
 from __future__ import annotations
@@ -41,17 +41,23 @@ __all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_sta
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-_LONGEST_ERROR = 500  # characters of what a controller raised that are kept
+# Characters of a controller's exception that are kept.
+_LONGEST_ERROR = 500
 
 
 class PythonLoop:
-    """One episode; read ``episode``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
+    """One episode; after :meth:`run`, read its attributes and :meth:`recording`.
 
     Args:
-        controller: What runs.
+        controller: The controller.
         arena: Surroundings at the start.
         settings: WgSettings, as for a compiled controller.
-        world: What a controller that plans first is told.
+        world: The world, for a controller that plans first.
+
+    Attributes:
+        episode: The core's episode; ``None`` if the controller failed in ``reset``.
+        complete: Whether all of the controller's state was in its memory.
+        fault: The controller's fault, if any.
     """
 
     def __init__(
@@ -72,14 +78,14 @@ class PythonLoop:
         self._path = np.zeros((0, 1), np.int64)
 
     def run(self, steps: int, *, record: bool) -> None:
-        """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
+        """Run the episode; whatever the controller raises ends it as a crash, even SystemExit.
 
-        What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen:
-        its run is not complete, and no recurrence ends it.
+        The controller's prints go to stderr, so that stdout stays data. A program's memory
+        cannot be seen, so its run is not complete, and no recurrence ends it.
         """
         if isinstance(self._controller, ProcessController):
             self.complete = False
-            # Outside the guard: a program that is not there is nobody's crash.
+            # Not guarded: if the program does not exist, that is not a crash of the controller.
             self._controller.start()
             self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
@@ -90,9 +96,9 @@ class PythonLoop:
         self.complete = hidden is not None and hidden_state(self._controller) == hidden
 
     def recording(self) -> tuple[Ints, Ints] | None:
-        """The states as rows, and the points of the path, as the core writes them.
+        """Return the states as rows, and the points of the path, as the core writes them.
 
-        ``None`` of a run that was not recorded, or whose controller failed in ``reset``.
+        ``None`` if the run was not recorded, or the controller failed in ``reset``.
         """
         if self.episode is None or not len(self._rows):
             return None
@@ -109,11 +115,11 @@ class PythonLoop:
             self.fault = fault
         except (KeyboardInterrupt, OutOfTime, WantsMemory):
             raise
-        except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+        except BaseException as error:  # noqa: BLE001 - anything may be raised; it is the finding
             self.fault = crash_of(error, self._controller)
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
-        """Lets the core stop in each step, and the controller act."""
+        """Let the core stop in each step and the controller act."""
         self._settings.steps = steps
         self.episode = episode = CoreEpisode(self._arena, self._settings, Driver(None, memory))
         if record:
@@ -127,14 +133,15 @@ class PythonLoop:
 
 
 def crash_of(error: BaseException, controller: object) -> ControllerError:
-    """Return the finding that a controller raised, with where it did."""
+    """Return the error for a controller that raised, with the place where it did."""
+    # Addresses differ from run to run, and a replay must give the same text.
     text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
     text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
     return ControllerError(Verdict.CRASH, text, crash_facts(error, controller))
 
 
 def plans(controller: PythonController | VectorController) -> bool:
-    """Return True if a controller's ``reset`` wants the world."""
+    """Return True if a controller's ``reset`` takes the world."""
     return not isinstance(controller, VectorController) and wants_world(controller)
 
 
@@ -144,7 +151,8 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
 
     Args:
         controller: The controller.
-        world: The world of the episode, for a controller that plans; it gets it without its proof.
+        world: The world of the episode, for a controller that plans; it is passed without its
+            certificate, which contains a solution.
 
     Raises:
         TypeError: If the memory is not a tuple of numbers.
@@ -158,27 +166,23 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:
-    """Return what lets a controller act wherever a run stops.
+    """Return the function that lets a controller act wherever a run stops.
 
-    It takes the run and the controller's memory; it returns the memory after the last step.
+    It takes the run and the controller's memory, and returns the memory after the last step.
     """
     if isinstance(controller, VectorController):
         return functools.partial(_act_as_one_of_many, controller)
-    is_program = isinstance(
-        controller, ProcessController
-    )  # which is measured where it is waited for
+    # A program's time is measured where its answer is waited for.
+    is_program = isinstance(controller, ProcessController)
     return functools.partial(act_in_core, controller.act, is_measured=not is_program)
 
 
 def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memory) -> Memory:
-    """The same for a controller of many robots, of which there is one.
-
-    The core keeps its memory.
-    """
-    room = Workspace(stops.episode)
-    seen = room.observation[np.newaxis]
-    kept = room.memory[np.newaxis]
-    command = room.command[np.newaxis]
+    """Do the same for a controller of many robots; there is one, whose memory the core keeps."""
+    workspace = Workspace(stops.episode)
+    seen = workspace.observation[np.newaxis]
+    kept = workspace.memory[np.newaxis]
+    command = workspace.command[np.newaxis]
     after = kept.copy()
     asker = Asker(controller, seen, kept, command)
     for _ in in_time(stops):
@@ -188,10 +192,10 @@ def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memo
 
 
 def hidden_state(controller: Any) -> bytes | None:
-    """All state outside ``memory`` that we can see.
+    """Return all state outside ``memory`` that can be seen, as bytes to compare.
 
-    Of the object, its classes, their modules, of random generators. ``None`` if some of it cannot
-    be pickled and so cannot be compared.
+    That is the state of the object, its classes and their modules, and of random generators.
+    ``None`` if some of it cannot be pickled, and so cannot be compared.
     """
     kind = type(controller)
     slots = [
@@ -215,7 +219,7 @@ def hidden_state(controller: Any) -> bytes | None:
     ]
     try:
         return _pickled(seen)
-    except Exception:  # noqa: BLE001 - whatever cannot be pickled cannot be compared
+    except Exception:  # noqa: BLE001 - anything that cannot be pickled cannot be compared
         return None
 
 
@@ -228,16 +232,16 @@ def _is_of_a_user(kind: type) -> bool:
 
 
 def _modules_of(kind: type) -> list[types.ModuleType]:
-    """Return a class's module, and the files next to it that have been imported."""
+    """Return a class's module, and the imported files next to it."""
     module = sys.modules[kind.__module__]
     return [module, *neighbours_of(module)]
 
 
 def _data_of_module(module: types.ModuleType) -> list[Any]:
-    """Its variables, and those of the classes and functions that it defines.
+    """Return a module's variables, and those of the classes and functions that it defines.
 
-    A module that was imported is no file of the controller's own: what cannot be pickled there is
-    not looked at.
+    Unlike the controller's own file, an imported module may hold things that cannot be pickled;
+    those are skipped.
     """
     own = [
         thing
@@ -258,16 +262,16 @@ def _pickled_if_it_can_be(data: Any) -> bytes:
 
 
 def _pickled(data: Any) -> bytes:
-    """Equal bytes for equal data, whether or not two equal parts of it are one object.
+    """Return equal bytes for equal data, whether or not equal parts of it are one object.
 
-    But for what holds itself.
+    Data that contains itself is an exception: for it, identity matters.
     """
     stream = io.BytesIO()
     pickler = pickle.Pickler(stream)
     pickler.fast = True
     try:
         pickler.dump(data)
-    except ValueError:  # it holds itself
+    except ValueError:  # It contains itself.
         return pickle.dumps(data)
     return stream.getvalue()
 
@@ -277,7 +281,7 @@ def _data_of_class(kind: type) -> list[Any]:
 
 
 def _data_of_functions(things: Iterable[Any]) -> list[Any]:
-    """Defaults, which may change, attributes, and variables of functions around it, of each that is a function."""
+    """Return what may change of each function: its defaults, attributes and enclosing variables."""
     functions = [getattr(thing, "__func__", thing) for thing in things]
     return [
         [

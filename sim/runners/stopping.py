@@ -1,9 +1,9 @@
-"""Ends runs that are under way when whoever asked for them has no more time.
+"""End runs that are under way when their caller runs out of time.
 
-A campaign whose budget is spent, say. A run of a Python controller may take minutes, and nothing
-but the run itself can end it without harm. So it asks before its steps. A single step that does not
-end is broken off by a signal; that needs the main thread and Python code, so a step inside a
-compiled library ends when the library returns.
+A campaign's budget may run out in the middle of a run, and a run of a Python controller may take
+minutes. Only the run itself can end without harm, so it checks the clock between its steps. A
+single step that does not end is interrupted by a signal. That works in the main thread and in
+Python code only, so a step inside a compiled library ends when the library returns.
 """
 
 from __future__ import annotations
@@ -33,30 +33,41 @@ __all__ = [
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_MOST_STEPS = 16  # steps between two looks at the clock, of a fast controller
-_UNWATCHED = 1 << 10  # steps of a portion where nobody looks at the clock
-_SLOW = 0.1  # s: after a batch of steps that took longer, each step is looked at
-_TICK = 0.2  # s between two looks at the clock in the middle of a step
-# Such looks that find the time over before a step is broken off: most steps end by themselves.
+# Steps between two checks of the clock, for a fast controller.
+_MOST_STEPS = 16
+
+# Steps in a portion without a deadline.
+_UNWATCHED = 1 << 10
+
+# Seconds. After a batch of steps that took longer than this, the clock is checked before each step.
+_SLOW = 0.1
+
+# Seconds between two checks of the clock in the middle of a step.
+_TICK = 0.2
+
+# Late checks before a step is interrupted. Most steps end by themselves before that.
 _PATIENT = 2
 
 
 class _Watch(NamedTuple):
-    """What ends the runs, and the clock (s) by which their steps are measured."""
+    """What ends the runs, and the clock, in seconds, that measures their steps."""
 
     is_over: Callable[[], bool]
     clock: Callable[[], float]
 
 
 _watch: ContextVar[_Watch | None] = ContextVar("watch", default=None)
-_broken_off = [0]  # steps of this process
-_may_break: dict[CodeType, bool] = {}  # by function, whether what it has called may be broken off
+# Interrupted steps, over the life of this process.
+_broken_off = [0]
+
+# For each registered function, whether the code that it calls may be interrupted.
+_may_break: dict[CodeType, bool] = {}
 
 
 class OutOfTime(BaseException):
-    """Raised in the middle of work that has no more time.
+    """Raised in the middle of work that has run out of time.
 
-    No ``Exception``, lest it pass for a controller's fault.
+    It is not an ``Exception``, so that it never counts as a controller's fault.
     """
 
 
@@ -64,16 +75,16 @@ class OutOfTime(BaseException):
 def stopping_when(
     is_over: Callable[[], bool], clock: Callable[[], float] = time.monotonic
 ) -> Iterator[None]:
-    """End what is done inside with :class:`OutOfTime` once ``is_over`` returns True.
+    """End the work in this block with :class:`OutOfTime` once ``is_over`` returns True.
 
-    An outer one no longer counts. In the main thread a controller's step that goes on for a while
-    after that is broken off, too; not where a program uses SIGALRM itself, nor by another clock
-    than the system's.
+    An inner block replaces an outer one. In the main thread, a step of a controller that continues
+    for a while after the deadline is interrupted too, unless the program uses SIGALRM itself or
+    ``clock`` is not the system's.
 
     Args:
-        is_over: Returns True when there is no more time. A signal asks it too, in the middle of
-            anything, so it must not wait for a lock.
-        clock: Seconds, by which slow steps are told from fast ones.
+        is_over: Returns True when there is no more time. A signal handler calls it too, at any
+            moment, so it must not wait for a lock.
+        clock: Returns seconds; tells slow steps from fast ones.
     """
     token = _watch.set(_Watch(is_over, clock))
     try:
@@ -85,7 +96,7 @@ def stopping_when(
 
 @contextmanager
 def _ticking() -> Iterator[None]:
-    """Look at the clock by a signal, unless an outer block does, or the signal is not to be had."""
+    """Check the clock on a timer signal, unless an outer block does or no signal is available."""
     is_main = threading.current_thread() is threading.main_thread()
     if (
         not is_main
@@ -113,7 +124,7 @@ def _ticking() -> Iterator[None]:
 
 
 def _is_in_a_step(frame: FrameType | None) -> bool:
-    """Return True if the innermost function that says anything about it may be broken off."""
+    """Return True if the innermost registered function on the stack may be interrupted."""
     while frame is not None:
         if frame.f_code in _may_break:
             return _may_break[frame.f_code]
@@ -122,43 +133,43 @@ def _is_in_a_step(frame: FrameType | None) -> bool:
 
 
 def breakable(function: Callable[P, T]) -> Callable[P, T]:
-    """Let :class:`OutOfTime` be raised at any place in a function, and in whatever it calls."""
+    """Allow :class:`OutOfTime` to be raised anywhere in a function, or below it in the stack."""
     _may_break[function.__code__] = True
     return function
 
 
 def unbreakable(function: Callable[P, T]) -> Callable[P, T]:
-    """Make an exception of a function that a breakable one calls."""
+    """Protect a function from interruption when a breakable function calls it."""
     _may_break[function.__code__] = False
     return function
 
 
 def is_out_of_time() -> bool:
-    """Return whether the time is over."""
+    """Return True if there is no more time."""
     watch = _watch.get()
     return watch is not None and watch.is_over()
 
 
 def steps_broken_off() -> int:
-    """Return how many steps of this process did not end by themselves."""
+    """Return how many steps of this process were interrupted."""
     return _broken_off[0]
 
 
 def check_time() -> None:
-    """Look at the clock once.
+    """Check the clock once.
 
     Raises:
-        OutOfTime: If the time is over.
+        OutOfTime: If there is no more time.
     """
     if is_out_of_time():
         raise OutOfTime
 
 
 def portions() -> Iterator[int]:
-    """Return endlessly how many steps to do next, with a look at the clock before each portion.
+    """Yield endlessly how many steps to run next, checking the clock before each portion.
 
     Raises:
-        OutOfTime: While iterating, once the time is over.
+        OutOfTime: While iterating, once there is no more time.
     """
     watch = _watch.get()
     return itertools.repeat(_UNWATCHED) if watch is None else _watched_portions(watch)
@@ -172,7 +183,7 @@ def _watched_portions(watch: _Watch) -> Iterator[int]:
             raise OutOfTime
         yield size
 
-        # Here the portion is done. Begin small and grow, because a first step may already take
+        # The portion is done. Sizes begin small and grow, because even a first step may take
         # seconds.
         now = watch.clock()
         size = 1 if now - began > _SLOW else min(2 * size, _MOST_STEPS)
@@ -180,18 +191,16 @@ def _watched_portions(watch: _Watch) -> Iterator[int]:
 
 
 def in_time(steps: Iterable[int]) -> Iterable[int]:
-    """Return the same steps, with a look at the clock every few of them.
-
-    Before each one if they are slow.
+    """Return the same steps, checking the clock every few of them, or before each slow one.
 
     Raises:
-        OutOfTime: While iterating, once the time is over.
+        OutOfTime: While iterating, once there is no more time.
     """
     return steps if _watch.get() is None else itertools.chain.from_iterable(_batches(iter(steps)))
 
 
 def _batches(steps: Iterator[int]) -> Iterator[Iterable[int]]:
-    """Yield short runs of steps; chained in C, they cost a step nothing that could be measured."""
+    """Yield short runs of steps; chaining them in C adds no measurable cost to a step."""
     for step, size in zip(steps, portions(), strict=False):
         yield (step,)
         yield itertools.islice(steps, size - 1)

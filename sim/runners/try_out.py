@@ -1,4 +1,4 @@
-"""A short run before long work, so that what can never work is said at once."""
+"""Try a controller for two steps before long work, to report at once what can never work."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ __all__ = ["EMPTY_ARENA", "try_out"]
 EMPTY_ARENA = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
 """A world without walls."""
 
+# The first step shows what reset() returned, the second what act() made of it.
 _STEPS = 2
 
 
 class _Idle:
-    """Stands still, alone or as one of many."""
+    """Stands still."""
 
     def reset(self) -> Memory:
         return ()
@@ -37,7 +38,7 @@ class _Idle:
 
 
 class _IdleMany:
-    """The same for many robots."""
+    """Stands still, for many robots."""
 
     def reset(self) -> Memory:
         return ()
@@ -52,21 +53,22 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
     """Run two steps in an empty arena.
 
     Args:
-        scenario: What runs.
-        seconds: The most that these steps may take of a Python class; a program has deadlines of
-            its own, and a compiled step cannot be broken off. Loading the simulator does not count.
+        scenario: What to run.
+        seconds: Time limit for the two steps of a Python class, s. A program has its own deadlines,
+            and a compiled step cannot be interrupted. Loading the simulator does not count.
 
     Returns:
         How the run ended.
 
     Raises:
-        InvalidParameter: If the controller does not compile, does not fit the motion model, or
-            returns what the contract does not allow; or if its two steps take too long.
+        InvalidParameter: If the controller does not compile, does not fit the motion model, returns
+            something that the contract does not allow, or takes too long.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if seconds is None or isinstance(controller, CompiledController | ProcessController):
         outcome = _two_steps(scenario, controller)
     else:
+        # Load the simulator first, with a controller that costs nothing.
         _two_steps(scenario, _IdleMany() if isinstance(controller, VectorController) else _Idle())
         end = time.monotonic() + seconds
         try:

@@ -1,8 +1,11 @@
-"""Runs too long for all of their states to be held.
+"""Runs that are too long for all of their states to be held in memory.
 
-Gone through in portions, as often as somebody looks. Contents:
-    MOST_HELD: bytes of states that are held at once.
-    portions: a run, portion by portion (``in_portions``).
+They are run again in portions whenever their states are needed.
+
+Contents:
+    MOST_HELD: Bytes of states that are held at once.
+    portions: Yields a run, portion by portion.
+    Portion: Some consecutive steps of a run.
 """
 
 from sim.runners.long_runs.in_portions import MOST_HELD, Portion, portions

@@ -1,7 +1,4 @@
-"""A compiled controller's run, portion by portion.
-
-Never more of it is held than a portion's states.
-"""
+"""Run a compiled controller portion by portion, holding the states of only one portion."""
 
 from __future__ import annotations
 
@@ -17,20 +14,22 @@ from sim.runners.core_calls import MOST_CORNERS, CoreArena, CoreEpisode, Driver,
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
-MOST_HELD = 1 << 26  # bytes of states: a run with less is recorded with all of them
+# Bytes of states. A run that needs less is recorded in whole.
+MOST_HELD = 1 << 26
 
-_MOST_ROWS = 1 << 16  # of a portion
+# Rows of a portion.
+_MOST_ROWS = 1 << 16
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 
 class Portion(NamedTuple):
-    """Some steps of a run, one after the other; the arrays are overwritten by the next portion.
+    """Some consecutive steps of a run; the next portion overwrites its arrays.
 
     Args:
         first: Number of the first of these steps; the start is step 0.
-        rows: (n, 1 + words) int64: whether a wall was touched, then the state.
+        rows: (n, 1 + words) int64, whether a wall was touched, then the state.
         path: (m, 4) int64, WgPathPoint.
     """
 
@@ -42,14 +41,15 @@ class Portion(NamedTuple):
 def portions(
     controller: CompiledController, arena: CoreArena, settings: Any, steps: int
 ) -> Iterator[Portion]:
-    """The run from its start to a step that it is known to reach.
+    """Yield the portions of a run, from its start to a step that it is known to reach.
 
     Args:
-        controller: What drives.
-        arena: The world before the first event; changed.
+        controller: The controller.
+        arena: The world before the first event; it is changed.
         settings: WgSettings, without a search for a recurrence.
-        steps: How many.
+        steps: How many steps to run.
     """
+    # A portion takes at most a quarter of the limit, because recordings are copied and viewed.
     memory = arena.memory
     settings = copy_of(settings, memory)
     settings.digest = 0
@@ -61,6 +61,7 @@ def portions(
     path = memory.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
     rows[0, 1:] = episode.state_words()
     yield Portion(0, rows[:1], path[:0])
+    # The next portion overwrites the arrays of this one.
     while not episode.c.over:
         done = int(episode.report.steps)
         points = int(episode.report.points)
@@ -69,6 +70,6 @@ def portions(
         count = int(episode.report.steps) - done
         points = int(episode.report.points) - points
         if episode.report.ending == lib.WG_CRASH:
-            count -= 1  # the run ended there the first time too
+            count -= 1  # The failed step is not part of the recording.
             points -= int(episode.c.robot.corners)
         yield Portion(done + 1, rows[:count], path[:points])
