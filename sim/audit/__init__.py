@@ -1,4 +1,7 @@
-"""Was a trajectory, recorded in any simulator, possible in a world? Shares no code with the simulator."""
+"""Judge whether a trajectory recorded in any simulator was possible in a world.
+
+The audit is an independent check: it shares no code with the simulator.
+"""
 
 from sim.audit.judge import *  # noqa: F403
 from sim.audit.judge import __all__ as __all__

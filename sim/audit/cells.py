@@ -1,6 +1,6 @@
-"""Which cells are near a piece of a path, and when they are solid or burning.
+"""Find the cells near a piece of a path, and the times at which they are solid or burning.
 
-Tables of numpy and scipy alone.
+Lookups go through tables made with numpy and scipy alone.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Pairs:
     Args:
         piece: Row of the piece.
         ix: Column of the cell; -1 and the grid's width stand for the outside.
-        iy: Row of the cell.
-        span: Row of the time span in :class:`Surroundings`; -1 if the cell is solid always.
+        iy: Row of the cell; -1 and the grid's height stand for the outside.
+        span: Row of the time span in :class:`Surroundings`; -1 if the cell is always solid.
     """
 
     piece: npt.NDArray[np.intp]
@@ -41,11 +41,11 @@ class Pairs:
     span: npt.NDArray[np.intp]
 
     def take(self, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> Pairs:
-        """Some of the pairs."""
+        """Return some of the pairs."""
         return Pairs(self.piece[rows], self.ix[rows], self.iy[rows], self.span[rows])
 
     def followed_by(self, other: Pairs) -> Pairs:
-        """Both."""
+        """Return these pairs and the others, in one record."""
         columns = (
             (self.piece, other.piece),
             (self.ix, other.ix),
@@ -56,44 +56,50 @@ class Pairs:
 
 
 class Surroundings:
-    """A world's cells over time, ready to be asked for those near a path.
+    """A world's cells over time, in tables that answer which of them are near a path.
 
     The grid is ringed with solid cells that stand for the outside. Cells that never change are
-    found through tables of the nearest solid one to the left and to the right, so that a large disc
-    does not look at its whole area: of each row only these can be nearest. Cells that change have
-        spans of time, in order, cell by cell.
+    found through tables of the nearest solid cell to the left and to the right: in each row only
+    these can be nearest, so a large disc need not visit its whole area. Cells that change have
+    spans of time, in order of cell and time.
 
     Args:
-        world: Whose cells.
+        world: The world whose cells these are.
     """
 
     def __init__(self, world: World) -> None:
         self.height, self.width = world.walls.shape
         changing = world.timeline.cells_that_become(shape=world.walls.shape)
+
+        # For each cell of the ringed grid, the columns of the nearest solid cells on both sides.
         self._still = np.pad(world.walls & ~changing, 1, constant_values=True)
         columns = np.arange(self.width + 2, dtype=np.int32)
         ahead = np.where(self._still, columns, np.int32(self.width + 1))
         self._left = np.maximum.accumulate(np.where(self._still, columns, np.int32(0)), axis=1)
         self._right = np.minimum.accumulate(ahead[:, ::-1], axis=1)[:, ::-1]
         self._spans_of(world, changing)
+
+        # Distances to any cell that is ever blocked skip pieces that stay far from all of them.
         blocked = self._still.copy()
         blocked[1:-1, 1:-1] |= changing
         self._far = ndimage.distance_transform_cdt(~blocked, metric="chessboard")
 
     def _spans_of(self, world: World, changing: Cells) -> None:
-        """Fills the time spans: ``since``, ``until`` (s) and ``state``, by cell and time."""
+        """Set ``since``, ``until`` (s) and ``state`` of all time spans, by cell and time."""
+        # Line up each changing cell's first state with its events.
         line = world.timeline
         cell = np.concatenate([np.flatnonzero(changing), line.iy * self.width + line.ix])
         first = np.count_nonzero(changing)
         since = np.concatenate([np.full(first, -math.inf), line.times])
         was = np.where(world.walls[changing], int(CellState.SOLID), int(CellState.FREE))
         state = np.concatenate([was, line.states.astype(np.int64)])
-        order = np.lexsort(
-            (np.arange(len(cell)), since, cell)
-        )  # of equal times the later line wins
+        # Of events at the same time, the later line of the file wins.
+        order = np.lexsort((np.arange(len(cell)), since, cell))
         cell = cell[order]
         since = since[order]
         state = state[order]
+
+        # A span ends where the cell's next one begins. Keep spans in which the cell is blocked.
         until = np.full(len(cell), math.inf)
         same = cell[1:] == cell[:-1]
         until[:-1][same] = since[1:][same]
@@ -102,6 +108,8 @@ class Surroundings:
         self.until = until[kept]
         self.state = state[kept]
         cell = cell[kept]
+
+        # Number the changing cells, and note which spans belong to each.
         used, self._first = np.unique(cell, return_index=True)
         self._end = np.append(self._first[1:], len(cell))
         self._changing = np.full(world.walls.shape, -1, np.int32)
@@ -113,13 +121,13 @@ class Surroundings:
             )
 
     def span(self, row: int) -> tuple[float, float]:
-        """Begin and end of a time span, s; of what is solid always, -inf and inf."""
+        """Return begin and end of a time span, s; -inf and inf if the cell is always solid."""
         return (
             (float(self.since[row]), float(self.until[row])) if row >= 0 else (-math.inf, math.inf)
         )
 
     def solid_spans(self, ix: int, iy: int) -> list[tuple[float, float]]:
-        """When a cell is solid, s; the outside always is."""
+        """Return the times when a cell is solid, s; the outside always is."""
         if self._still[iy + 1, ix + 1]:
             return [(-math.inf, math.inf)]
         cell = int(self._changing[iy, ix])
@@ -127,14 +135,14 @@ class Surroundings:
         return [self.span(row) for row in rows if self.state[row] == int(CellState.SOLID)]
 
     def ever_blocked(self, ix: Ints, iy: Ints) -> Cells:
-        """Whether cells of the grid or next to it are solid or burning at any time."""
+        """Return where cells, of the grid or next to it, are solid or burning at any time."""
         blocked: Cells = self._far[iy + 1, ix + 1] == 0
         return blocked
 
     def at_least(self, pieces: Parts) -> Floats:
-        """A distance, in cells, that each piece keeps from every cell that is ever blocked.
+        """Return a lower bound on each piece's distance to cells that are ever blocked, in cells.
 
-        It may be negative.
+        The bound may be negative.
         """
         return self._lower_bound(pieces, self._far, 1)
 
@@ -144,17 +152,17 @@ class Surroundings:
         return far[iy, ix] - 1.0 - 0.5 * pieces.length
 
     def near(self, pieces: Parts, times: tuple[Floats, Floats], reach: float) -> Pairs:
-        """The cells within ``reach`` cells of pieces while these are driven.
+        """Return the cells within reach of pieces while the robot drives along these.
 
-        Of those always solid, the nearest ones.
+        Of the cells that are always solid, only the nearest are returned.
 
         Args:
             pieces: Short pieces of the path, inside the grid.
             times: When each begins and ends, s.
-            reach: Cells.
+            reach: Distance, cells.
 
         Returns:
-            Pairs that may be within reach: all that are, some that are not.
+            All pairs that are within reach, and some that are not.
         """
         found = self._near_still(pieces, reach)
         if self._far_changing is not None:
@@ -166,15 +174,19 @@ class Surroundings:
         return found
 
     def _near_still(self, pieces: Parts, reach: float) -> Pairs:
+        # In each row, the nearest solid cells to the left and right of the piece.
         piece, iy = self._rows(pieces, reach)
         low, high = _ends(pieces.x, pieces.dx)
         first = _cell(low, self.width)[piece]
         last = _cell(high, self.width)[piece]
         row = iy + 1
+        # Columns of the tables begin at the ring, one to the left of the grid.
         columns = [
             self._left[row, first] - 1,
             self._right[row, last + 2] - 1,
-        ]  # tables begin at the ring
+        ]
+
+        # And the solid cells that the piece itself passes over.
         valid = [np.ones(len(piece), np.bool_)] * 2
         for step in range(int((last - first).max(initial=-1)) + 1):
             column = np.minimum(first + step, last)
@@ -188,6 +200,7 @@ class Surroundings:
         return _within_reach(pieces, Pairs(piece, ix, iy, np.full(len(piece), -1)), reach)
 
     def _near_changing(self, pieces: Parts, reach: float) -> Pairs:
+        # All cells of the piece's bounding box, grown by the reach, that change.
         piece, iy = self._rows(pieces, reach)
         inside = (iy >= 0) & (iy < self.height)
         piece = piece[inside]
@@ -204,14 +217,14 @@ class Surroundings:
         return _within_reach(pieces, pairs, reach)
 
     def _rows(self, pieces: Parts, reach: float) -> tuple[npt.NDArray[np.intp], Ints]:
-        """Every piece with every row that may be within reach of it, the ring's included."""
+        """Return each piece with each row that may be within reach of it, the ring included."""
         low, high = _ends(pieces.y, pieces.dy)
         first = np.clip(np.floor(low - reach), -1, self.height).astype(np.int64)
         last = np.clip(np.floor(high + reach), -1, self.height).astype(np.int64)
         return _ranges(first, last)
 
     def _in_time(self, pairs: Pairs, times: tuple[Floats, Floats]) -> Pairs:
-        """The pairs of pieces and changing cells, with each span of the cell that falls into the piece's time."""
+        """Return the pairs whose cell is blocked at some time while the robot is on the piece."""
         begin = times[0][pairs.piece]
         end = times[1][pairs.piece]
         first = self._search(pairs.span, lambda middle: self.until[middle] <= begin)
@@ -220,9 +233,9 @@ class Surroundings:
         return Pairs(pairs.piece[row], pairs.ix[row], pairs.iy[row], span.astype(np.intp))
 
     def _search(self, cell: npt.NDArray[np.intp], goes_on: Callable[[Ints], Cells]) -> Ints:
-        """Each cell's first span for which ``goes_on`` is false.
+        """Return each cell's first span for which ``goes_on`` is false, by bisection.
 
-        Its last plus one if there is none.
+        If it is true for all spans of a cell, return the index after its last one.
         """
         low = self._first[cell].astype(np.int64)
         high = self._end[cell].astype(np.int64)
@@ -234,7 +247,7 @@ class Surroundings:
 
 
 def _cell(place: Floats, cells: int) -> Ints:
-    """The column or row of a coordinate in cells, the nearest one if it is none of the grid's."""
+    """Return the column or row of a coordinate in cells, or the nearest one in the grid."""
     return np.clip(np.floor(place), 0, cells - 1).astype(np.int64)
 
 
@@ -243,7 +256,7 @@ def _ends(place: Floats, step: Floats) -> tuple[Floats, Floats]:
 
 
 def _ranges(first: Ints, last: Ints) -> tuple[npt.NDArray[np.intp], Ints]:
-    """Rows of the ranges first..last (inclusive), and all their numbers, one range after the other."""
+    """Return all numbers of the ranges first..last (inclusive), and which range each is from."""
     count = np.maximum(last - first + 1, 0)
     row = np.repeat(np.arange(len(count)), count)
     offset = np.cumsum(count) - count
@@ -251,7 +264,7 @@ def _ranges(first: Ints, last: Ints) -> tuple[npt.NDArray[np.intp], Ints]:
 
 
 def _within_reach(pieces: Parts, pairs: Pairs, reach: float) -> Pairs:
-    """Leaves out cells that are further than ``reach`` from a piece's bounding box."""
+    """Return the pairs whose cell is within ``reach`` of the piece's bounding box."""
     low_x, high_x = _ends(pieces.x, pieces.dx)
     low_y, high_y = _ends(pieces.y, pieces.dy)
     piece = pairs.piece

@@ -1,7 +1,8 @@
-"""Close calls in rational numbers.
+"""Decide close calls in rational numbers.
 
-Whether the centre really got into a wall, and really left the grid. A number means its shortest
-decimal, as in the world's file: 0.3 m in cells of 0.1 m is the face of cell 3.
+Close calls are whether the centre really entered a wall, and whether it really left the grid. A
+float stands for its shortest decimal, as in the world's file: with cells of 0.1 m, 0.3 m is exactly
+on the face of cell 3.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ from fractions import Fraction
 
 __all__ = ["Move", "decimal", "is_beyond", "meet_inside", "run_along", "run_between"]
 
-# shares of a move that are before its begin and after its end
+# Fractions of a move that lie before its beginning and after its end.
 _BEFORE = Fraction(-1)
 _AFTER = Fraction(2)
 
 
 @dataclass(frozen=True)
 class Move:
-    """The centre from one sample to the next: s and cells, exact."""
+    """The centre's move from one sample to the next, exact: times in s, positions in cells."""
 
     begin: Fraction
     end: Fraction
@@ -30,36 +31,39 @@ class Move:
 
 
 def decimal(value: float) -> Fraction:
-    """The number that the shortest decimal of a float says."""
+    """Return a float's shortest decimal as an exact number."""
     return Fraction(repr(float(value)))
 
 
 def is_beyond(place: float, cells: int, cell_size: float) -> bool:
-    """Whether a coordinate in m lies outside a grid of so many cells."""
+    """Return True if a coordinate in m is outside a grid with this many cells."""
     return not 0 <= decimal(place) <= cells * decimal(cell_size)
 
 
 def meet_inside(move: Move, ix: int, iy: int, since: float, until: float) -> bool:
-    """Whether the centre is inside an open cell at some time of [since, until) s; the span meets the move."""
+    """Return True if the centre is inside an open cell at some time in [since, until) s.
+
+    The time span must overlap the move.
+    """
     return _any_share(
         move, since, until, [(move.ax, move.bx, ix, ix + 1), (move.ay, move.by, iy, iy + 1)]
     )
 
 
 def run_between(move: Move, ix: int, iy: int) -> tuple[tuple[int, int], ...]:
-    """The cells on the other side of a face of cell (ix, iy) along which the centre runs, or on which it stands."""
-    beside = []
+    """Return the cells across faces of cell (ix, iy) along which the centre moves or stays."""
+    neighbours = []
     if move.ax == move.bx and move.ax in (ix, ix + 1) and _meets(move.ay, move.by, iy):
-        beside.append((ix - 1 if move.ax == ix else ix + 1, iy))
+        neighbours.append((ix - 1 if move.ax == ix else ix + 1, iy))
     if move.ay == move.by and move.ay in (iy, iy + 1) and _meets(move.ax, move.bx, ix):
-        beside.append((ix, iy - 1 if move.ay == iy else iy + 1))
-    return tuple(beside)
+        neighbours.append((ix, iy - 1 if move.ay == iy else iy + 1))
+    return tuple(neighbours)
 
 
 def run_along(
     move: Move, ix: int, iy: int, other: tuple[int, int], since: float, until: float
 ) -> bool:
-    """Whether the centre is on the open face between two cells at some time of [since, until) s."""
+    """Return True if the centre is on the open face between two cells during [since, until) s."""
     if other[0] != ix:
         return _any_share(move, since, until, [(move.ay, move.by, iy, iy + 1)])
     return _any_share(move, since, until, [(move.ax, move.bx, ix, ix + 1)])
@@ -72,7 +76,8 @@ def _meets(a: Fraction, b: Fraction, low: int) -> bool:
 def _any_share(
     move: Move, since: float, until: float, ranges: list[tuple[Fraction, Fraction, int, int]]
 ) -> bool:
-    """Whether at some share of the move every coordinate is inside its open range, and the time in [since, until)."""
+    """Return True if at some time in [since, until) all coordinates are in their open ranges."""
+    # Intersect the open intervals, as fractions of the move, in which each coordinate is in range.
     open_low = _BEFORE
     open_high = _AFTER
     for a, b, low, high in ranges:
@@ -83,6 +88,8 @@ def _any_share(
         shares = sorted(((low - a) / (b - a), (high - a) / (b - a)))
         open_low = max(open_low, shares[0])
         open_high = min(open_high, shares[1])
+
+    # Intersect with the time span, which includes its beginning and excludes its end.
     closed_low = Fraction(0)
     closed_high = Fraction(1)
     lasts = move.end - move.begin
@@ -93,6 +100,8 @@ def _any_share(
             open_high = min(open_high, (decimal(until) - move.begin) / lasts)
     elif not (_reached(since, move.begin) and not _reached(until, move.begin)):
         return False
+
+    # An open and a half-open interval meet if each begins before the other ends.
     return (
         max(open_low, closed_low) < open_high
         and open_low < closed_high

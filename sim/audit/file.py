@@ -1,4 +1,4 @@
-"""Reads a recorded trajectory: a table of numbers with a header, from any program."""
+"""Read a recorded trajectory from a table of numbers with a header, written by any program."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ __all__ = ["parse_trajectory", "read_trajectory"]
 
 COLUMNS = ("t", "x", "y")
 _DELIMITERS = (",", ";", "\t")
+# A larger file is refused before it fills the memory.
 _MOST_BYTES = 1 << 30
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """Reads a trajectory's file; ``-`` is stdin.
+    """Read a trajectory from a file, or from stdin if the path is ``-``.
 
     Raises:
-        FormatError: If it cannot be read, or is no trajectory.
+        FormatError: If it cannot be read, or is not a trajectory.
     """
     name = "stdin" if str(path) == "-" else str(path)
     try:
@@ -52,7 +53,7 @@ def read_trajectory(path: Path) -> Trajectory:
     except UnicodeDecodeError as error:
         raise FormatError(
             "not-utf8",
-            "is no UTF-8 text: byte {start}",
+            "is not UTF-8 text: byte {start}",
             "save it as UTF-8",
             start=error.start,
             source=name,
@@ -61,17 +62,18 @@ def read_trajectory(path: Path) -> Trajectory:
 
 
 def parse_trajectory(text: str, source: str) -> Trajectory:
-    """Reads a trajectory.
+    """Read a trajectory from text.
 
     Args:
-        text: A header that names at least the columns t, x and y, then a line a sample. What the
-            header has between its names - comma, semicolon or tab - stands between the numbers.
-            Lines that are empty do not count.
-        source: The file's name for messages.
+        text: A header that names at least the columns t, x and y, then one line per sample. The
+            numbers are separated as the names are, by commas, semicolons or tabs. Empty lines are
+            ignored.
+        source: The file's name, for messages.
 
     Raises:
-        FormatError: If it is no trajectory, with the line at fault.
+        FormatError: If it is not a trajectory; the error names the faulty line.
     """
+    # The first line that is not empty is the header.
     stream = io.StringIO(text, newline=None)
     header_line = 0
     header = ""
@@ -79,12 +81,16 @@ def parse_trajectory(text: str, source: str) -> Trajectory:
         header_line += 1
         if header.strip():
             break
+
+    # Let numpy read the numbers; if it cannot, read line by line to find the one at fault.
     delimiter, places = _columns(header, max(header_line, 1), source)
     body = stream.read()
     try:
         values = _quick(body, delimiter, places)
     except ValueError:
         values = _slow(body, delimiter, places, header_line, source)
+
+    # Report a fault in the numbers with the line of its sample.
     fault = Trajectory.fault(*values)
     if fault is not None:
         line = _line_of(body, fault[0], header_line) if fault[0] >= 0 else None
@@ -93,7 +99,7 @@ def parse_trajectory(text: str, source: str) -> Trajectory:
 
 
 def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
-    """What separates the columns, and which of them are t, x and y."""
+    """Return the separator of the columns, and the indices of t, x and y."""
     found: list[str] = []
     for delimiter in _DELIMITERS:
         names = [
@@ -103,6 +109,8 @@ def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
         if all(lower.count(name) == 1 for name in COLUMNS):
             return delimiter, [lower.index(name) for name in COLUMNS]
         found = names if len(names) > len(found) else found
+
+    # No separator gives all three, so report the one that splits the header furthest.
     lower = [name.lower() for name in found]
     wrong = next(name for name in COLUMNS if lower.count(name) != 1)
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
@@ -136,7 +144,7 @@ def _quick(body: str, delimiter: str, places: list[int]) -> tuple[npt.NDArray[np
 def _slow(
     body: str, delimiter: str, places: list[int], header_line: int, source: str
 ) -> tuple[npt.NDArray[np.float64], ...]:
-    """Line by line, to say which one is no sample."""
+    """Read line by line, to report the line that is not a sample."""
     rows: list[list[float]] = []
     for line, text in enumerate(body.split("\n"), header_line + 1):
         if not text.strip():
@@ -146,7 +154,7 @@ def _slow(
         except csv.Error as error:
             raise FormatError(
                 "invalid-csv",
-                "no table: {reason}",
+                "not a table: {reason}",
                 "write plain numbers",
                 reason=str(error),
                 line=line,
@@ -156,7 +164,7 @@ def _slow(
             raise FormatError(
                 "line-too-short",
                 "the line ends after field {count}, and the header has t, x or y in field {needed}",
-                "complete it, or leave it out",
+                "complete it, or remove it",
                 count=len(fields),
                 needed=max(places) + 1,
                 line=line,
@@ -173,14 +181,14 @@ def _slow(
 
 def _number(name: str, text: str, line: int, source: str) -> float:
     try:
-        if "_" in text:  # a number for Python alone
+        if "_" in text:  # Python accepts 1_000, but other programs do not.
             raise ValueError
         return float(text)
     except ValueError:
         raise FormatError(
             "not-a-number",
-            "{name} {value!r} is no number",
-            "write one such as 1.25, with a point, or leave the line out",
+            "{name} {value!r} is not a number",
+            "write a number such as 1.25, with a point, or remove the line",
             name=name,
             value=text.strip()[:40],
             line=line,
@@ -189,7 +197,7 @@ def _number(name: str, text: str, line: int, source: str) -> float:
 
 
 def _line_of(body: str, sample: int, header_line: int) -> int:
-    """The line of a sample."""
+    """Return the line number of a sample."""
     seen = -1
     for line, text in enumerate(body.split("\n"), header_line + 1):
         seen += bool(text.strip())

@@ -1,7 +1,7 @@
-"""Straight parts of a path against unit cells, in cells and float64.
+"""Measure straight parts of a path against unit cells, in cells and float64.
 
-How near, how deep, from where to where. Arrays throughout, one row a pair of part and cell. Nothing
-here is shared with the simulator that may be audited.
+How near they come, how deep they get, and from where to where. Everything is in arrays, with one
+row for each pair of part and cell. The code shares nothing with the simulator that it audits.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _CORNERS = ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))
 
 @dataclass(frozen=True)
 class Parts:
-    """Where the centre goes: from (x, y) by (dx, dy), all (n,) in cells."""
+    """Straight parts of the centre's path, from (x, y) by (dx, dy); (n,) each, in cells."""
 
     x: Floats
     y: Floats
@@ -29,31 +29,32 @@ class Parts:
     dy: Floats
 
     def between(self, low: Floats, high: Floats) -> Parts:
-        """The stretch of each part from the share ``low`` of it to the share ``high``."""
+        """Return the stretch of each part between two fractions of it."""
         span = high - low
         return Parts(self.x + low * self.dx, self.y + low * self.dy, span * self.dx, span * self.dy)
 
     def take(self, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_] | slice) -> Parts:
-        """Some of the parts."""
+        """Return some of the parts."""
         return Parts(self.x[rows], self.y[rows], self.dx[rows], self.dy[rows])
 
     def seen_from(
         self, ix: npt.NDArray[np.int64] | Floats, iy: npt.NDArray[np.int64] | Floats
     ) -> Parts:
-        """The same parts with the origin in the middle of each one's cell."""
+        """Return the parts with the origin moved to the middle of each one's cell."""
         return Parts(self.x - (ix + 0.5), self.y - (iy + 0.5), self.dx, self.dy)
 
     @property
     def length(self) -> Floats:
-        """(n,) cells."""
+        """(n,) Length of each part, cells."""
         length: Floats = np.sqrt(self.dx * self.dx + self.dy * self.dy)
         return length
 
 
 def nearest(parts: Parts) -> tuple[Floats, Floats]:
-    """Distance of each part from the unit square round the origin, and the share of the part where it is least.
+    """Return each part's distance from the unit square around the origin, and where it is nearest.
 
-    Parts that cross the square count by their ends alone; :func:`deepest` tells them.
+    Where is given as a fraction of the part. Parts that cross the square are judged by their ends
+    alone; :func:`deepest` finds those.
     """
     square = parts.dx * parts.dx + parts.dy * parts.dy
 
@@ -64,6 +65,7 @@ def nearest(parts: Parts) -> tuple[Floats, Floats]:
         return gap
 
     def shares() -> Iterator[Floats]:
+        # The distance is least at an end, or where the part passes a corner.
         yield np.zeros_like(parts.x)
         yield np.ones_like(parts.x)
         for x, y in _CORNERS:
@@ -73,11 +75,11 @@ def nearest(parts: Parts) -> tuple[Floats, Floats]:
 
 
 def deepest(parts: Parts) -> tuple[Floats, Floats]:
-    """How deep each part gets into the unit square round the origin, and at which share of it.
+    """Return how deep each part gets into the unit square around the origin, and where.
 
     Returns:
-        Distance to the nearest face, negative outside; the least that it can be is no measure of
-        distance.
+        Distance to the nearest face of the square, negative and not a true distance outside of
+        it; and the fraction of the part at which it is greatest.
     """
 
     def height(share: Floats) -> Floats:
@@ -86,6 +88,7 @@ def deepest(parts: Parts) -> tuple[Floats, Floats]:
         return np.maximum(np.abs(x), np.abs(y)) - 0.5
 
     def shares() -> Iterator[Floats]:
+        # The depth peaks at an end, or where the part crosses an axis or a diagonal of the square.
         yield np.zeros_like(parts.x)
         yield np.ones_like(parts.x)
         yield _share(-parts.x, parts.dx)
@@ -98,16 +101,16 @@ def deepest(parts: Parts) -> tuple[Floats, Floats]:
 
 
 def _share(numerator: Floats, denominator: Floats) -> Floats:
-    """The quotient within [0, 1]; 0 where the denominator is."""
+    """Return the quotient, limited to [0, 1]; 0 where the denominator is 0."""
     zero = denominator == 0.0
-    with np.errstate(over="ignore"):  # a part of almost no length: clipped
+    with np.errstate(over="ignore"):  # A part of almost no length overflows, and is then clipped.
         quotient = np.where(zero, 0.0, numerator) / np.where(zero, 1.0, denominator)
     shares: Floats = np.clip(quotient, 0.0, 1.0)
     return shares
 
 
 def _least(shares: Iterator[Floats], value: Callable[[Floats], Floats]) -> tuple[Floats, Floats]:
-    """The least value over several shares, and the first share that has it."""
+    """Return the least value over several fractions, and the first fraction that has it."""
     where = next(shares)
     best = value(where)
     for share in shares:
@@ -119,9 +122,9 @@ def _least(shares: Iterator[Floats], value: Callable[[Floats], Floats]) -> tuple
 
 
 def slab(parts: Parts, half_x: float, half_y: float) -> tuple[Floats, Floats]:
-    """Shares at which the line of each part enters and leaves a box round the origin.
+    """Return the fractions at which each part's line enters and leaves a box around the origin.
 
-    (inf, -inf) if it does not.
+    If it misses the box, they are (inf, -inf).
 
     Source: slabs, Kay and Kajiya, Ray Tracing Complex Scenes (1986).
     """
@@ -131,18 +134,20 @@ def slab(parts: Parts, half_x: float, half_y: float) -> tuple[Floats, Floats]:
         still = step == 0.0
         with np.errstate(over="ignore"):
             one, two = ((end - place) / np.where(still, 1.0, step) for end in (-half, half))
-        beside = np.where(np.abs(place) <= half, -np.inf, np.inf)
-        enter = np.maximum(enter, np.where(still, beside, np.minimum(one, two)))
-        leave = np.minimum(leave, np.where(still, -beside, np.maximum(one, two)))
+        # A part that does not move along this axis is within the slab always or never.
+        outside = np.where(np.abs(place) <= half, -np.inf, np.inf)
+        enter = np.maximum(enter, np.where(still, outside, np.minimum(one, two)))
+        leave = np.minimum(leave, np.where(still, -outside, np.maximum(one, two)))
     missed = enter > leave
     return np.where(missed, np.inf, enter), np.where(missed, -np.inf, leave)
 
 
 def within(parts: Parts, reach: float) -> tuple[Floats, Floats]:
-    """Shares at which the line of each part comes within ``reach`` of the unit square, and leaves again.
+    """Return the fractions between which each part's line is within ``reach`` of the unit square.
 
-    The square grown by a disc is convex, so there is one interval; (inf, -inf) if there is none.
+    The square grown by a disc is convex, so this is one interval, or (inf, -inf) if it is empty.
     """
+    # The grown square is the union of two boxes and a circle at each corner.
     enter, leave = slab(parts, 0.5 + reach, 0.5)
     for found in (
         slab(parts, 0.5, 0.5 + reach),
@@ -159,6 +164,7 @@ def _in_circle(parts: Parts, centre: tuple[float, float], radius: float) -> tupl
     square = parts.dx * parts.dx + parts.dy * parts.dy
     still = square == 0.0
     inverse = 1.0 / np.where(still, 1.0, square)
+    # Solve for the line's nearest point to the centre, and go half the chord both ways from there.
     middle = -(x * parts.dx + y * parts.dy) * inverse
     miss_x = x + middle * parts.dx
     miss_y = y + middle * parts.dy

@@ -1,8 +1,8 @@
-"""Was a trajectory, recorded in any simulator, possible in this world?
+"""Judge whether a trajectory recorded in any simulator was possible in a world.
 
-An independent referee: it shares no code with the simulator. Between two samples the centre moves
-    on a straight line at
-constant speed. ``docs/audit.md`` says what each finding means and how exact it is.
+This is an independent referee that shares no code with the simulator. It assumes that the centre
+moves on a straight line at constant speed between two samples. ``docs/audit.md`` explains each kind
+of finding and how exact it is.
 """
 
 from __future__ import annotations
@@ -31,25 +31,37 @@ __all__ = [
 Floats = npt.NDArray[np.float64]
 
 KINDS = ("tunnel", "overlap", "outside", "jump", "burned", "start")
-DEFAULT_TOLERANCE = 1e-6  # m
-LEAST_TOLERANCE = 1e-9  # m: the audit's own precision
-SPEED_TOLERANCE = 1e-6  # share of the speed by which a move may be too fast
-_SLACK = 1 / 256  # of a cell
-_FURTHEST = 1e9  # m, and cells
-_LATEST = 1e12  # s
+# Depth of a cut that is not reported, m.
+DEFAULT_TOLERANCE = 1e-6
+
+# The audit's own precision, m.
+LEAST_TOLERANCE = 1e-9
+
+# Fraction by which a move may exceed the robot's speed, because recorded times are rounded.
+SPEED_TOLERANCE = 1e-6
+
+# Distance by which a move may be too long, in cells, because recorded positions are rounded.
+_SLACK = 1 / 256
+
+# Largest coordinate, m and also cells.
+_FURTHEST = 1e9
+
+# Largest time, s.
+_LATEST = 1e12
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Where the centre of the robot was.
+    """The recorded positions of the robot's centre.
 
     Args:
-        times: (n,) float64, s, finite, never falling; at least two.
+        times: (n,) float64, s, finite and never decreasing; at least two.
         x: (n,) float64, m, in the world's frame.
-        y: (n,) float64, m.
+        y: (n,) float64, m, in the world's frame.
 
     Raises:
-        InvalidParameter: If that does not hold; the message names the sample, counted from 0.
+        InvalidParameter: If the arrays break these rules; the message names the sample, counted
+            from 0.
     """
 
     times: Floats
@@ -70,9 +82,10 @@ class Trajectory:
 
     @staticmethod
     def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, Message] | None:
-        """The first sample that breaks a rule, -1 for the whole, and what is wrong.
+        """Return the first sample that breaks a rule, and a message that says how.
 
-        ``None`` if all is well.
+        The sample is -1 if the fault is in the trajectory as a whole. Without a fault, return
+        ``None``.
         """
         if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
             return -1, Message(
@@ -81,7 +94,7 @@ class Trajectory:
         if len(times) < 2:
             return -1, Message(
                 "too-few-samples",
-                "a trajectory has at least two samples, not {count}",
+                "a trajectory needs at least two samples, not {count}",
                 "give more",
                 count=len(times),
             )
@@ -93,8 +106,8 @@ class Trajectory:
                 value = float(values[wrong[0]])
                 return int(wrong[0]), Message(
                     "out-of-range",
-                    "{name} = {value:g} is no number of {unit}, or too large",
-                    "leave such lines out",
+                    "{name} = {value:g} is not a number of {unit}, or too large",
+                    "remove lines like this one",
                     name=name,
                     value=value,
                     unit=unit,
@@ -114,24 +127,24 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that was not possible, from its begin to its end without a break.
+    """A continuous stretch of something impossible.
 
     Args:
         kind: ``tunnel``, ``overlap``, ``outside``, ``jump``, ``burned`` or ``start``.
-        t: s; when it was worst, the first time if it was so several times.
-        x: m; where the centre was then.
-        y: m.
-        depth: m, at worst. Of a ``tunnel``: from the centre to the nearest face of the cell that it
-            is in. Of ``overlap`` and ``burned``: radius minus distance to the cell. Of ``outside``:
-                from the centre to the grid.
-            Of a ``jump``: how much further it went than it could. Of ``start``: from the first
-                sample to the start.
-        cell: (ix, iy) of the cell, at worst; -1 or the grid's side stand for the outside. ``None``
-            where it has none.
-        begin: s.
-        end: s.
+        t: Time when it was worst, s; the earliest if there are several.
+        x: Position of the centre at that time, m.
+        y: The same, m.
+        depth: How bad it was at worst, m. For a ``tunnel``, the distance from the centre to the
+            nearest face of the cell that it is in. For ``overlap`` and ``burned``, the radius minus
+            the distance to the cell. For ``outside``, the distance from the centre to the grid. For
+            a ``jump``, how much further it went than it could. For ``start``, the distance from the
+            first sample to the start.
+        cell: Cell (ix, iy) at worst; -1 or the grid's width or height stand for the outside.
+            ``None`` for findings without a cell.
+        begin: Time when it began, s.
+        end: Time when it ended, s.
         sample: Number of the last sample at or before the worst place, from 0.
-        speed: m/s; of a ``jump``, at worst: ``inf`` if it took no time.
+        speed: Speed of a ``jump`` at worst, m/s; ``inf`` if it took no time.
     """
 
     kind: str
@@ -148,21 +161,21 @@ class Finding:
 
 @dataclass(frozen=True)
 class Audit:
-    """What an audit found.
+    """The result of an audit.
 
     Args:
-        findings: In order of their begin.
-        notes: Sentences about what is worth knowing, but no fault.
+        findings: Everything impossible, in order of when it began.
+        notes: Sentences worth reading that are not findings.
         samples: Number of samples.
-        reached: When the centre first was in the target, s; ``None`` if it never was.
-        path_length: m.
-        duration: s.
-        clearance: m: least distance of the centre to anything solid or burning at that time, or to
-            the outside: the radius of the largest disc that could have gone this way.
-        nearest: Time (s) and place (m, m) of it.
-        shaved: Moves whose straight line cuts a corner between clear samples, which is not held
-            against them.
-        shaved_depth: m: the deepest such cut.
+        reached: Time when the centre first was in the target, s; ``None`` if it never was.
+        path_length: Length of the path, m.
+        duration: Time from the first sample to the last, s.
+        clearance: Least distance of the centre to the outside or to anything solid or burning at
+            that time, m. It is the radius of the largest disc that could have taken this path.
+        nearest: Time (s) and position (m, m) of that least distance.
+        shaved: Number of moves whose straight line cuts a corner between clear samples, which does
+            not count as a finding.
+        shaved_depth: Depth of the deepest such cut, m.
     """
 
     findings: tuple[Finding, ...]
@@ -178,7 +191,7 @@ class Audit:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing was found."""
+        """True if the trajectory was possible."""
         return not self.findings
 
 
@@ -191,30 +204,33 @@ def audit(
     straight: bool = False,
     from_start: bool = False,
 ) -> Audit:
-    """Looks whether a trajectory was possible in a world.
+    """Judge whether a trajectory was possible in a world.
 
     Args:
-        world: The world; its robot's radius and speed count.
-        trajectory: What was recorded.
-        tolerance: Cut of the disc, m, that is not reported.
-        slack: How much further, m, two samples may be apart than speed and time allow: recorded
-            places are rounded. 1/256 of a cell if left out.
-        straight: Whether the robot surely went straight from sample to sample. If not, a line no
-            longer than the radius whose ends are clear may cut a corner, as it does when the robot
-            slides round it.
-        from_start: Whether a first sample away from the world's start is a finding.
+        world: The world, including its robot's radius and speed.
+        trajectory: The recorded trajectory.
+        tolerance: Depth of a cut of the disc that is not reported, m.
+        slack: How much further apart than speed and time allow two samples may be, m, because
+            recorded positions are rounded; 1/256 of a cell if omitted.
+        straight: Whether the robot is known to move straight from sample to sample. If not, a line
+            no longer than the radius whose ends are clear may cut a corner, as it does when the
+            robot slides around it.
+        from_start: Whether it is a finding if the first sample is away from the world's start.
 
     Returns:
         Findings and figures.
 
     Raises:
-        InvalidParameter: If tolerance or slack are out of range, or a place is absurdly far away.
+        InvalidParameter: If tolerance or slack are out of range, or a position is absurdly far
+            away.
     """
     slack = world.cell_size * _SLACK if slack is None else slack
     _check("tolerance", tolerance, LEAST_TOLERANCE)
     _check("slack", slack, 0.0)
     size = world.cell_size
     _check_places(trajectory, size)
+
+    # Collect findings along the path, of moves that are too fast, and of the start.
     way = AuditPath(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
     findings = [
@@ -277,7 +293,7 @@ def _findings(kind: str, hits: Hits, way: AuditPath, unit: float) -> list[Findin
 
 
 def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Finding]:
-    """The first sample, if it is further than ``allowed`` m from the world's start."""
+    """Return a finding if the first sample is further than ``allowed`` m from the world's start."""
     t = float(trajectory.times[0])
     x = float(trajectory.x[0])
     y = float(trajectory.y[0])
@@ -286,11 +302,12 @@ def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Fin
 
 
 def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
-    """Moves that are faster than the robot; the place is where the worst of them ends."""
+    """Return the moves that are faster than the robot, each at the end of its worst move."""
     steps = np.hypot(np.diff(trajectory.x), np.diff(trajectory.y))
     allowed = world.robot_speed * np.diff(trajectory.times) * (1.0 + SPEED_TOLERANCE)
     rows = np.flatnonzero(steps > allowed + slack)
     excess: Floats = steps[rows] - world.robot_speed * np.diff(trajectory.times)[rows]
+    # Treat each move as a stretch of the path, so that consecutive ones merge into one finding.
     nowhere = np.zeros(len(rows), np.int64)
     found = merged(Hits.at(rows, 0.0, 1.0, excess, 1.0, nowhere, nowhere), grain=LEAST_TOLERANCE)
     jumps = []
@@ -316,6 +333,7 @@ def _report(
     findings: list[Finding],
     elsewhere: list[Finding],
 ) -> Audit:
+    # Notes: facts that may explain a finding, or the lack of one.
     size = world.cell_size
     times = trajectory.times
     notes = [
@@ -350,7 +368,8 @@ def _report(
 
 
 def _reached(world: World, trajectory: Trajectory) -> float | None:
-    """When the centre first is in the target's disc, s."""
+    """Return the time when the centre first is in the target's disc, s."""
+    # Find the first move that comes within the target's radius.
     x = trajectory.x - world.target.x
     y = trajectory.y - world.target.y
     ax = x[:-1]
@@ -363,6 +382,8 @@ def _reached(world: World, trajectory: Trajectory) -> float | None:
     inside = np.flatnonzero(gap <= world.target.radius * (1.0 + 1e-9))
     if not len(inside):
         return None
+
+    # Solve for the fraction of that move at which the centre enters the disc.
     row = int(inside[0])
     enter = float(share[row])
     along = math.sqrt(square[row])

@@ -1,4 +1,4 @@
-"""A trajectory in cells, in float64 for the many and in rational numbers for close calls."""
+"""A trajectory in cells: in float64 for most of it, and in rational numbers for close calls."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ __all__ = ["AuditPath"]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-_PIECE = 2.0  # cells; longer moves are looked at in pieces of at most this length
+# Cells. Longer moves are examined in pieces of at most this length.
+_PIECE = 2.0
 
 
 class AuditPath:
-    """A trajectory in cells, and what of each move is in or near the grid.
+    """A trajectory in cells, and the part of each move that is in or near the grid.
 
     Args:
-        world: Where.
-        times: (n,) s, never falling.
+        world: The world that the robot drove in.
+        times: (n,) s, never decreasing.
         x: (n,) m.
         y: (n,) m.
     """
@@ -37,7 +38,7 @@ class AuditPath:
         self.beyond = beyond_x | beyond_y
         self.moves = Parts(self.x[:-1], self.y[:-1], np.diff(self.x), np.diff(self.y))
         self.leaving = np.flatnonzero(self.beyond[:-1] | self.beyond[1:])
-        # What burns may touch a disc whose centre is outside.
+        # A burning cell may touch a disc whose centre is outside the grid.
         margin = (
             min(world.robot_radius / world.cell_size, self.height + self.width)
             if world.is_dynamic
@@ -46,15 +47,20 @@ class AuditPath:
         self.low = np.zeros(len(self.moves.x))
         self.high = np.ones(len(self.moves.x))
         self.low[self.leaving], self.high[self.leaving] = self.in_grid(margin)
+
+        # Divide long moves into pieces; moves that miss the grid have none.
         near = np.maximum(self.high - self.low, 0.0) * self.moves.length
         pieces = np.maximum(np.ceil(near / _PIECE), 1.0)
         self.pieces = np.where(self.low <= self.high, pieces, 0.0).astype(np.int64)
 
     def in_grid(self, margin: float) -> tuple[Floats, Floats]:
-        """Of the moves in ``leaving``, the shares between which they are in the grid grown by ``margin`` cells.
+        """Return where each move in ``leaving`` enters and leaves the grid grown by a margin.
+
+        Args:
+            margin: How far the grid is grown on each side, cells.
 
         Returns:
-            Begin and end; 1 and 0 for moves that miss it.
+            Fractions of each move at its entry and exit; 1 and 0 for moves that miss the grid.
         """
         own = self.moves.take(self.leaving)
         half_x = 0.5 * self.width
@@ -68,9 +74,9 @@ class AuditPath:
         )
 
     def place(self, at: Floats) -> tuple[Floats, Floats, Floats]:
-        """Time, x and y (s, m, m) at places of the way.
+        """Return time, x and y (s, m, m) at places on the path.
 
-        3.25 is a quarter of the way from sample 3 to sample 4.
+        The place 3.25 is a quarter of the way from sample 3 to sample 4.
         """
         row = np.minimum(at.astype(np.int64), len(self.times) - 2)
         share = at - row
@@ -82,11 +88,11 @@ class AuditPath:
         return found[0], found[1], found[2]
 
     def is_face(self, metres: float) -> bool:
-        """Whether a coordinate in m is exactly on the line between two columns or rows."""
+        """Return True if a coordinate in m is exactly on the line between two columns or rows."""
         return (decimal(metres) / decimal(self.world.cell_size)).denominator == 1
 
     def move(self, row: int) -> Move:
-        """One move in rational numbers."""
+        """Return one move in rational numbers."""
         size = decimal(self.world.cell_size)
         x, y = self.metres
         begin = decimal(self.times[row])
@@ -98,14 +104,15 @@ class AuditPath:
 def _coordinate(
     metres: Floats, count: int, cell_size: float
 ) -> tuple[Floats, npt.NDArray[np.bool_]]:
-    """A coordinate in cells, and whether it lies outside a grid of so many; the latter exactly."""
+    """Return coordinates in cells, and exactly which of them are outside a grid of ``count``."""
     size = decimal(cell_size)
     if max(size.numerator, size.denominator) < 2**53:
-        cells = (
-            metres * float(size.denominator) / float(size.numerator)
-        )  # so 0.3 m in cells of 0.1 m is 3, as written
+        # Both factors are exact, so 0.3 m in cells of 0.1 m gives exactly 3.
+        cells = metres * float(size.denominator) / float(size.numerator)
     else:
         cells = metres / cell_size
+
+    # Rounding could decide for coordinates this near to an edge; compare those exactly.
     outside = (cells < 0.0) | (cells > count)
     for row in np.flatnonzero(np.minimum(np.abs(cells), np.abs(cells - count)) < 1e-9 * count):
         outside[row] = is_beyond(float(metres[row]), count, cell_size)

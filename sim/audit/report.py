@@ -1,4 +1,4 @@
-"""An audit for people, for programs, and as a picture."""
+"""Present an audit to people as text, to programs as data, and as a picture."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ __all__ = ["as_lines", "as_object", "draw"]
 Floats = npt.NDArray[np.float64]
 
 _MOST_LINES = 40
-_MOST_MARKS = 400  # of a kind; more hide the picture
+# Marks of one kind; more of them would hide the picture.
+_MOST_MARKS = 400
 _MARKS: dict[str, MarkKind] = {
     "tunnel": "tunnel",
     "outside": "tunnel",
     "overlap": "overlap",
     "burned": "overlap",
 }
-_SHARE_OF_A_PIXEL = 0.125  # points of the way that are nearer are drawn as one
+# Pixels. Points of the path that are nearer to each other than this are drawn as one.
+_SHARE_OF_A_PIXEL = 0.125
 _NOUNS = {
     "tunnel": ("tunnel", "tunnels"),
     "overlap": ("overlap", "overlaps"),
@@ -37,7 +39,7 @@ _NOUNS = {
 
 
 def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
-    """What ``--json`` prints."""
+    """Return the audit as the object that ``--json`` prints."""
     t, x, y = audit.nearest
     return {
         "ok": audit.ok,
@@ -69,7 +71,7 @@ def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
 
 
 def as_lines(world: World, audit: Audit) -> list[str]:
-    """A line a finding and a line a note, then a summary."""
+    """Return a line for each finding and each note, and then a summary."""
     lines = [_line(world, finding) for finding in audit.findings[:_MOST_LINES]]
     if len(audit.findings) > _MOST_LINES:
         lines.append(f"... and {len(audit.findings) - _MOST_LINES} more; --json prints all")
@@ -137,20 +139,23 @@ def _figures(world: World, audit: Audit) -> str:
 
 
 def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes:
-    """The world, the trajectory and the findings, as the bytes of a PNG file.
+    """Draw the world, the trajectory and the findings; return the bytes of a PNG file.
 
-    What is outside stands on the border.
+    Anything outside the world is drawn on its border.
     """
+    # Positions are clipped to the middle of the frame around the world.
     frame = render.Frame.of(world)
-    beside = 0.5 * frame.band / frame.scale
-    width = world.width * world.cell_size + beside
-    height = world.height * world.cell_size + beside
+    border = 0.5 * frame.band / frame.scale
+    width = world.width * world.cell_size + border
+    height = world.height * world.cell_size + border
     marks = []
     for kind, mark in _MARKS.items():
         own = [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]
-        places = [(min(max(at.x, -beside), width), min(max(at.y, -beside), height)) for at in own]
+        places = [(min(max(at.x, -border), width), min(max(at.y, -border), height)) for at in own]
         marks += [render.Mark(x, y, mark) for x, y in places]
-    x, y = _cut_off(trajectory.x, trajectory.y, (-beside, width), (-beside, height))
+    x, y = _cut_off(trajectory.x, trajectory.y, (-border, width), (-border, height))
+
+    # Drop points that fall on the same spot as the one before; a long recording has many.
     grain = _SHARE_OF_A_PIXEL / frame.scale
     pixels = np.round(np.stack([x, y]) / grain)
     fresh = np.concatenate([[True], (np.diff(pixels, axis=1) != 0).any(axis=0)])
@@ -165,9 +170,9 @@ def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes
 def _cut_off(
     x: Floats, y: Floats, x_range: tuple[float, float], y_range: tuple[float, float]
 ) -> tuple[Floats, Floats]:
-    """The way with points where it crosses the lines of a box's sides.
+    """Return a path clipped to a box, with a point added wherever it crosses a side.
 
-    What is outside runs along the sides.
+    Outside the box, the clipped path runs along its sides.
     """
     places = [np.arange(len(x), dtype=np.float64)]
     for values, ends in ((x, x_range), (y, y_range)):

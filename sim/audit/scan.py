@@ -1,6 +1,6 @@
-"""Goes along a trajectory piece by piece and notes where the disc, or its centre, is where it must not be.
+"""Scan a trajectory piece by piece for places where the disc, or its centre, must not be.
 
-Everything in cells and in the way's own measure: 3.25 is a quarter of the way from sample 3 to
+Lengths are in cells. A place on the path is a number: 3.25 is a quarter of the way from sample 3 to
 sample 4.
 """
 
@@ -23,28 +23,40 @@ __all__ = ["Hits", "Scan", "merged", "scan"]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
+# Sizes of the arrays that are worked on at once, in pieces and in pairs, to limit memory.
 _PIECES_AT_ONCE = 60_000
 _ROWS_AT_ONCE = 400_000
-# Cells beyond the radius that are looked at, so that a clearance just above it is found at once.
+
+# Cells beyond the radius that are examined, so that a clearance just above it is found as well.
 _MARGIN = 0.25
-_FIRST = 16  # moves that tell about how far away everything is
-_CLOSE_CALL = 1e-9  # cells; nearer to a face than this, rational numbers decide
-_NEARLY = 1e-6  # cells; far more than rounding
+
+# Moves that are measured first, to estimate how far away everything is.
+_FIRST = 16
+
+# Cells. Nearer to a face than this, rational numbers decide.
+_CLOSE_CALL = 1e-9
+
+# Cells; far more than rounding errors.
+_NEARLY = 1e-6
+
+# Relative rounding error of a few operations in float64.
 _ROUNDING = 4e-16
-_TOUCHING = 1e-8  # of a move; stretches nearer than this are one
+
+# Fraction of a move. Stretches that are nearer to each other than this are one.
+_TOUCHING = 1e-8
 
 
 @dataclass(frozen=True)
 class Hits:
-    """Stretches of the way on which something is wrong, (n,) each.
+    """Stretches of the path on which something is wrong, (n,) each.
 
     Args:
-        begin: Where it begins on the way.
-        end: Where it ends.
-        depth: Cells, at worst.
-        worst: Where on the way that is.
-        ix: Column of the cell, there.
-        iy: Its row.
+        begin: Place on the path where it begins.
+        end: Place where it ends.
+        depth: Depth at worst, cells.
+        worst: Place where it is worst.
+        ix: Column of the cell there.
+        iy: Row of the cell there.
     """
 
     begin: Floats = field(default_factory=lambda: np.zeros(0))
@@ -65,7 +77,7 @@ class Hits:
         ix: Ints,
         iy: Ints,
     ) -> Hits:
-        """Stretches of moves: ``begin``, ``end`` and ``worst`` are shares of the move."""
+        """Return stretches of moves; ``begin``, ``end`` and ``worst`` are fractions of the move."""
         start = row.astype(np.float64)
         return cls(
             start + np.asarray(begin),
@@ -78,7 +90,7 @@ class Hits:
 
     @classmethod
     def of(cls, many: Sequence[Hits]) -> Hits:
-        """All of them."""
+        """Return all of the stretches in one record."""
         names = ("begin", "end", "depth", "worst", "ix", "iy")
         return (
             cls(*(np.concatenate([getattr(hits, name) for hits in many]) for name in names))
@@ -88,42 +100,48 @@ class Hits:
 
 
 def merged(hits: Hits, grain: float = 1e-9) -> Hits:
-    """One stretch for all that overlap or touch, with its greatest depth, at the first place that has it.
+    """Merge stretches that overlap or touch, keeping the greatest depth and its first place.
 
     Args:
-        hits: In any order.
-        grain: Depths are alike to this.
+        hits: Stretches in any order.
+        grain: Depths that differ by less than this count as equal, cells.
     """
     if not len(hits.begin):
         return hits
+
+    # A group ends where the next stretch begins after everything before it has ended.
     order = np.argsort(hits.begin, kind="stable")
     reached = np.maximum.accumulate(hits.end[order])
     fresh = np.concatenate([[True], hits.begin[order][1:] > reached[:-1] + _TOUCHING])
     group = np.cumsum(fresh) - 1
     first = np.flatnonzero(fresh)
+
+    # Rank the stretches within their group; groups keep their place and size in the order.
     depth = np.round(hits.depth[order] / grain)
-    ranked = order[np.lexsort((hits.worst[order], -depth, group))][
-        first
-    ]  # groups keep their place and size
+    ranked = order[np.lexsort((hits.worst[order], -depth, group))][first]
     ends = np.append(first[1:], len(group)) - 1
     return Hits(
-        hits.begin[order][first], reached[ends], hits.depth[ranked], hits.worst[ranked], hits.ix[ranked],
-        hits.iy[ranked],
-    )  # fmt: skip
+        begin=hits.begin[order][first],
+        end=reached[ends],
+        depth=hits.depth[ranked],
+        worst=hits.worst[ranked],
+        ix=hits.ix[ranked],
+        iy=hits.iy[ranked],
+    )
 
 
 @dataclass
 class Scan:
-    """What was found on the way.
+    """The result of a scan.
 
     Args:
-        hits: By kind of finding, merged.
-        clearance: Least distance, cells, of the centre to anything solid or burning, or to the
-            outside.
-        nearest: Where on the way that is.
-        shaved: Moves between clear samples whose straight line cuts a corner, which is not held
-            against them.
-        shaved_depth: The deepest such cut, cells.
+        hits: Stretches by kind of finding, merged.
+        clearance: Least distance of the centre to the outside or to anything solid or burning,
+            cells.
+        nearest: Place on the path of that least distance.
+        shaved: Number of moves whose straight line cuts a corner between clear samples, which does
+            not count as a finding.
+        shaved_depth: Depth of the deepest such cut, cells.
     """
 
     hits: dict[str, Hits] = field(default_factory=dict)
@@ -133,7 +151,7 @@ class Scan:
     shaved_depth: float = 0.0
 
     def note_clearance(self, distance: Floats, at: Floats) -> None:
-        """Keeps the least distance, and of equal ones the first."""
+        """Keep the least distance, and the first place that has it."""
         if len(distance):
             least = distance.min()
             place = at[distance == least].min()
@@ -144,35 +162,43 @@ class Scan:
 
 @dataclass(frozen=True)
 class _Measured:
-    """Pairs of a piece and a cell with how near they come; (n,) each."""
+    """Pairs of a piece and a cell, with how near they come; (n,) each."""
 
     pairs: Pairs
     row: npt.NDArray[np.intp]
     burning: npt.NDArray[np.bool_]
-    low: Floats  # shares of the move: the piece's begin and end, while the cell is blocked
+    # Fractions of the move at which the piece begins and ends while the cell is blocked.
+    low: Floats
     high: Floats
-    window: tuple[Floats, Floats]  # the same of the whole move
+    # The same for the whole move.
+    window: tuple[Floats, Floats]
     distance: Floats
-    nearest: Floats  # share of the move
-    inside: Floats  # depth of the centre in the cell, negative outside; -inf where it is far
+    # Fraction of the move at which the distance is least.
+    nearest: Floats
+    # Depth of the centre in the cell, negative outside of it; -inf if it is far away.
+    inside: Floats
 
 
 def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> Scan:
-    """Looks at every piece of the way.
+    """Scan every piece of a path.
 
     Args:
         way: The trajectory.
-        radius: Of the disc, cells.
-        tolerance: Cut of the disc, cells, that is not reported.
-        straight: Whether every straight line is taken at its word; see :func:`_shaved`.
+        radius: Radius of the disc, cells.
+        tolerance: Depth of a cut of the disc that is not reported, cells.
+        straight: Whether every straight line counts as driven; see :func:`_shaved`.
     """
     around = Surroundings(way.world)
     result = Scan()
     found: dict[str, list[Hits]] = {kind: [] for kind in ("tunnel", "overlap", "burned", "outside")}
+
+    # Outside the grid the whole disc is in forbidden space, and its clearance is 0.
     outside = _outside(way)
     found["outside"].append(outside)
     found["overlap"].append(replace(outside, depth=np.full(len(outside.depth), radius)))
     result.note_clearance(np.zeros(len(outside.begin)), outside.begin)
+
+    # Measure the pieces near the grid's cells, a portion at a time.
     least = np.full(len(way.low), np.inf)
     reach = radius + _MARGIN
     for rows in _portions(way.pieces, np.arange(len(way.pieces)), 2.0 * reach + 4.0):
@@ -183,6 +209,8 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
         }
         for kind, hits in kinds.items():
             found[kind].append(merged(hits))
+
+    # If the whole path stays further away than was looked, search further for its clearance.
     if result.clearance > reach:
         _widest(way, around, least, result)
     result.hits = {kind: merged(Hits.of(many)) for kind, many in found.items()}
@@ -192,7 +220,7 @@ def scan(way: AuditPath, radius: float, tolerance: float, *, straight: bool) -> 
 def _portions(
     pieces: Ints, rows: npt.NDArray[np.intp], rows_each: float
 ) -> Iterator[npt.NDArray[np.intp]]:
-    """The moves in portions that fit into memory."""
+    """Yield the moves in portions that fit into memory."""
     most = max(1, min(_PIECES_AT_ONCE, int(_ROWS_AT_ONCE / rows_each)))
     total = np.cumsum(pieces[rows])
     begin = 0
@@ -206,10 +234,11 @@ def _portions(
 def _measure(
     way: AuditPath, around: Surroundings, rows: npt.NDArray[np.intp], reach: float, least: Floats
 ) -> _Measured:
-    """How near some moves come to the cells around.
+    """Measure how near some moves come to the cells around them.
 
-    Notes in ``least`` what they keep away at least.
+    Lower bounds on the distance that each move keeps are noted in ``least``.
     """
+    # Cut the moves into their pieces.
     row = np.repeat(rows, way.pieces[rows])
     count = way.pieces[row]
     number = np.arange(len(row)) - np.repeat(
@@ -219,12 +248,16 @@ def _measure(
     begin = way.low[row] + span * (number / count)
     end = way.low[row] + span * ((number + 1) / count)
     pieces = way.moves.take(row).between(begin, end)
+
+    # Drop pieces that are surely out of reach.
     away = around.at_least(pieces)
     np.minimum.at(least, row, away)
     close = np.flatnonzero(away < reach)
     row = row[close]
     begin = begin[close]
     end = end[close]
+
+    # Find the cells near the others, and cut each piece to the time when its cell is blocked.
     pairs = around.near(pieces.take(close), (way.times[row], way.times[row + 1]), reach)
     since, until, burning = _windows(way, around, pairs, row[pairs.piece])
     low = np.maximum(begin[pairs.piece], since)
@@ -240,7 +273,7 @@ def _measure(
 def _windows(
     way: AuditPath, around: Surroundings, pairs: Pairs, row: npt.NDArray[np.intp]
 ) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
-    """The shares of the move between which each pair's cell is blocked, and whether it burns."""
+    """Return the fractions of the move between which each cell is blocked, and if it burns."""
     since = np.zeros(len(row))
     until = np.ones(len(row))
     burning = np.zeros(len(row), np.bool_)
@@ -272,7 +305,7 @@ def _measured(
     parts = way.moves.take(row).between(low, high).seen_from(pairs.ix, pairs.iy)
     distance, at = nearest(parts)
     inside = np.full(len(row), -np.inf)
-    # Only parts whose bounding box meets the cell's can get into it.
+    # Only parts whose bounding box overlaps the cell's can enter it.
     gap_x = np.minimum(np.abs(parts.x), np.abs(parts.x + parts.dx)) - 0.5
     gap_y = np.minimum(np.abs(parts.y), np.abs(parts.y + parts.dy)) - 0.5
     passes_x = parts.x * (parts.x + parts.dx) < 0.0
@@ -288,11 +321,13 @@ def _measured(
 
 
 def _outside(way: AuditPath) -> Hits:
-    """The stretches beyond the grid's edge."""
+    """Return the stretches beyond the grid's edge."""
     height, width = way.world.walls.shape
     off_x = np.maximum(-way.x, way.x - width)
     off_y = np.maximum(-way.y, way.y - height)
     depth = np.where(way.beyond, np.hypot(np.maximum(off_x, 0.0), np.maximum(off_y, 0.0)), 0.0)
+
+    # A move that leaves the grid is outside before it enters, after it exits, or all the time.
     rows = way.leaving
     enter, leave = way.in_grid(0.0)
     missed = enter > leave
@@ -317,12 +352,14 @@ def _overlaps(
     straight: bool,
     result: Scan,
 ) -> dict[str, Hits]:
-    """Stretches on which the disc cuts what is solid, and what burns."""
+    """Return the stretches on which the disc cuts solid cells, and burning ones."""
     hit = np.flatnonzero(radius - measured.distance > tolerance)
     if not straight and len(hit):
         hit = hit[~_shaved(measured, way, hit, radius, tolerance, result)]
     row = measured.row[hit]
     pairs = measured.pairs.take(hit)
+
+    # A stretch lasts while the centre is too near, as long as the cell is blocked.
     parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
     enter, leave = within(parts, radius - tolerance)
     at = measured.nearest[hit]
@@ -345,13 +382,13 @@ def _shaved(
     tolerance: float,
     result: Scan,
 ) -> npt.NDArray[np.bool_]:
-    """Cuts by a line no longer than the radius whose both ends are clear of the cell.
+    """Return which hits are cuts by a line no longer than the radius, with both ends clear.
 
-    A robot that slides round a corner between two samples leaves such a line. It cuts what the disc
-    keeps clear of by at most the height of an arc of radius ``radius`` over it, 0.134 of the
-    radius.
+    A robot that slides around a corner between two samples leaves such a line. The line cuts by at
+    most the height of an arc of radius ``radius`` over it, 0.134 of the radius.
     """
     row = measured.row[hit]
+    # Both ends must be clear of the cell while the cell is blocked.
     pairs = measured.pairs.take(hit)
     length = way.moves.length[row]
     parts = way.moves.take(row).seen_from(pairs.ix, pairs.iy)
@@ -371,22 +408,26 @@ def _shaved(
 
 
 def _tunnels(measured: _Measured, way: AuditPath, around: Surroundings) -> Hits:
-    """Stretches on which the centre is inside a wall."""
+    """Return the stretches on which the centre is inside a wall."""
     pairs = measured.pairs
     height, width = way.world.walls.shape
     in_grid = (pairs.ix >= 0) & (pairs.iy >= 0) & (pairs.ix < width) & (pairs.iy < height)
+
+    # Depths within the doubt are close calls, which rational numbers decide.
     doubt = _doubt(measured, way, around)
     near = np.flatnonzero((measured.inside > -doubt) & in_grid & ~measured.burning)
     sure = measured.inside[near] > doubt[near]
-    shift = np.zeros(
-        (len(near), 2)
-    )  # of a centre between two solid cells: from one to the face between them
+
+    # A centre between two solid cells is measured from the face between them.
+    shift = np.zeros((len(near), 2))
     doubtful = np.flatnonzero(~sure)
     for index in doubtful[~_along_a_free_cell(measured, near[doubtful], way, around)]:
         found = _way_in(pairs, int(near[index]), int(measured.row[near[index]]), way, around)
         if found is not None:
             sure[index] = True
             shift[index] = found
+
+    # A stretch lasts while the centre is in the cell, as long as the cell is solid.
     hit = near[sure]
     shift = shift[sure]
     row = measured.row[hit]
@@ -403,9 +444,9 @@ def _tunnels(measured: _Measured, way: AuditPath, around: Surroundings) -> Hits:
 
 
 def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
-    """How wrong ``inside`` may be for rounding, cells.
+    """Return how wrong rounding may make ``inside``, in cells.
 
-    Of places, and of shares that come from times.
+    Both positions and fractions computed from times are rounded.
     """
     row = measured.row
     span = measured.pairs.span
@@ -423,10 +464,10 @@ def _doubt(measured: _Measured, way: AuditPath, around: Surroundings) -> Floats:
 def _along_a_free_cell(
     measured: _Measured, index: npt.NDArray[np.intp], way: AuditPath, around: Surroundings
 ) -> npt.NDArray[np.bool_]:
-    """Whether the centre keeps to a face with a cell behind it that never is blocked.
+    """Return where the centre moves along a face with a cell behind it that is never blocked.
 
-    No close call any more. A robot that drives along a wall does this with every sample, so it is
-    decided once for each coordinate.
+    Those are not close calls. A robot that drives along a wall does this with every sample, so each
+    coordinate is decided only once.
     """
     row = measured.row[index]
     ix = measured.pairs.ix[index]
@@ -436,13 +477,18 @@ def _along_a_free_cell(
         (way.metres[0], way.x, ix, (1, 0)),
         (way.metres[1], way.y, iy, (0, 1)),
     ):
+        # The move must stay on the line between two columns or rows.
         face = np.rint(cells[row]).astype(np.int64)
         on_face = (metres[row] == metres[row + 1]) & ((face == own) | (face == own + 1))
         on_face &= np.abs(cells[row] - face) < _NEARLY
+
+        # Decide exactly whether it is that line, once for each distinct coordinate.
         values, number = np.unique(metres[row[on_face]], return_inverse=True)
         on_face[on_face] = np.array([way.is_face(value) for value in values.tolist()], np.bool_)[
             number
         ]
+
+        # Then the cell on the other side of the line must be free.
         side = np.where(face == own, -1, 1)
         free |= on_face & ~around.ever_blocked(ix + side * step_x, iy + side * step_y)
     return free
@@ -451,10 +497,11 @@ def _along_a_free_cell(
 def _way_in(
     pairs: Pairs, index: int, row: int, way: AuditPath, around: Surroundings
 ) -> tuple[float, float] | None:
-    """Whether the centre gets inside the pair's cell, or on the face between it and another solid one; exactly.
+    """Decide exactly whether the centre enters a cell, or the face between it and a solid cell.
 
     Returns:
-        (0, 0) or half the step to the other cell; ``None`` if it does not.
+        (0, 0) if it enters the cell, half the step to the other cell if it enters the face, or
+        ``None``.
     """
     ix = int(pairs.ix[index])
     iy = int(pairs.iy[index])
@@ -473,10 +520,8 @@ def _way_in(
 
 
 def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -> None:
-    """Finds the clearance of a way that stays far from everything.
-
-    The most promising moves first.
-    """
+    """Find the clearance of a path that stays far from everything, most promising moves first."""
+    # Measure the first few moves with a growing reach, which ends at the latest at the grid's edge.
     rows = _distinct(way, np.flatnonzero((way.pieces > 0) & (least < result.clearance)))
     rows = rows[np.argsort(least[rows], kind="stable")]
     first = rows[:_FIRST]
@@ -486,7 +531,9 @@ def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -
         result.note_clearance(measured.distance, measured.row + measured.nearest)
         if result.clearance <= reach:
             break
-        reach *= 2.0  # ends at the grid's edge, which is always there
+        reach *= 2.0
+
+    # Measure the others only as far as the best clearance so far.
     for some in _portions(way.pieces, rows[_FIRST:], 2.0 * result.clearance + 4.0):
         if least[some[0]] >= result.clearance:
             break
@@ -495,7 +542,7 @@ def _widest(way: AuditPath, around: Surroundings, least: Floats, result: Scan) -
 
 
 def _distinct(way: AuditPath, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
-    """The moves, and where the world does not change only one of several that are the same."""
+    """Return the moves, keeping only one of several equal ones if the world does not change."""
     if way.world.is_dynamic or not len(rows):
         return rows
     moves = way.moves.take(rows)

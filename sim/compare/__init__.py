@@ -1,1 +1,1 @@
-"""Controllers over worlds and seeds in one table."""
+"""Compare controllers over worlds and seeds in one table."""

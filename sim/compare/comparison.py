@@ -1,7 +1,7 @@
-"""Controllers over worlds and seeds: what each did where, who was best, and what that adds up to.
+"""Compare controllers over worlds and seeds: what each did, who was best, and the totals.
 
-A controller with chance runs with many seeds, any other once. Its time in a world is the median
-over the seeds that arrive, and it counts as arriving where at least half of them do.
+A random controller runs with many seeds, any other once. Its time in a world is the median over the
+seeds with which it arrives, and it counts as arriving if at least half of them do.
 """
 
 from __future__ import annotations
@@ -38,21 +38,22 @@ __all__ = [
 
 MAX_SEEDS = 1_000_000
 PERCENTILES = (5, 25, 50, 75, 95)
-_SAME = 1e-9  # s; times are rounded to that
+# Seconds. Times are rounded to this, so smaller differences mean nothing.
+_SAME = 1e-9
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
 class NamedWorld:
-    """A world and what it is called.
+    """A world and its name.
 
     Args:
-        name: In tables; no two worlds share one.
+        name: Name in tables, unique among the worlds.
         world: The world.
-        stem: Name of its file without folder and ending, by which other tables may call it.
-        folder: Where its file lies.
-        least_time: s that a run gets at least, where the witness's time alone gives less.
+        stem: Name of its file without folder and extension; other tables may use it.
+        folder: Folder of its file.
+        least_time: Least budget of a run, s, if the witness's time alone gives less.
     """
 
     name: str
@@ -64,7 +65,7 @@ class NamedWorld:
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """One run's verdict, as :func:`sim.episode.simulate` gives it; ``time`` in s."""
+    """One run's result, as :func:`sim.episode.simulate` reports it; ``time`` in s."""
 
     seed: int
     verdict: str
@@ -74,16 +75,16 @@ class ComparedRun:
 
 @dataclass(frozen=True)
 class Cell:
-    """What one controller did in one world.
+    """The results of one controller in one world.
 
     Args:
         world: Name of the world.
-        label: The controller as the table calls it.
-        scenario: The controller and how it ran; its seed is the first.
-        budget: Steps that each run had.
-        random: Whether the controller has chance.
-        runs: One a seed, in order of the seeds; a single one without chance.
-        evidence: Of a single run; ``None`` where nothing is known beside its verdict.
+        label: Name of the controller in the table.
+        scenario: The controller and how it ran; its seed is the first one used.
+        budget: Budget of each run, steps.
+        random: Whether the controller is random.
+        runs: One run per seed, in order; a single run if the controller is not random.
+        evidence: Evidence of a single run; ``None`` if only its verdict is known.
     """
 
     world: str
@@ -96,7 +97,7 @@ class Cell:
 
     @property
     def arrivals(self) -> list[ComparedRun]:
-        """The runs that arrived, earliest first."""
+        """The runs that arrived, fastest first."""
         return sorted(
             (run for run in self.runs if run.verdict == Verdict.REACHED),
             key=lambda run: (run.steps, run.seed),
@@ -104,12 +105,12 @@ class Cell:
 
     @property
     def reached(self) -> int:
-        """How many runs arrived."""
+        """Number of runs that arrived."""
         return sum(run.verdict == Verdict.REACHED for run in self.runs)
 
     @property
     def arrives(self) -> bool:
-        """Whether the controller counts as arriving: at least half of its runs do."""
+        """True if the controller counts as arriving: at least half of its runs do."""
         return 2 * self.reached >= len(self.runs)
 
     @property
@@ -120,23 +121,23 @@ class Cell:
 
     @property
     def steps(self) -> float:
-        """Median steps of the runs that arrived, or, if none did, of all."""
+        """Median steps of the runs that arrived, or of all runs if none did."""
         return statistics.median(run.steps for run in self.arrivals or self.runs)
 
     @property
     def rank_time(self) -> float:
-        """The time to rank by, s; ``inf`` where the controller does not count as arriving."""
+        """Time to rank by, s; ``inf`` if the controller does not count as arriving."""
         return self.time if self.arrives and self.time is not None else math.inf
 
     @property
     def verdicts(self) -> dict[str, int]:
-        """How often each verdict came up: ``reached`` first, then by kind."""
+        """How often each verdict occurred, in the order of :class:`sim.verdict.Verdict`."""
         counts = Counter(run.verdict for run in self.runs)
         return {verdict: counts[verdict] for verdict in Verdict if verdict in counts}
 
     @property
     def verdict(self) -> str:
-        """``reached`` if the controller counts as arriving, else the most frequent other verdict."""
+        """``reached`` if the controller counts as arriving, else the most frequent failure."""
         if self.arrives:
             return Verdict.REACHED
         failures = {
@@ -146,9 +147,9 @@ class Cell:
 
     @property
     def never(self) -> bool:
-        """Whether it drives on for ever.
+        """True if the controller keeps driving forever.
 
-        With chance, whether so few arrive that this is to be expected of a run.
+        A random controller counts if at most 5 % of its runs arrive and most failures are endless.
         """
         if self.random:
             return 20 * self.reached <= len(self.runs) and self.verdict in UNENDED
@@ -156,10 +157,7 @@ class Cell:
 
     @property
     def detail(self) -> str:
-        """More of a single run's verdict: ``period 104``, ``drifting``, ``confined``, ``slide``.
-
-        May be empty.
-        """
+        """Detail of a single run's verdict, like ``period 104`` or ``drifting``; may be empty."""
         match self.evidence:
             case LoopEvidence(period=period):
                 return f"period {period}"
@@ -171,17 +169,17 @@ class Cell:
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """95 % interval of the share of seeds that arrive; ``None`` without chance."""
+        """95 % interval of the fraction of seeds that arrive; ``None`` if not random."""
         return interval_95(self.reached, len(self.runs)) if self.random else None
 
     @property
     def shown(self) -> ComparedRun:
-        """The run to draw: the one with the median time of those that arrived, or the first."""
+        """The run to draw: the one with the median time among arrivals, or the first."""
         arrived = self.arrivals
         return arrived[(len(arrived) - 1) // 2] if arrived else self.runs[0]
 
     def percentile(self, percent: int) -> float | None:
-        """Time in which that many percent of the arriving runs had arrived, s.
+        """Return the time by which that percentage of the arriving runs had arrived, s.
 
         ``None`` if none arrived.
         """
@@ -191,13 +189,13 @@ class Cell:
         )
 
     def share_until(self, time: float) -> float:
-        """Share of all runs that arrived no later than ``time``, s."""
+        """Return the fraction of all runs that arrived no later than ``time``, s."""
         return sum(
             run.verdict == Verdict.REACHED and run.time <= time + _SAME for run in self.runs
         ) / len(self.runs)
 
     def share_before(self, time: float) -> float:
-        """Share of all runs that arrived earlier than ``time``, s."""
+        """Return the fraction of all runs that arrived earlier than ``time``, s."""
         return sum(
             run.verdict == Verdict.REACHED and run.time < time - _SAME for run in self.runs
         ) / len(self.runs)
@@ -205,19 +203,19 @@ class Cell:
 
 @dataclass(frozen=True)
 class Total:
-    """A controller over all worlds.
+    """A controller's totals over all worlds.
 
     Args:
-        label: The controller as the table calls it.
-        random: Whether it has chance.
-        runs: How many, all seeds counted.
-        reached: How many of them arrived.
-        interval: 95 % interval of that share; ``None`` without chance.
-        failures: The other runs by verdict.
+        label: Name of the controller in the table.
+        random: Whether it is random.
+        runs: Number of runs, over all seeds.
+        reached: Number of runs that arrived.
+        interval: 95 % interval of that fraction; ``None`` if not random.
+        failures: Number of the other runs, by verdict.
         wins: Worlds in which it alone was best.
-        shared_wins: Worlds in which it was best together with others.
-        mean_time: s, over the worlds that all controllers reach; ``None`` if there is none.
-        median_time: s, likewise.
+        shared_wins: Worlds in which it tied for best.
+        mean_time: Mean time over the worlds that all controllers reach, s; ``None`` without any.
+        median_time: Median time over the same worlds, s.
     """
 
     label: str
@@ -237,9 +235,9 @@ class Comparison:
     """The whole table.
 
     Args:
-        labels: One a controller.
-        worlds: One a row.
-        cells: Rows of one cell a controller.
+        labels: Names of the controllers, one per column.
+        worlds: The worlds, one per row.
+        cells: Rows of cells, one cell per controller.
     """
 
     labels: tuple[str, ...]
@@ -248,13 +246,13 @@ class Comparison:
 
     @property
     def common(self) -> tuple[int, ...]:
-        """Rows in which every controller arrives: only there are times compared fairly."""
+        """Rows in which every controller arrives; only there can times be compared fairly."""
         return tuple(
             row for row, cells in enumerate(self.cells) if all(cell.arrives for cell in cells)
         )
 
     def totals(self) -> tuple[Total, ...]:
-        """One a controller."""
+        """Return the totals of each controller."""
         best = [standing([cell.rank_time for cell in row])[0] for row in self.cells]
         return tuple(self._total(index, best) for index in range(len(self.labels)))
 
@@ -282,14 +280,14 @@ class Comparison:
 
 
 def standing(times: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Who was best and who was worst, ties together.
+    """Return who was best and who was worst, including ties.
 
     Args:
-        times: s; ``inf`` for never.
+        times: Times, s; ``inf`` for never.
 
     Returns:
-        Indices of the best and of the worst; nobody is best if nobody arrives, nor worst if all are
-        equal.
+        Indices of the best and of the worst. The first is empty if nobody arrives, the second if
+        all times are equal.
     """
     first = min(times)
     last = max(times)
@@ -312,19 +310,19 @@ def compare(
     steps: int | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Runs every controller in every world.
+    """Run every controller in every world.
 
     Args:
-        worlds: Rows.
-        scenarios: Columns by label; the seed of each is the first that it runs with.
-        seeds: How many seeds a controller with chance runs with.
-        steps: Budget of each run; without it what the world's witness gives.
-        progress: Told what was done.
+        worlds: The rows.
+        scenarios: The columns by label; the seed of each is the first that it runs with.
+        seeds: How many seeds a random controller runs with.
+        steps: Budget of each run; if omitted, it follows from each world's witness.
+        progress: Called with a short text after each cell.
 
     Raises:
         InvalidParameter: If there is nothing to compare, a name is unknown, or parts do not fit
             each other.
-        InvalidWorld: If the robot cannot stand in a world, which is named.
+        InvalidWorld: If the robot does not fit into a world; the error names it.
     """
     if not worlds or not scenarios:
         raise InvalidParameter(
@@ -338,6 +336,8 @@ def compare(
         _Column(label, scenario, CONTROLLERS.get(scenario.controller))
         for label, scenario in scenarios.items()
     ]
+
+    # Check every scenario before the first run.
     for column in columns:
         RunOptions(
             motion=MOTIONS.get(column.scenario.motion).name, time_step=column.scenario.time_step
@@ -345,7 +345,7 @@ def compare(
         if column.scenario.seed + seeds > 2**64:
             raise InvalidParameter(
                 "seeds-run-out",
-                "seed={seed} leaves no {seeds} seeds below 2**64",
+                "seed={seed} does not leave {seeds} seeds below 2**64",
                 "begin lower",
                 seed=column.scenario.seed,
                 seeds=seeds,
@@ -355,8 +355,8 @@ def compare(
 
 
 @dataclass(frozen=True)
-class _Look:
-    """One run, and what may be told of it."""
+class _TriedRun:
+    """One run and what is known about it."""
 
     run: ComparedRun
     evidence: Evidence | None
@@ -371,25 +371,26 @@ class _Column:
 
     @property
     def declared_random(self) -> bool:
-        """Whether the controller, or the simulator under it, says that it has chance."""
+        """Whether the controller, or the simulator under it, declares that it is random."""
         chance = isinstance(self.controller, CompiledController) and self.controller.randomised
         return chance or self.scenario.random
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
     ) -> list[Cell]:
-        """One cell a world.
+        """Return one cell per world.
 
-        A Python controller has chance if it says ``used_random`` in any world with the first seed.
-        Until it first does, its run is the same for every seed; so a run without draws stands for
-        all seeds.
+        A Python controller is random if it reports ``used_random`` in any world with the first
+        seed. Until it first does, its run is the same for every seed, so a run without draws stands
+        for all seeds.
         """
+        # Without a declaration, all worlds must be tried before it is known if seeds matter.
         options = [self._options(world, steps) for world in worlds]
-        looks = [] if self.declared_random else list(map(self._look, worlds, options))
-        random = self.declared_random or any(look.draws for look in looks)
+        trials = [] if self.declared_random else list(map(self._try, worlds, options))
+        random = self.declared_random or any(trial.draws for trial in trials)
         cells = []
         for row, world in enumerate(worlds):
-            first = looks[row] if looks else self._look(world, options[row])
+            first = trials[row] if trials else self._try(world, options[row])
             runs = self._over_seeds(world, options[row], first, seeds) if random else (first.run,)
             evidence = None if random else first.evidence
             cells.append(
@@ -417,16 +418,17 @@ class _Column:
         )
 
     def _over_seeds(
-        self, world: NamedWorld, options: RunOptions, first: _Look, seeds: int
+        self, world: NamedWorld, options: RunOptions, first: _TriedRun, seeds: int
     ) -> tuple[ComparedRun, ...]:
+        # The first run drew nothing, so it is the same with every other seed.
         own = range(options.seed + 1, options.seed + seeds)
         if not first.draws and not self.scenario.random:
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
-        return (first.run, *(self._look(world, replace(options, seed=seed)).run for seed in own))
+        return (first.run, *(self._try(world, replace(options, seed=seed)).run for seed in own))
 
-    def _look(self, world: NamedWorld, options: RunOptions) -> _Look:
+    def _try(self, world: NamedWorld, options: RunOptions) -> _TriedRun:
         try:
-            return self._unnamed_look(world.world, options)
+            return self._try_unnamed(world.world, options)
         except InvalidWorld as error:
             raise InvalidWorld.of(
                 error.message.behind("world {world}: ", world=world.name)
@@ -437,23 +439,22 @@ class _Column:
             )
             raise InvalidParameter.of(place) from error
 
-    def _unnamed_look(self, world: World, options: RunOptions) -> _Look:
-        """A run without recording; only what needs proof or explanation is simulated in full."""
+    def _try_unnamed(self, world: World, options: RunOptions) -> _TriedRun:
+        """Run without recording; simulate in full only what needs a proof or an explanation."""
         outcome = prepare(world, self.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )
         verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
         if outcome.steps > MAX_RECORDED // 2:
-            verdict = (
-                Verdict.STALLED if verdict == Verdict.LOOP else verdict
-            )  # too long a run to prove or to explain
+            # The run is too long to prove a loop or to explain a stall.
+            verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict
         elif outcome.ending == Verdict.LOOP or (verdict == Verdict.STALLED and explained):
             episode = simulate(world, self.controller, options)
             run = ComparedRun(options.seed, episode.verdict, episode.steps, episode.time)
-            return _Look(run, episode.evidence, outcome.random_draws)
+            return _TriedRun(run, episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
         evidence = wall_evidence(outcome) if outcome.cause else None
-        return _Look(
+        return _TriedRun(
             ComparedRun(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws
         )

@@ -1,4 +1,4 @@
-"""A comparison as one picture: every world with every controller's way."""
+"""Draw a comparison as one picture: every world with every controller's path."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ __all__ = ["MAX_CONTROLLERS", "draw_comparison"]
 
 MAX_CONTROLLERS = 8
 _LONGEST_LABEL = 18
-_MOST_STEPS = 20_000  # of one that does not arrive: more of its way only blackens the picture
+# Steps of a run that does not arrive. Drawing more of its path would only blacken the picture.
+_MOST_STEPS = 20_000
 
 
 def draw_comparison(comparison: Comparison) -> bytes:
-    """The worlds side by side, as the bytes of a PNG file.
+    """Draw the worlds side by side; return the bytes of a PNG file.
 
-    Of a controller with chance the run with the median time is drawn, or the first if none arrives.
+    For a random controller, the run with the median time is drawn, or the first if none arrives.
 
     Raises:
-        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which a picture cannot
-            tell apart.
+        InvalidParameter: If there are more than :data:`MAX_CONTROLLERS`, which could not be told
+            apart in a picture.
     """
     panels = []
     for world, cells in zip(comparison.worlds, comparison.cells, strict=True):
@@ -36,7 +37,7 @@ def draw_comparison(comparison: Comparison) -> bytes:
 
 
 def _short(label: str) -> str:
-    """A label that leaves room for the outcome behind it."""
+    """Return a label short enough to leave space for the outcome after it."""
     return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
 
 

@@ -1,6 +1,6 @@
-"""Earlier tables to stand beside a comparison: reading them, and how far the two agree.
+"""Read published tables of results, and measure how far a comparison agrees with them.
 
-``docs/compare.md`` describes the file. Of its columns only world, controller and time are needed.
+``docs/compare.md`` describes the file. Only its columns world, controller and time are required.
 """
 
 from __future__ import annotations
@@ -27,25 +27,28 @@ __all__ = [
 ]
 
 _NEEDED = ("world", "controller", "time")
-_LONGEST = 1e9  # s
-_MIDDLE = (0.025, 0.975)  # shares between which the middle 95 % of the seeds lie
+# Seconds; a longer time is taken for a mistake.
+_LONGEST = 1e9
+
+# Fractions between which the middle 95 % of the seeds are.
+_MIDDLE = (0.025, 0.975)
 _VERDICTS = (Verdict.REACHED, "never", *FAILURES)
 
 
 @dataclass(frozen=True)
 class PublishedRow:
-    """One line of an earlier table.
+    """One line of a published table.
 
     Args:
-        world: Name of the world, as the table has it.
-        controller: Its switches included, motion model and time step not.
-        verdict: ``reached``, ``never``, or another of the vocabulary's.
-        time: s; ``None`` if nothing arrived.
-        motion: Motion model; empty if the table does not say.
-        time_step: s; ``None`` if the table does not say.
+        world: Name of the world in that table.
+        controller: Name of the controller with its options, without motion model and time step.
+        verdict: ``reached``, ``never``, or a verdict that is a failure.
+        time: Time of arrival, s; ``None`` if nothing arrived.
+        motion: Motion model; empty if the table does not give one.
+        time_step: Duration of a step, s; ``None`` if the table does not give one.
         source: Where the figure comes from.
-        note: What else the table says.
-        folder: The worlds' folder that the table belongs to; empty for any.
+        note: The table's note on it.
+        folder: Folder of the worlds that the table is about; empty for any.
     """
 
     world: str
@@ -60,24 +63,24 @@ class PublishedRow:
 
     @property
     def never(self) -> bool:
-        """Whether it says that the robot drives on for ever."""
+        """True if the table reports that the robot keeps driving forever."""
         return self.verdict in ("never", *NEVER)
 
     @property
     def rank_time(self) -> float:
-        """The time to rank by, s; ``inf`` without arrival."""
+        """Time to rank by, s; ``inf`` if it did not arrive."""
         return self.time if self.verdict == Verdict.REACHED and self.time is not None else math.inf
 
     def is_of(self, world: NamedWorld) -> bool:
-        """Whether the figure speaks of this world."""
+        """Return True if the figure is about this world."""
         return self.world in (world.name, world.stem) and self.folder in ("", world.folder)
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far our time is from an earlier one: ``relative`` is (ours - theirs) / theirs.
+    """How far our time is from a published one; times in s.
 
-    Times in s.
+    ``relative`` is (ours - theirs) / theirs.
     """
 
     world: str
@@ -89,16 +92,17 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Agreement:
-    """An earlier table beside ours.
+    """How far a published table agrees with ours.
 
     Args:
-        figures: By (row, column); a cell may have several.
-        rankings: Worlds in which the order of the controllers is the same, of how many with two or
-            more figures.
-        never: Cells in which both say never, of how many in which one does.
-        within: Earlier times within the middle 95 % of our seeds, of how many.
-        largest: The cell without chance whose time deviates most; of several figures the nearest
-            counts.
+        figures: Published figures by (row, column); a cell may have several.
+        rankings: Number of worlds in which both rank the controllers in the same order, and of
+            worlds with at least two figures.
+        never: Number of cells in which both report never, and of cells in which either does.
+        within: Number of published times within the middle 95 % of our seeds, and of all times that
+            can be compared so.
+        largest: The cell without randomness whose time deviates most; of several figures, the
+            nearest counts.
     """
 
     figures: Mapping[tuple[int, int], tuple[PublishedRow, ...]]
@@ -109,15 +113,15 @@ class Agreement:
 
 
 def read_figures(text: str, source: str, folder: str = "") -> tuple[PublishedRow, ...]:
-    """Reads an earlier table.
+    """Read a published table.
 
     Args:
-        text: The CSV file.
-        source: Its name for messages.
-        folder: The worlds' folder that it belongs to; empty for any.
+        text: Content of the CSV file.
+        source: Its name, for messages.
+        folder: Folder of the worlds that it is about; empty for any.
 
     Raises:
-        FormatError: If it is no such table, with the line at fault.
+        FormatError: If it is not such a table; the error names the faulty line.
     """
     rows = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
@@ -141,8 +145,8 @@ def read_figures(text: str, source: str, folder: str = "") -> tuple[PublishedRow
     except csv.Error as error:
         raise FormatError(
             "invalid-csv",
-            "no CSV: {reason}",
-            "write fields with commas between",
+            "not CSV: {reason}",
+            "write fields separated by commas",
             reason=str(error),
             line=rows.line_num,
             source=source,
@@ -162,6 +166,8 @@ def _figure(
             line=line,
             source=source,
         )
+
+    # Read the required columns. An empty time, or "never", means that the robot did not arrive.
     values = {name: text.strip() for name, text in zip(header, row, strict=True)}
     if not values["world"] or not values["controller"]:
         raise FormatError(
@@ -170,12 +176,14 @@ def _figure(
     text = values["time"]
     verdict = values.get("verdict", "").lower()
     time = None if text.lower() in ("", "never") else _seconds("time", text, line, source)
+
+    # The verdict may be omitted if the time implies it.
     if not verdict:
         verdict = "never" if time is None else Verdict.REACHED
     if verdict not in _VERDICTS:
         raise FormatError(
             "unknown-name",
-            "verdict {verdict!r} is none of {known!l}",
+            "verdict {verdict!r} is not one of {known!l}",
             verdict=verdict[:40],
             known=[str(one) for one in _VERDICTS],
             line=line,
@@ -190,21 +198,31 @@ def _figure(
             source=source,
         )
     if verdict != Verdict.REACHED:
-        time = None  # of those few that arrived all the same
+        # A time in such a line belongs to the few runs that arrived anyway.
+        time = None
+
+    # Options in the controller's name take precedence over the columns of the table.
     controller, motion, step = _scenario(values["controller"], values.get("motion", ""))
     if values.get("time_step"):
         step = _seconds("time_step", values["time_step"], line, source)
     return PublishedRow(
-        values["world"], controller, verdict, time, motion, step,
-        values.get("source", ""), values.get("note", ""), folder,
-    )  # fmt: skip
+        world=values["world"],
+        controller=controller,
+        verdict=verdict,
+        time=time,
+        motion=motion,
+        time_step=step,
+        source=values.get("source", ""),
+        note=values.get("note", ""),
+        folder=folder,
+    )
 
 
 def _scenario(text: str, motion: str) -> tuple[str, str, float | None]:
-    """Controller, motion model and time step, however the table spells them."""
+    """Return controller, motion model and time step, however the table writes them."""
     try:
         found = Scenario.parse(text, motion=motion, time_step=math.inf)
-    except InvalidParameter:  # a controller of which we know nothing
+    except InvalidParameter:  # The table may contain controllers that do not exist here.
         return text, motion, None
     step = found.time_step if math.isfinite(found.time_step) else None
     return found.label(found.motion, found.time_step), found.motion, step
@@ -218,8 +236,8 @@ def _seconds(name: str, text: str, line: int, source: str) -> float:
     if not 0.0 < value <= _LONGEST:
         raise FormatError(
             "not-a-number",
-            "{name} {value!r} is no number of seconds, above 0 and up to {most:g}",
-            "write one, or never",
+            "{name} {value!r} is not a number of seconds, above 0 and up to {most:g}",
+            "write a number of seconds, or never",
             name=name,
             value=text[:40],
             most=_LONGEST,
@@ -232,9 +250,9 @@ def _seconds(name: str, text: str, line: int, source: str) -> float:
 def figures_of(
     figures: Iterable[PublishedRow], world: NamedWorld, scenario: Scenario
 ) -> tuple[PublishedRow, ...]:
-    """The figures for one cell.
+    """Return the figures for one cell.
 
-    Those of its motion model and time step, if there are any, else all.
+    These are the ones for its motion model and time step if there are any, else all of them.
     """
     name = scenario.label(scenario.motion, scenario.time_step)
     found = [figure for figure in figures if figure.controller == name and figure.is_of(world)]
@@ -244,14 +262,14 @@ def figures_of(
 
 
 def relative(ours: float, theirs: float) -> float:
-    """(ours - theirs) / theirs; ``inf`` where theirs is 0 and ours is not."""
+    """Return (ours - theirs) / theirs; ``inf`` if theirs is 0 and ours is not."""
     if theirs == 0.0:
         return 0.0 if ours == 0.0 else math.inf
     return (ours - theirs) / theirs
 
 
 def agreement(comparison: Comparison, figures: Iterable[PublishedRow]) -> Agreement:
-    """How far an earlier table and ours agree."""
+    """Return how far a published table agrees with ours."""
     known = tuple(figures)
     found: dict[tuple[int, int], tuple[PublishedRow, ...]] = {}
     for row, world in enumerate(comparison.worlds):
@@ -283,7 +301,7 @@ def _rankings(
 
 
 def _nearest(cell: Cell, figures: Sequence[PublishedRow]) -> float:
-    """The published time to rank by, s: of several the one nearest to ours."""
+    """Return the published time to rank by, s: of several, the one nearest to ours."""
     ours = cell.rank_time
     times = sorted(figure.rank_time for figure in figures)
     return min(
@@ -295,7 +313,7 @@ def _nearest(cell: Cell, figures: Sequence[PublishedRow]) -> float:
 
 
 def _order(times: Sequence[float]) -> list[int]:
-    """Each time's place, ties sharing one."""
+    """Return each time's rank; ties share one."""
     places = sorted(set(times))
     return [places.index(time) for time in times]
 

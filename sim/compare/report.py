@@ -1,4 +1,4 @@
-"""A comparison as text, CSV and JSON; ``docs/compare.md`` describes columns and keys."""
+"""Present a comparison as text, CSV and JSON; ``docs/compare.md`` describes columns and keys."""
 
 from __future__ import annotations
 
@@ -18,16 +18,33 @@ from worldgen.support.plain_text import aligned
 __all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "describe_outcome"]
 
 CSV_COLUMNS = (
-    "world", "controller", "motion", "time_step", "budget", "seeds", "first_seed", "reached", "low", "high",
-    "verdict", "detail", "verdicts", "steps", "time", *(f"p{percent}" for percent in PERCENTILES), "source",
-)  # fmt: skip
-_WIDTH = 116  # of sentences below a table
+    "world",
+    "controller",
+    "motion",
+    "time_step",
+    "budget",
+    "seeds",
+    "first_seed",
+    "reached",
+    "low",
+    "high",
+    "verdict",
+    "detail",
+    "verdicts",
+    "steps",
+    "time",
+    *(f"p{percent}" for percent in PERCENTILES),
+    "source",
+)
+
+# Columns of text for sentences below a table.
+_WIDTH = 116
 
 
 def describe_outcome(cell: Cell) -> str:
-    """What a controller did in a world.
+    """Return what a controller did in a world, in a few words.
 
-    ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
+    Examples: ``4.950``, ``12.300 (97/100)``, ``never (loop, period 104)``, ``tunnel``.
     """
     if cell.random:
         share = f"({cell.reached}/{len(cell.runs)})"
@@ -49,7 +66,7 @@ def describe_outcome(cell: Cell) -> str:
 
 
 def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:
-    """The table, the totals, and how far an earlier table agrees; plain text in aligned columns."""
+    """Return the table, the totals and the agreement with a published table, as aligned text."""
     parts = [_main_table(comparison, beside), _totals_table(comparison)]
     if beside is not None:
         parts.append(_agreement_text(beside))
@@ -57,6 +74,7 @@ def as_text(comparison: Comparison, beside: Agreement | None = None) -> str:
 
 
 def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
+    # One row per world, with a row of published figures below it if there are any.
     several = len(comparison.labels) > 1
     rows = [["world", *comparison.labels, *(("best", "worst") if several else ())]]
     for index, cells in enumerate(comparison.cells):
@@ -75,6 +93,8 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
                     *(_published_ranks(comparison, known)),
                 ]
             )
+
+    # Explain the notation that the table uses.
     text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
@@ -104,7 +124,7 @@ def _published_row(
 def _published_ranks(
     comparison: Comparison, known: Mapping[int, tuple[PublishedRow, ...]]
 ) -> list[str]:
-    """Best and worst by the first figure of each cell."""
+    """Return the best and the worst by the first figure of each cell."""
     if len(known) < 2:
         return []
     return _ranks(
@@ -123,7 +143,7 @@ def _describe_figure(cell: Cell, figure: PublishedRow) -> str:
 
 
 def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list[list[str]]:
-    """All rows, filled up; below the first, decimal points in the columns of ``numbers`` stand below each other."""
+    """Return the rows at equal length, with decimal points aligned in the columns ``numbers``."""
     columns = max(map(len, rows))
     filled = [[*row, *[""] * (columns - len(row))] for row in rows]
     for column in numbers:
@@ -138,6 +158,7 @@ def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list
 
 def _totals_table(comparison: Comparison) -> str:
     totals = comparison.totals()
+    # Arrivals and failures of every controller, and who was best if there are several.
     rows = [["total", *comparison.labels], ["arrived", *map(_arrived, totals)]]
     rows.append(
         [
@@ -158,6 +179,8 @@ def _totals_table(comparison: Comparison) -> str:
         if comparison.common:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
+
+    # Say which worlds the times are over, and how the intervals are computed.
     text = aligned(rows)
     if len(totals) > 1:
         count = len(comparison.common)
@@ -206,7 +229,7 @@ def _wrapped(text: str) -> str:
 
 
 def as_csv(comparison: Comparison) -> str:
-    """One line a world and controller, under :data:`CSV_COLUMNS`."""
+    """Return one line per world and controller, with the columns :data:`CSV_COLUMNS`."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(CSV_COLUMNS)
@@ -221,19 +244,29 @@ def _csv_row(cell: Cell) -> list[object]:
     interval = cell.interval
     verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
     verdict = "never" if cell.never and cell.verdict not in NEVER else cell.verdict
+    percentiles = [cell.percentile(percent) if cell.random else None for percent in PERCENTILES]
     return [
-        cell.world, scenario.label(scenario.motion, scenario.time_step), scenario.motion, repr(scenario.time_step),
-        cell.budget, len(cell.runs), scenario.seed if cell.random else "", cell.reached,
+        cell.world,
+        scenario.label(scenario.motion, scenario.time_step),
+        scenario.motion,
+        repr(scenario.time_step),
+        cell.budget,
+        len(cell.runs),
+        scenario.seed if cell.random else "",
+        cell.reached,
         *((round(end, 6) for end in interval) if interval else ("", "")),
-        verdict, cell.detail, verdicts, f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
+        verdict,
+        cell.detail,
+        verdicts,
+        f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
         "never" if cell.never else "" if cell.time is None else repr(cell.time),
-        *("" if not cell.random or (time := cell.percentile(p)) is None else repr(time) for p in PERCENTILES),
+        *("" if time is None else repr(time) for time in percentiles),
         "worldgen compare",
-    ]  # fmt: skip
+    ]
 
 
 def as_json(comparison: Comparison, beside: Agreement | None = None) -> dict[str, Any]:
-    """The comparison as plain data."""
+    """Return the comparison as plain data."""
     figures = {} if beside is None else beside.figures
     worlds = []
     for index, cells in enumerate(comparison.cells):

@@ -1,10 +1,10 @@
 """Run the thesis's simulator, which is in C: arrays in, a finished run out.
 
-The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is
--y (up), growing clockwise on the screen; milliseconds.
+Everything is in the thesis's own frame: pixels, y down, ten pixels per cell, ``cells[x, y]``;
+heading 0 is -x, pi/2 is -y (up), growing clockwise on the screen; times are in milliseconds.
 
-``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there),
-changed by the noise filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop
+``cells`` (int32) holds the signal, the squared distance in cells to the target's cell (0 there),
+changed by the noise filter; or ``WALL``; or ``FLAME``, which carries no signal and does not stop
 the robot. The border must be ``WALL``.
 """
 
@@ -38,8 +38,11 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
-CELL = 10.0  # px per cell; the listing's `length`
-ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the last bit of a cosine
+# Pixels per cell; the listing calls it `length`.
+CELL = 10.0
+
+# Pixels per ms. At 15 ms, a tick moves 2 or 3 px, decided by the last bit of a cosine.
+ROBOT_SPEED = 0.2
 WALL: int = _lib.WG_THESIS_WALL
 FLAME: int = _lib.WG_THESIS_FLAME
 
@@ -47,16 +50,17 @@ ROW = np.dtype([(name, np.float64) for name, _ in _ffi.typeof("WgThesisRow").fie
 """A row of a trace: the state after a tick."""
 
 STATE_FIELDS: tuple[str, ...] = ROW.names[: _lib.WG_THESIS_WORDS] if ROW.names else ()
-"""Those fields of a row that decide the robot's future."""
+"""The fields of a row that decide the robot's future."""
 
-_FIRST_COUNT = STATE_FIELDS.index(
-    "collision"
-)  # of these fields: from here on they are whole numbers
-_WORK = 1 << 22  # px that a call may step through, about 0.1 s: between two calls Ctrl-C is heard
+# From this field on, the state's fields are whole numbers.
+_FIRST_COUNT = STATE_FIELDS.index("collision")
+
+# Pixels that one call may step through, about 0.1 s; Ctrl-C is noticed between calls.
+_WORK = 1 << 22
 
 
 class ThesisSetup(NamedTuple):
-    """The robot and what is asked of the run.
+    """The robot and the options of its run.
 
     ``WgThesisSettings`` in ``sim/core/wg_thesis.h`` explains each field.
     """
@@ -91,14 +95,14 @@ class ThesisSetup(NamedTuple):
 
 
 class ThesisEpisode:
-    """A run from its start, as far as it has been asked to go.
+    """A run, from its start to where it has been continued so far.
 
     Args:
         cells: (width, height) the signal with walls; copied.
-        light: (width, height) the signal that comes back where a cell becomes free.
-        events: (n, 4) rows (step, x, y, state), sorted by step; applied before that step moves.
+        light: (width, height) the signal that returns when a cell becomes free.
+        events: (n, 4) rows (step, x, y, state), sorted by step; applied before that step's move.
         start: x and y in px, and the heading in rad.
-        setup: The robot.
+        setup: The robot and the options of the run.
     """
 
     def __init__(
@@ -112,7 +116,7 @@ class ThesisEpisode:
         self.cells = np.array(cells, np.int32, order="C")
         self.visited = np.zeros(cells.shape, np.uint8)
         self.setup = setup
-        # C holds addresses, so what they point to is kept here.
+        # C keeps addresses only, so the arrays must stay alive here.
         self._light = np.ascontiguousarray(light, np.int32)
         self._events = np.ascontiguousarray(events, np.int64).reshape(-1, 4)
         seeks = setup.find_loop == _lib.WG_SEEK_LOOP
@@ -149,35 +153,44 @@ class ThesisEpisode:
         }
 
     def go(self, until: int, draws: Floats, rows: Rows, first_row: int = 0) -> bool:
-        """Continue until something is decided, or a step is done.
+        """Continue until the run is decided or a step is done.
 
         Args:
             until: That step; never after ``setup.steps``.
-            draws: Random numbers in [0, 1) for the random rule, from the first on.
-            rows: (n,) of type :data:`ROW`; row k gets the state after step ``first_row`` + k.
+            draws: Random numbers in [0, 1) for the random rule, starting with the first.
+            rows: (n,) of type :data:`ROW`; row k receives the state after step ``first_row`` + k.
             first_row: Step of the first row.
 
         Returns:
-            False if the draws did not suffice; give more, the earlier ones in front, and call
+            False if there were too few draws. Then give more, after the same first ones, and call
             again.
         """
         numbers = pointer(_ffi, np.ascontiguousarray(draws, np.float64), np.float64)
         table = _ffi.cast("WgThesisRow *", writable(_ffi, rows.view(np.float64), np.float64))
         last = min(until, self.setup.steps)
         portion = max(1, int(_WORK / max(1.0, self.setup.speed * self.setup.time_step)))
+        # Continue in portions of roughly equal work, so that Ctrl-C is noticed.
         while True:
             end = min(last, self.run.steps + portion)
             check(
                 _lib.wg_thesis_run(
-                    self._arena, self._settings, self.run, self._search, numbers, len(draws), table, len(rows),
-                    first_row, end,
+                    self._arena,
+                    self._settings,
+                    self.run,
+                    self._search,
+                    numbers,
+                    len(draws),
+                    table,
+                    len(rows),
+                    first_row,
+                    end,
                 )
-            )  # fmt: skip
+            )
             if self.run.ending != _lib.WG_LIMIT or self.run.steps >= last:
                 return bool(self.run.ending != _lib.WG_NEEDS_DRAWS)
 
     def proved_state(self) -> npt.NDArray[np.uint64]:
-        """Return the state that a proved loop comes back to, in the words of a trace."""
+        """Return the state to which a proved loop returns, in the words of a trace."""
         words = self._known.copy()
         words[_FIRST_COUNT:] = (
             self._known[_FIRST_COUNT:].view(np.int64).astype(np.float64).view(np.uint64)
@@ -186,12 +199,12 @@ class ThesisEpisode:
 
 
 def new_rows(count: int) -> Rows:
-    """Return an empty trace of so many rows."""
+    """Return an empty trace with this many rows."""
     return np.zeros(count, ROW)
 
 
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
-    """(width, height) int32: squared distance in cells to the target's cell.
+    """Return (width, height) int32, squared distances in cells to the target's cell.
 
     The border is ``WALL``.
     """
@@ -206,11 +219,11 @@ def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
 def add_noise(cells: Cells, light: Cells) -> None:
     """Weaken or strengthen the signal of cells near inner walls, in place.
 
-    The order of the walls matters.
+    The result depends on the order of the walls, which is the thesis's.
 
     Args:
         cells: (width, height) the signal with every wall drawn.
-        light: (width, height) the undisturbed signal, :func:`signal_map`.
+        light: (width, height) the undisturbed signal, from :func:`signal_map`.
     """
     check(
         _lib.wg_thesis_add_noise(

@@ -1,7 +1,7 @@
 """Options of the thesis's simulator.
 
-What its own program let one set, and what its author left to be done. The defaults are the program
-as it was. ``docs/thesis.md`` says of each where it comes from.
+They cover the settings of its own program, and work that its author left to be done. The defaults
+reproduce the program as it was. ``docs/thesis.md`` gives the origin of each option.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 @dataclass(frozen=True)
 class ThesisOptions(OptionSet):
-    """How the motion model ``stepped`` and the thesis's robot work.
+    """Options of the motion model ``stepped`` and of the thesis's robot.
 
-    A failure stores what is not at its default.
+    A failure stores the options that differ from their defaults.
 
     Args:
         sensor_range: Reach of the signal sensor, px, 36 to 1000; 36 sees the eight cells around.
@@ -38,23 +38,25 @@ class ThesisOptions(OptionSet):
         turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws
             its own.
         arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or
-            ``interruptible``, which asks in every tick and lets a new collision begin the escape
-            afresh.
+            ``interruptible``, which decides in every tick and lets a new collision restart the
+            escape.
         repair_slide: Slide along a wall only where the disc is then clear of every wall.
         repair_back_off: Stay at a wall instead of backing off without looking.
         repair_corner: Stop where only the corner of a cell is touched.
-        keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as
-            the program did.
-        acceleration: Greatest gain of speed, m/s2; 0 means at once. Like all forces it acts on the
-            speed, while moves are whole pixels, a tenth of a cell: a robot that makes no more than
-                one a tick stands still.
-        friction: Loss of speed once the wheels stand, m/s2; 0 means at once.
-        wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
-        slip: Largest share of a tick's way that is lost on the floor, 0 to 1, another in each tick.
-        sensor_field: Angle that the sensor looks into, rad, about the heading; 0 means all round.
-        sensor_noise: Largest share by which a reading is wrong, 0 to 1, another for each cell and
+        keep_going: Whether walls that the robot enters neither end the run nor decide its verdict,
+            as in the original program.
+        acceleration: Greatest gain of speed, m/s2; 0 means instantly. Like all forces it acts on
+            the speed, while moves are whole pixels, a tenth of a cell: a robot that moves no more
+            than one a tick stands still.
+        friction: Loss of speed once the wheels stand, m/s2; 0 means instantly.
+        wall_friction: Fraction of a slide along a wall that friction takes, 0 to 1.
+        slip: Largest fraction of a tick's move that is lost on the floor, 0 to 1, drawn again in
+            each tick.
+        sensor_field: Angle that the sensor covers, rad, centred on the heading; 0 means all
+            directions.
+        sensor_noise: Largest fraction by which a reading is wrong, 0 to 1, drawn for each cell and
             tick.
-        signal: What walls do to the signal on its straight way from the target: nothing, as in the
+        signal: What walls do to the signal on its straight path from the target: nothing, as in the
             thesis (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
         map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
         draws: Numbers in [0, 1) that the random rule uses up before those of the seed.
@@ -91,21 +93,21 @@ class ThesisOptions(OptionSet):
         if not all(0.0 <= draw < 1.0 for draw in self.draws):
             raise InvalidParameter(
                 "out-of-range",
-                "draws hold a number outside [0, 1)",
-                "give numbers as a random generator makes them",
+                "draws contain a number outside [0, 1)",
+                "give numbers from 0 up to, but not including, 1",
             )
 
     @property
     def repaired(self) -> bool:
-        """Whether all three faults of the motion are repaired, so that no wall is ever cut."""
+        """True if all three faults of the motion are repaired, so that no wall is ever cut."""
         return self.repair_slide and self.repair_back_off and self.repair_corner
 
     @property
     def sensor_cells(self) -> int:
-        """Reach of the sensor in cells, as the listing divides: 36 px gives 1, 50 px gives 2."""
+        """Reach of the sensor in cells, rounded as in the listing: 36 px gives 1, 50 px gives 2."""
         return int((self.sensor_range - 36) / 10) + 1
 
     @property
     def random(self) -> bool:
-        """Whether the simulator itself draws random numbers, so that no state can come back."""
+        """True if the simulator itself draws random numbers, so that no state can recur."""
         return self.slip > 0.0 or self.sensor_noise > 0.0

@@ -1,8 +1,8 @@
-"""Packs a world for the thesis's simulator, runs it, and reads the result back into the world's frame.
+"""Pack a world for the thesis's simulator, run it, and convert the result to the world's frame.
 
-The thesis's frame has pixels, y down, and headings that grow clockwise from -x; a cell is ten
-pixels. Its maps have a border of walls. A world whose border is open gets its solid outside added
-as one, and a robot then never enters the cells next to that border less than the disc fits.
+The thesis's frame is in pixels, with y down, headings that grow clockwise from -x, and ten pixels
+per cell. Its maps have a border of walls. A world whose border is open gets one added for its solid
+outside; the robot then enters the cells next to that border only as far as its disc fits.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 
+# Random numbers that a run of the random rule gets at first; if they run out, it gets more.
 _FIRST_DRAWS = 256
 _CAUSES = {
     _lib.WG_STRAIGHT: "",
@@ -60,12 +61,20 @@ _REPAIR_BITS = {
     "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
     "repair_corner": _lib.WG_REPAIR_CORNER,
 }
-_DRIFT = 1e-6  # px and rad: a pose that comes back is no further off
-_DRIFT_PERIODS = 4  # periods that must be seen
+# Pixels and rad. Poses that differ by less than this count as the same.
+_DRIFT = 1e-6
+
+# Periods that must be seen before a drift is reported.
+_DRIFT_PERIODS = 4
 
 
 class ThesisRun:
     """One world, rule and set of options, ready to run any number of times.
+
+    Args:
+        world: The world to drive in.
+        rule: Number of the thesis's rule, 1 to 3.
+        options: Options of the run.
 
     Raises:
         InvalidParameter: If the robot is wider than two cells, or the step longer than a cell
@@ -100,7 +109,7 @@ class ThesisRun:
         return float(radius * 10)
 
     def _robot(self, rule: int, target_x: int, target_y: int) -> ThesisSetup:
-        """The robot in the thesis's units: px and ms."""
+        """Return the robot in the thesis's units, px and ms."""
         world = self.world
         options = self.options
         thesis = self.options.thesis
@@ -132,12 +141,12 @@ class ThesisRun:
         )
 
     def _solid(self) -> npt.NDArray[np.bool_]:
-        """(width, height) bool: walls in the thesis's frame."""
+        """Return (width, height) bool, the walls in the thesis's frame."""
         walls = np.pad(self.world.walls, 1, constant_values=True) if self._pad else self.world.walls
         return np.ascontiguousarray(flip_rows(walls).T)
 
     def _target_cell(self, solid: npt.NDArray[np.bool_]) -> tuple[int, int]:
-        """The target's cell in the thesis's frame."""
+        """Return the target's cell in the thesis's frame."""
         world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
         target_y = (
@@ -149,7 +158,7 @@ class ThesisRun:
         ):
             raise InvalidWorld(
                 "target-in-wall",
-                "target ({x:g}, {y:g}) m lies in a wall cell, which has no signal",
+                "target ({x:g}, {y:g}) m is in a wall cell, which has no signal",
                 "move it",
                 x=world.target.x,
                 y=world.target.y,
@@ -159,7 +168,7 @@ class ThesisRun:
     def _signal(
         self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int
     ) -> tuple[Cells, Cells]:
-        """Signal map with walls, and without."""
+        """Return the signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
         if self.options.thesis.noise:
@@ -184,6 +193,7 @@ class ThesisRun:
         clear_sq, reach = disc_numbers(world)
         x = metres_to_lattice(world.start.x, side)
         y = metres_to_lattice(world.start.y, side)
+        # The robot must fit at its start; ask the same C function as the other motion models.
         solid = np.array(world.walls, np.uint8, order="C")
         grid = {
             "cells": pointer(_ffi, solid, np.uint8),
@@ -194,46 +204,45 @@ class ThesisRun:
             grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y
         ):
             raise start_overlaps(world)
+
+        # Convert to pixels, with y down and headings that grow clockwise from -x.
         x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
         y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
         return x_px, y_px, (math.pi - world.start.heading) % (2.0 * math.pi)
 
     @property
     def last_event_step(self) -> int:
-        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        """Step at whose beginning the world changes for the last time; 0 if it never changes."""
         return int(self._events[-1, 0]) if len(self._events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
-        """Runs up to ``steps`` ticks from the start.
-
-        With ``find_loop`` a recurrence ends the run.
-        """
+        """Simulate up to ``steps`` ticks from the start; see :meth:`sim.outcome.Runnable.run`."""
         seeks = find_loop and not self.options.thesis.random
         search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
         return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
-        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
+        """Simulate a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
         outcome, episode = self._run(
             entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry
         )
         return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
 
-    def _run(self, steps: int, *, record: bool, **asked: int) -> tuple[Outcome, ThesisEpisode]:
-        """One run from the start; ``asked`` are fields of its setup."""
+    def _run(self, steps: int, *, record: bool, **fields: int) -> tuple[Outcome, ThesisEpisode]:
+        """Run once from the start, with some fields of the setup changed."""
         rows = new_rows(steps + 1 if record else 0)
-        episode = self._episode(steps, **asked)
+        episode = self._episode(steps, **fields)
         self._go_on(episode, steps, rows, 0)
         return self._outcome(
             episode.run, rows[: episode.run.steps + 1] if record else None
         ), episode
 
-    def _episode(self, steps: int, **asked: int) -> ThesisEpisode:
-        setup = self._setup._replace(steps=steps, **asked)
+    def _episode(self, steps: int, **fields: int) -> ThesisEpisode:
+        setup = self._setup._replace(steps=steps, **fields)
         return ThesisEpisode(self._cells, self._light, self._events, self._start, setup)
 
     def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
-        """Runs until something is decided or a step is done, with as many draws as that takes."""
+        """Continue until the run is decided or a step is done, with as many draws as that takes."""
         count = _FIRST_DRAWS if self._setup.rule == _lib.WG_RULE_RANDOM else 0
         while not episode.go(until, self._draws(count), rows, first_row):
             count *= 4
@@ -243,20 +252,23 @@ class ThesisRun:
         return np.concatenate([given, RandomStream(self.options.seed).floats(count)])
 
     def signal(self) -> npt.NDArray[np.int32]:
-        """The signal with walls in the world's frame; see :func:`signal_in`."""
+        """Return the signal with walls in the world's frame; see :func:`signal_in`."""
         inner = slice(self._pad, -self._pad or None)
         return np.ascontiguousarray(flip_rows(self._cells[inner, inner].T))
 
     def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
-        """Return the evidence for a stalled run with what the run does in the second half of ``steps``.
+        """Add to a stalled run's evidence how it behaves in the second half of ``steps``.
 
-        It drifts if its poses come back to within a millionth of a pixel; else it is only confined.
+        It drifts if its poses recur within a millionth of a pixel; otherwise it is only confined.
         """
+        # Run the first half without recording, and record the second.
         half = steps // 2
         episode = self._episode(steps, digest=0)
         self._go_on(episode, half, new_rows(0), 0)
         rows = new_rows(steps - half + 1)
         self._go_on(episode, steps, rows, half)
+
+        # Measure the box of cells that it visits, and look for a period.
         poses = np.stack([rows["x"], rows["y"], rows["heading"]], axis=1)
         cells = np.floor(poses[:, :2] / CELL)
         columns, cell_rows = (int(side) for side in np.ptp(cells, axis=0) + 1)
@@ -267,12 +279,13 @@ class ThesisRun:
         return replace(evidence, kind="drifting", entry=half + entry, period=period, box=box)
 
     def _outcome(self, run: Any, rows: Rows | None) -> Outcome:
-        """What a finished run, ``WgThesisRun``, found, in the world's frame."""
+        """Return the outcome of a finished run, a ``WgThesisRun``, in the world's frame."""
         metres = self.world.cell_size / CELL
         ending = ENDINGS[run.ending]
         tunnelled = ending == Verdict.TUNNEL
         keeps_going = self.options.thesis.keep_going
         overlapped = run.overlap.step >= 0 and not keeps_going
+        # Only a run that ended in a wall has a cause, and only if walls end runs.
         cause = ""
         cause_step = -1
         if tunnelled or overlapped:
@@ -303,11 +316,11 @@ class ThesisRun:
         )
 
     def _cell(self, place: Any) -> tuple[int, int]:
-        """A place's cell in the world's frame; one of the added border lies just outside."""
+        """Return a place's cell in the world's frame; the added border is just outside of it."""
         return place.x - self._pad, self._height - 1 - self._pad - place.y
 
     def _trace(self, rows: Rows) -> Trace:
-        """The recorded rows in metres and radians."""
+        """Return the recorded rows in metres and radians."""
         metres = float(exact(self.world.cell_size) / 10)
         x = (rows["x"] - 10.0 * self._pad) * metres
         y = ((self._height - self._pad) * 10.0 - rows["y"]) * metres
@@ -330,16 +343,16 @@ class ThesisRun:
 
 
 def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
-    """The signal that the thesis's robot reads in each cell.
+    """Return the signal that the thesis's robot reads in each cell of a world.
 
-    The squared distance to the target's cell, in cells.
+    It is the squared distance to the target's cell, in cells.
 
     Args:
-        world: Where.
+        world: The world.
         noise: Whether the noise filter has changed it near walls.
 
     Returns:
-        (height, width) int32, row 0 the lowest y; -2 in walls, and in a border that is no wall.
+        (height, width) int32, row 0 is the lowest y; -2 in walls, and in a border that is open.
 
     Raises:
         InvalidWorld: If start or target are in a wall.
@@ -350,15 +363,17 @@ def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
 
 
 def _drift(poses: Floats) -> tuple[int, int]:
-    """Shortest period in which poses come back but for rounding until the end, and from where on.
+    """Return the shortest period in which poses recur until the end, and from where on they do.
 
-    0 if none.
+    Poses recur if they are equal except for rounding. Without a period, return zeros.
     """
+    # Candidates are periods that lead from an earlier pose back to the last one.
     near = (np.abs(poses - poses[-1]) < _DRIFT).all(axis=1)
     for last in np.flatnonzero(near[:-1])[::-1]:
         period = len(poses) - 1 - int(last)
         if _DRIFT_PERIODS * period > len(poses):
             break
+        # Poses must recur from some entry on, for enough periods to be convincing.
         away = np.flatnonzero((np.abs(poses[period:] - poses[:-period]) >= _DRIFT).any(axis=1))
         entry = int(away[-1]) + 1 if len(away) else 0
         if len(poses) - 1 - entry >= _DRIFT_PERIODS * period:
@@ -367,12 +382,12 @@ def _drift(poses: Floats) -> tuple[int, int]:
 
 
 def _table(rows: Rows) -> Floats:
-    """(n, fields) the rows of a trace as plain numbers."""
+    """Return (n, fields) float64, the rows of a trace as plain numbers."""
     return rows.view(np.float64).reshape(len(rows), -1)
 
 
 def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
-    """The seven words a tick that the digest of the recorded vectors runs over."""
+    """Return (n, 7) words, for each tick those from which recorded digests are computed."""
     words = np.zeros((len(rows), 7), np.uint64)
     for k, name in enumerate(("x", "y", "heading", "target_heading", "speed")):
         words[:, k] = rows[name].copy().view(np.uint64)
