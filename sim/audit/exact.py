@@ -76,7 +76,7 @@ def _meets(a: Fraction, b: Fraction, low: int) -> bool:
 def _any_share(
     move: Move, since: float, until: float, ranges: list[tuple[Fraction, Fraction, int, int]]
 ) -> bool:
-    """Return True if at some time in [since, until) all coordinates are in their open ranges."""
+    """Return True if at some time in [since, until) each coordinate is in its open range."""
     # Intersect the open intervals, as fractions of the move, in which each coordinate is in range.
     open_low = _BEFORE
     open_high = _AFTER

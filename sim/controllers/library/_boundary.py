@@ -1,7 +1,7 @@
-"""What controllers that follow a wall by touch have in common.
+"""Common parts of controllers that follow a wall by touch.
 
-How they do it says ``sim/core/controllers/boundary.h``. The memory of each begins with the fields
-of ``WgWallBody``.
+``sim/core/controllers/boundary.h`` describes how they do it. The memory of each of them begins with
+the fields of ``WgWallBody``.
 """
 
 from __future__ import annotations
@@ -16,7 +16,15 @@ HAND = place("WgWallBody", "hand")
 WALL = place("WgWallBody", "wall")
 
 SENSES = (
-    "bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed",
+    "bump",
+    "bump_bearing",
+    "heading",
+    "x",
+    "y",
+    "target_heading",
+    "target_distance",
+    "time_step",
+    "top_speed",
     "radius",
-)  # fmt: skip
-"""What a controller looks at that drives to the target and follows walls."""
+)
+"""Senses of a controller that drives to the target and follows walls."""

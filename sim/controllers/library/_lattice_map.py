@@ -1,6 +1,6 @@
-"""Reads the map that mapping controllers keep in their memory.
+"""Read the map that mapping controllers keep in their memory.
 
-``sim/core/controllers/lattice_map.c`` writes it.
+``sim/core/controllers/lattice_map.c`` writes it, with several entries packed into each number.
 """
 
 from __future__ import annotations
@@ -25,26 +25,34 @@ DOORS = place("WgMapperMemory", "doors")
 PLAN_AT = place("WgMapperMemory", "plan_at")
 PLAN_LENGTH = place("WgMapperMemory", "plan_length")
 PLAN = place("WgMapperMemory", "plan")
-OWN = place("WgMapperMemory", "mode")  # the controller's own numbers begin here
-NODES = size_of("WgMapperMemory")  # the bits of the nodes from here on
+# The controller's own numbers begin here.
+OWN = place("WgMapperMemory", "mode")
 
-_MOVES_A_WORD = 16  # of 3 bits
-_NODES_A_WORD = 12  # of 4 bits
-_REACH = 2  # nodes at most so far from the target, along each axis, are next to it
+# The nodes' bits begin here, and extend to the end of the memory.
+NODES = size_of("WgMapperMemory")
+
+# Moves per number, at 3 bits each.
+_MOVES_A_WORD = 16
+
+# Nodes per number, at 4 bits each.
+_NODES_A_WORD = 12
+
+# Nodes at most this far from the target along each axis have an edge to it.
+_REACH = 2
 
 SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
-"""Numbers, beside those of the nodes, that blocked edges and plan depend on."""
+"""Indices of numbers, besides those of the nodes, that blocked edges and plan depend on."""
 
 
 def memory_size(side: int) -> int:
-    """Return the numbers of memory that a map with so many nodes along a side takes."""
+    """Return how many numbers of memory a map takes, given the nodes along one side."""
     return NODES + -(-side * side // _NODES_A_WORD)
 
 
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
     """Return the node that a move leads to.
 
-    0 is east, and then counter-clockwise by eighths of a turn.
+    Moves are numbered counter-clockwise by eighths of a turn; 0 is east.
     """
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
@@ -52,10 +60,11 @@ def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
 
 
 def blocked_edges(memory: Floats) -> Floats:
-    """Return the edges that the map has as blocked: (n, 4), x and y of the nodes at both ends.
+    """Return the edges that are blocked on the map: (n, 4), x and y of the nodes at both ends.
 
-    A blocked door ends at the target.
+    A blocked door is an edge that ends at the target.
     """
+    # Unpack the four bits of each node, one for each direction in which an edge leaves it.
     side = int(memory[SIDE])
     words = memory[NODES:].astype(np.int64)
     bits = (
@@ -63,6 +72,8 @@ def blocked_edges(memory: Floats) -> Floats:
         .ravel()[: side * side]
         .reshape(side, side)
     )
+
+    # The map is a ring in both directions, so that the window can move without copying.
     low_x = int(memory[WINDOW_X])
     low_y = int(memory[WINDOW_Y])
     found = []
@@ -72,6 +83,8 @@ def blocked_edges(memory: Floats) -> Floats:
         y = low_y + (row - low_y) % side
         dx, dy = neighbour(0, 0, move)
         found.append(np.column_stack((x, y, x + dx, y + dy)).astype(np.float64))
+
+    # Doors are the edges between the target and the nodes around it.
     for number in range(4 * _REACH * _REACH):
         if (int(memory[DOORS]) >> number) & 1:
             up, along = divmod(number, 2 * _REACH)
@@ -83,7 +96,7 @@ def blocked_edges(memory: Floats) -> Floats:
 
 
 def planned_moves(memory: Floats) -> list[int]:
-    """Return all moves of the plan, those that are done among them."""
+    """Return all moves of the plan, including those already done."""
     count = int(memory[PLAN_LENGTH])
     return [
         (int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7

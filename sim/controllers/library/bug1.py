@@ -1,20 +1,18 @@
-"""Bug1: goes round each obstacle once, and leaves it where it was nearest to the target.
+"""Bug1: circle each obstacle once, and leave it where it came nearest to the target.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
-its left hand all the way round, and notes where it was nearest to the target: the leave point. From
-    the hit point it goes there, the
-shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it
-arrives if anybody can, on a way of at most the distance and one and a half times the perimeters of
-the obstacles that it meets.
+The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+wall with its left hand all the way around, and notes the point nearest to the target: the leave
+point. From the hit point it returns there by the shorter way, and drives straight to the target
+again. Leave points get nearer and nearer, so it arrives if any robot can, on a path no longer than
+the distance plus one and a half times the perimeters of the obstacles that it meets.
 
-That holds where the world stands still. A place of the wall is taken for the hit point or the leave
-point if it is nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the
-    two sides of a narrow passage are
-near to each other, too, but look opposite ways.
+This holds if the world does not change. A place on the wall counts as the hit point or the leave
+point if it is nearer than ``_SAME_PLACE`` of a step and the wall is in a similar direction. The
+direction matters because the two sides of a narrow passage are also near each other, but face
+opposite ways.
 
 Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
-    moving amidst unknown
-obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
+    moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
 """
 
 from __future__ import annotations
@@ -41,7 +39,7 @@ PATH = place("WgBug1Memory", "path")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """The hit point and the leave point, m, once there are any."""
+    """Return the hit point and the leave point, m, once they are known."""
     points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
     return MemoryMap(
         places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()}

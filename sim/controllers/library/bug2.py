@@ -1,19 +1,18 @@
-"""Bug2: goes round an obstacle until it is back on the straight line to the target, nearer to it.
+"""Bug2: follow an obstacle until the straight line to the target is met again, nearer to it.
 
-It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
-its left hand until it crosses the line from the hit point to the target at a place nearer to the
-target than the hit point; it goes back to that place and drives on. The line enters the obstacle at
-the hit point and ends outside, so somewhere on the same wall it leaves: there is such a place, and
-    each is nearer than the last. So it arrives if anybody can. Often it is
-quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many
-times.
+The robot drives straight to the target. Where a wall stops it, at the hit point, it follows the
+wall with its left hand until it crosses the line from the hit point to the target, at a place
+nearer to the target than the hit point. It returns to that place and drives on. The line enters the
+obstacle at the hit point and ends outside, so it leaves somewhere on the same wall. Such a place
+therefore exists, and each one is nearer than the last, so the robot arrives if any robot can. It is
+often quicker than Bug1, because it need not see the whole obstacle. In mazes it may pass the same
+places many times.
 
-In the paper the line is that from the start to the target. Here each hit point gives a line of its
-own, which differs by what the robot slid along a wall before that stopped it.
+In the paper, the line is the one from the start to the target. Here each hit point defines its own
+line, which differs by the distance that the robot slid along a wall before it stopped.
 
 Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
-    moving amidst unknown
-obstacles of arbitrary shape", Algorithmica 2 (1987), section 5.
+    moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 5.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ LINE_Y = place("WgBug2Memory", "line_y")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """The hit point, m, and the line from it to the target, once there is one."""
+    """Return the hit point, m, and the line from it to the target, once they are known."""
     if memory[HIT_FAR] == math.inf:
         return MemoryMap()
     hit = memory[HIT_X : HIT_Y + 1]

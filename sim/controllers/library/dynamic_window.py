@@ -1,16 +1,16 @@
-"""Dynamic window: of the speeds and turn rates that the robot can have next, the best that lets it stop in time.
+"""Dynamic window: choose the best reachable velocity that still lets the robot stop in time.
 
-Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first
-obstacle fall away; the rest are judged by where they face, how far they are free, and how fast they
-are. It drives fast and never knowingly into anything. It looks one arc ahead, so it stops or swings
-for ever in cups and before long walls, and a turn into a narrow door is often later than its arcs
-can see.
+Each pair of a speed and a turn rate is an arc. Arcs on which the robot could not brake before the
+first obstacle are dropped. The others are scored by where they face, how far they are free, and how
+fast they are. The robot drives fast and never knowingly into anything. It looks one arc ahead, so
+it stops or oscillates forever in cups and in front of long walls, and often sees a narrow door only
+when it is too late to turn into it.
 
 Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision
-    avoidance", IEEE
-Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window
-(equation 15) and the objective (equation 13). Departures: obstacles are the ends of range beams,
-arcs are judged for the whole disc, and the objective is not smoothed over the window.
+    avoidance", IEEE Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14),
+    the dynamic window (equation 15) and the objective (equation 13). Departures: obstacles are the
+    ends of range beams, arcs are judged for the whole disc, and the objective is not smoothed over
+    the window.
 """
 
 from __future__ import annotations
@@ -39,21 +39,21 @@ NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class DynamicWindow(NamedTuple):
-    """Tuned numbers.
+    """Tuned parameters.
 
     Args:
-        margin: What the robot is taken to be larger by than it is, m.
+        margin: Safety distance added to the robot's radius, m.
         gain: Greatest change of speed, m/s2, up or down.
         turn_gain: Greatest change of turn rate, rad/s2.
-        fastest_turn: rad/s.
-        speeds: Speeds that are tried, from the slowest to the fastest within the window.
-        turns: Turn rates that are tried, likewise; an odd number keeps the one of now.
-        ahead: Time, s, after which an arc's heading is compared with the target's direction.
-        least: Free way, m, that an arc must have; without any such arc the robot brakes, and turns
+        fastest_turn: Greatest turn rate, rad/s.
+        speeds: How many speeds to try, from the slowest to the fastest within the window.
+        turns: How many turn rates to try, in the same way; an odd number includes the current one.
+        ahead: Time after which an arc's heading is compared with the target's direction, s.
+        least: Free distance that an arc must have, m. If no arc has it, the robot brakes and turns
             on the spot.
-        far: Free way, m, beyond which more is no better.
+        far: Free distance beyond which more does not count, m.
         to_target: Weight of the heading.
-        to_free: Weight of the free way.
+        to_free: Weight of the free distance.
         to_speed: Weight of the speed.
     """
 
@@ -72,7 +72,7 @@ class DynamicWindow(NamedTuple):
 
 
 def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> CompiledController:
-    """Return a robot with a dynamic window of these numbers."""
+    """Return a dynamic-window controller with these parameters."""
     act = CoreAct("dynamic-window") if tuned == DynamicWindow() else CoreAct("dynamic-window-tuned")
     memory = AT_RESET if tuned == DynamicWindow() else AT_RESET + tuple(map(float, tuned))
     return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS, slow=True)

@@ -1,21 +1,19 @@
-"""Mapping: keeps a small coarse map of where it could not pass, and drives the shortest way that the map leaves open.
+"""Mapping: remember where the robot could not pass, and drive the shortest path that remains.
 
-The map is a grid of nodes about the start. The robot drives from node to node; where a wall stops
-it, it notes that edge as blocked, feels where the wall is, which blocks all edges on which it would
-overlap that place, goes back, and plans again. If no way is left it must have been mistaken: then
-    it empties the map, and feels for walls no more. What
-it does not know it takes for free. Each plan that fails blocks an edge more, so it arrives if there
-is a way along the edges of the grid, and the map holds all that it saw: with walls on a grid of
-    their own that is so if ``pitch`` is half
-a cell. With less memory the map is a window that moves with the robot, and what has left it is
-    forgotten: then it may
-go round in circles larger than its memory. ``mapping`` makes a controller with a map of any size.
+The map is a coarse grid of nodes around the start, and the robot drives from node to node. Where a
+wall stops it, it marks that edge as blocked. It then feels where the wall is, which blocks all
+edges on which it would overlap that place, goes back, and plans again. If no path remains, the map
+must be mistaken: the robot empties it and no longer feels for walls. Unknown edges count as free.
+Each plan that fails blocks another edge, so the robot arrives if there is a path along the edges of
+the grid and the map holds everything that it has seen. If walls are on a grid too, that is so with
+a ``pitch`` of half a cell. With less memory, the map is a window that moves with the robot and
+forgets what has left it; the robot may then drive in circles that are larger than its memory.
+``mapping`` makes a controller with a map of any size.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and
-    Automation 8 (1992);
-that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds
-    for planning in
-unknown terrain", Artificial Intelligence 147 (2003).
+    Automation 8 (1992). That it arrives, and how long that may take: S. Koenig, C. Tovey and Y.
+    Smirnov, "Performance bounds for planning in unknown terrain", Artificial Intelligence 147
+    (2003).
 """
 
 from __future__ import annotations
@@ -36,9 +34,13 @@ __all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
 
 Floats = npt.NDArray[np.float64]
 
-PITCH = 0.05  # m: half a cell of the families' worlds
-CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in spite of rounding
-# nodes
+# Distance between two nodes, m: half a cell of the families' worlds.
+PITCH = 0.05
+
+# Fraction of the radius. Nearer than this to a wall there is surely no space, despite rounding.
+CERTAIN = 0.97
+
+# Sizes of maps, in nodes along a side.
 FULL_SIDE = 128
 SMALL_SIDE = 12
 LEAST_SIDE = 8
@@ -53,23 +55,26 @@ GRID = place("WgMapperMemory", "grid")
 TRIES = place("WgMapperMemory", "tries")
 NO_ROOM = place("WgMapperMemory", "no_room")
 
-_START = 0.0  # values of MODE
+# Values of MODE.
+_START = 0.0
 _GO = 1.0
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """The edges that the map has as blocked, and the plan from where it was made, in m."""
+    """Return the blocked edges of the map, and the plan from where it was made, in m."""
     if memory[MODE] == _START:
         return MemoryMap()
+
+    # Follow the plan's moves from its first node, and shift it so that the robot's node fits.
     origin = np.array((memory[START_X], memory[START_Y]))
     pitch = memory[GRID]
     done = int(memory[lattice.PLAN_AT])
     moves = lattice.planned_moves(memory)
-    way = [(0, 0)]
+    nodes = [(0, 0)]
     for move in moves:
-        way.append(lattice.neighbour(*way[-1], move))
-    at = way[min(max(done - 1 if memory[MODE] == _GO else done, 0), len(moves))]
-    plan = np.array(way) - at + np.array((memory[FROM_X], memory[FROM_Y]))
+        nodes.append(lattice.neighbour(*nodes[-1], move))
+    at = nodes[min(max(done - 1 if memory[MODE] == _GO else done, 0), len(moves))]
+    plan = np.array(nodes) - at + np.array((memory[FROM_X], memory[FROM_Y]))
     return MemoryMap(
         blocked=lattice.blocked_edges(memory) * pitch + np.tile(origin, 2),
         plan=plan * pitch + origin if moves else np.zeros((0, 2)),
@@ -85,25 +90,25 @@ _FIELDS = (
 def mapping(
     name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN
 ) -> CompiledController:
-    """Return a mapping controller with a map of a size of one's own.
+    """Return a mapping controller with a map of the given size.
 
     Args:
-        name: For messages.
-        side: Nodes of the map along a side, 8 to 1024; its memory is about a number for each 12
+        name: Name in messages.
+        side: Nodes along a side of the map, 8 to 1024. The memory takes about one number per 12
             nodes.
-        pitch: Distance between two nodes, m; half a cell finds every way between walls on a grid.
-        no_room: Share of the robot's radius nearer than which to a wall that it felt there is no
-            room for it; 0 blocks only edges that it tried.
+        pitch: Distance between two nodes, m; half a cell finds every path between walls on a grid.
+        no_room: Fraction of the robot's radius. Nearer than that to a wall that it felt, the robot
+            does not fit; 0 blocks only edges that it tried.
 
     Raises:
         InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the
-            share outside 0 to 10.
+            fraction is outside 0 to 10.
     """
     if not LEAST_SIDE <= side <= MOST_SIDE:
         raise InvalidParameter(
             "out-of-range",
             "side={side} is outside {least_side} to {most_side} nodes",
-            "give one between",
+            "give a number in that range",
             side=side,
             least_side=LEAST_SIDE,
             most_side=MOST_SIDE,
@@ -119,8 +124,8 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
-            "give a share near 1",
-            no_room=no_room,
+            "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
+            "give a fraction near 1",
         )
     size = lattice.memory_size(side)
     return CompiledController(

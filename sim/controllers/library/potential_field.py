@@ -1,14 +1,14 @@
-"""Potential field: the target pulls, walls push, and the robot drives down the slope.
+"""Potential field: the target attracts, walls repel, and the robot drives down the slope.
 
-It finds its way round single obstacles without any memory. It stops for ever where push and pull
-    cancel: in front of
-a wall across its way, in any cup, and at doors whose posts push harder than the target pulls.
+It finds its way around single obstacles without any memory. It stops forever where the forces
+cancel: in front of a wall across its path, in any cup, and at doors whose posts repel it more than
+the target attracts.
 
 Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
-    International Journal
-of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and
-the push of "FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by
-their nearest points: the beams that are shorter than their neighbours.
+    International Journal of Robotics Research 5(1), 1986: the attraction of equation 10 with the
+    limited speed of equation 13, and the repulsion of "FIRAS", equation 18, summed over obstacles.
+    A robot with range beams knows obstacles by their nearest points: the beams that are shorter
+    than their neighbours.
 """
 
 from __future__ import annotations
@@ -35,15 +35,16 @@ NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class PotentialField(NamedTuple):
-    """Tuned numbers.
+    """Tuned parameters.
 
     Args:
-        pull: Force per metre of distance from the target.
-        far: Distance, m, beyond which the pull grows no more, which limits the speed.
-        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow
-            doors.
-        influence: Gap, m, beyond which a wall does not push.
-        full_force: Force at which the robot drives at its top speed; below, in proportion.
+        pull: Attracting force per metre of distance from the target.
+        far: Distance beyond which the attraction does not grow, m, which limits the speed.
+        push: Gain of the walls' repulsion. A larger one keeps the robot further from walls, and out
+            of narrow doors.
+        influence: Gap beyond which a wall does not repel, m.
+        full_force: Force at which the robot drives at its top speed; below it, speed is
+            proportional.
     """
 
     pull: float = _DEFAULT["pull"]
@@ -56,7 +57,7 @@ class PotentialField(NamedTuple):
 def potential_field_robot(
     tuned: PotentialField, name: str = "potential-field"
 ) -> CompiledController:
-    """Return a robot in a potential field with these numbers."""
+    """Return a potential-field controller with these parameters."""
     act = (
         CoreAct("potential-field")
         if tuned == PotentialField()

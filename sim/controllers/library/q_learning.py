@@ -1,17 +1,17 @@
-"""Q-learning: a table of what each turn is worth in each situation, learnt by driving in the simulator.
+"""Q-learning: a table of how much each turn is worth in each situation, learnt by simulation.
 
-Every fourth step the robot looks where the target is (an eighth of a turn), which of five
-directions are blocked, and which way it turned last; that makes 768 situations. For each the table
-has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
-    What it cannot tell apart it must treat alike: in worlds where
-the table, right on average, is wrong, it drives round for ever.
+Every fourth step the robot observes the direction of the target (in eighths of a turn), which of
+five directions are blocked, and which way it last turned, which makes 768 situations. For each of
+them the table has the value of six turns, and the robot takes the best. It was never told how to
+follow a wall. It must treat situations that it cannot tell apart alike, so in worlds where the
+table is right on average but wrong on the spot, it drives in circles forever.
 
-The table is in ``sim/core/controllers/q_table.c``, which ``python -m benchmarks.train_q_learning``
-has written and writes again, bit for bit.
+``python -m benchmarks.train_q_learning`` writes the table to ``sim/core/controllers/q_table.c``,
+and gives the same bits every time.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College,
-    Cambridge (1989);
-Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
+    Cambridge (1989); Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8
+    (1992).
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ _lib: Any = _core.lib
 
 SITUATIONS = int(_lib.WG_Q_SITUATIONS)
 TURNS = tuple(_lib.wg_q_turn_of)
-"""Eighths of a turn, counter-clockwise; of equals the first is taken."""
+"""Turns to choose from, in eighths of a turn, counter-clockwise; the first wins a tie."""
 DRIVEN = int(_lib.WG_Q_DRIVEN)
-"""Steps between two decisions, if no bump comes first."""
+"""Steps between two decisions, if no bump occurs."""
 
 AT_RESET = memory_at_reset(size_of("WgQMemory"), {})
 SENSES = ("bump", "heading", "target_heading", "time_step", "top_speed", "radius", "beams")
@@ -53,17 +53,17 @@ NEEDS = RobotOptions(beams=8, beam_range=2.0)
 
 
 def best_turns(table: Ints) -> Ints:
-    """Return (SITUATIONS,) the index of the best turn in each situation; the first of equals."""
+    """Return (SITUATIONS,) the index of the best turn in each situation; the first wins a tie."""
     best: Ints = np.argmax(table, axis=1).astype(np.int64)
     return best
 
 
 def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledController:
-    """Return a robot that drives by a table.
+    """Return a controller that drives by a table.
 
     Args:
-        table: (SITUATIONS, turns) worths.
-        name: For messages and files.
+        table: (SITUATIONS, turns) value of each turn.
+        name: Name in messages and files.
     """
     memory = AT_RESET + tuple(map(float, best_turns(table)))
     return CompiledController(name, CoreAct("q-learning-tuned"), memory, senses=SENSES, needs=NEEDS)

@@ -1,7 +1,7 @@
 """Random walk: legs of equal length in random directions; a wall ends a leg early.
 
-What any other controller should be quicker than, and a measure of how hard a world is by chance
-alone. It arrives in the end, with probability one, but nobody can say when.
+It is a baseline that any other controller should beat, and a measure of how hard a world is by
+chance alone. It arrives with probability one, but any time limit can be exceeded.
 
 Source: Karl Pearson, "The problem of the random walk", Nature 72 (1905), p. 294.
 """

@@ -1,21 +1,21 @@
-"""TangentBug: looks ahead with range beams, and goes round what is in the way along its tangents.
+"""TangentBug: look ahead with range beams, and go around obstacles along their tangents.
 
-It drives to the target as long as it sees no wall before it, and else to that end of the wall, as
-far as it sees, by which the way to the target would be shortest. When that way stops getting
-shorter it drives up to the wall and follows it by touch, on the side to which it was drawn, until
-it sees a free place that is nearer to the target than any place of the wall was, and goes there.
+The robot drives to the target as long as it sees no wall in front of it. Otherwise it drives to the
+visible end of that wall through which the path to the target would be shortest. When that path
+stops getting shorter, it drives up to the wall and follows it by touch, on the side to which it was
+drawn, until it sees a free place that is nearer to the target than any place on the wall. Then it
+goes there.
 
-With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc,
-which takes the points that its beams meet for the walls, each as wide as itself, and between two
-    beams it sees nothing: a long shot
-past a thin wall can look free and not be so. The fuzzer shows what that costs.
+With a perfect scan and a robot that is a point, it arrives if any robot can. Here the robot is a
+disc. It takes the points that its beams hit for walls as wide as itself, and between two beams it
+sees nothing, so a long line of sight past a thin wall can look free when it is not. The fuzzer
+shows what that costs.
 
-It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says
-otherwise.
+It needs ``beams`` in all directions with a ``beam_range`` of ``RANGE``, and gets them unless the
+run sets these options differently.
 
 Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm",
-    The International
-Journal of Robotics Research 17 (1998).
+    The International Journal of Robotics Research 17 (1998).
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from sim.options.robot import RobotOptions
 __all__ = ["BEAMS", "RANGE", "tangent_bug"]
 
 BEAMS = 72
-RANGE = 1.0  # m: further points are not looked at
+# Metres; the controller ignores points that are further away.
+RANGE = 1.0
 
 _MODE = place("WgTangentBugMemory", "mode")
 _BEST = place("WgTangentBugMemory", "best")

@@ -1,24 +1,21 @@
-"""Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
+"""Three layers: one that reacts, one that makes sure that things get done, one that plans ahead.
 
-The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The
-*sequencer* watches it: a waypoint is reached when the robot is in its cell; if that takes too long,
-    the sequencer says so to the
-deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where
-the sequencer got nowhere, and plans a way through the rest of it to the target; the next cell of
-the plan is the next waypoint.
+The *controller* steers to a waypoint, in the nearest direction that is free for the whole disc. The
+*sequencer* watches it. A waypoint is reached when the robot is in its cell; if that takes too long,
+the sequencer reports it to the deliberator and starts again from the robot's position. The
+*deliberator* holds a coarse map of where the sequencer failed, and plans a path through the rest of
+it to the target. The next cell of the plan is the next waypoint.
 
-It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about
-the middle between start and target, a bit for each way between two cells: what lies outside, and
-    passages that cells of the map cannot
-tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now
-with more patience.
+By trial and error it gets out of cups and through most mazes. Its map is a square of 48 x 48 cells
+around the middle between start and target, with a bit for each border between two cells. It does
+not find paths outside of the map, or passages that the map's cells cannot tell apart. When the map
+leaves no path, the robot forgets everything and tries again with more patience.
 
 Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots
-    (1998); R. Peter
-Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack,
-"Experiences with an architecture for intelligent, reactive agents", Journal of Experimental &
-Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering are our own, as
-simple as they can be.
+    (1998); R. Peter Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc
+    G. Slack, "Experiences with an architecture for intelligent, reactive agents", Journal of
+    Experimental & Theoretical Artificial Intelligence 9 (1997). The map, the plan and the steering
+    are our own, and as simple as they can be.
 """
 
 from __future__ import annotations
@@ -49,7 +46,7 @@ FORGOTTEN = place("WgThreeLayerMemory", "forgotten")
 RIGHT = place("WgThreeLayerMemory", "right")
 UP = place("WgThreeLayerMemory", "up")
 MEMORY = size_of("WgThreeLayerMemory")
-SIDE = UP - RIGHT  # cells of the map a side
+SIDE = UP - RIGHT  # cells along a side of the map
 AT_RESET = memory_at_reset(MEMORY, {})
 SENSES = (
     "heading",
@@ -66,16 +63,16 @@ NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class ThreeLayer(NamedTuple):
-    """Tuned numbers.
+    """Tuned parameters.
 
     Args:
-        margin: What the robot is taken to be larger by than it is, m.
-        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach
-            the target.
-        reach: Least side of the map, times the distance from start to target.
-        look: Free way, m, that the controller wants in the direction it takes.
-        patience: Steps after which a waypoint is given up, times one more than the map has been
-            forgotten.
+        margin: Safety distance added to the robot's radius, m.
+        pitch: Side of a cell of the map, in radii of the robot; larger if the map would not reach
+            the target otherwise.
+        reach: Least side of the map, as a multiple of the distance from start to target.
+        look: Free distance that the controller requires in its direction, m.
+        patience: Steps after which a waypoint is given up. They are multiplied by one more than the
+            number of times that the map was forgotten.
     """
 
     margin: float = _DEFAULT["margin"]
@@ -86,10 +83,12 @@ class ThreeLayer(NamedTuple):
 
 
 def shown_map(memory: Floats) -> MemoryMap:
-    """The closed borders between cells of the map, and the waypoint, in m."""
+    """Return the closed borders between cells of the map, and the waypoint, in m."""
     if memory[LAID] == 0.0:
         return MemoryMap()
     corner = np.array((memory[CORNER_X], memory[CORNER_Y]))
+
+    # Each number of the map is one row; its bits are the borders to the right of, or above, cells.
     pitch = memory[PITCH]
     bits = np.arange(SIDE)
     row, column = np.nonzero((memory[RIGHT : RIGHT + SIDE].astype(np.int64)[:, None] >> bits) & 1)
@@ -107,7 +106,7 @@ _FIELDS = (MemoryField("steps to the waypoint", WAITED), MemoryField("map forgot
 
 
 def three_layer_robot(tuned: ThreeLayer, name: str = "three-layer") -> CompiledController:
-    """Return a robot of three layers with these numbers."""
+    """Return a three-layer controller with these parameters."""
     act = CoreAct("three-layer") if tuned == ThreeLayer() else CoreAct("three-layer-tuned")
     return CompiledController(
         name,

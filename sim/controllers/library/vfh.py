@@ -1,18 +1,17 @@
-"""VFH+: the robot drives through the opening between obstacles that costs it the fewest turns.
+"""VFH+: drive through the opening between obstacles that costs the fewest turns.
 
-Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
-free are openings; of the directions through them the cheapest is taken: near to the target's, to
-the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
-    than its beams, and has no map: in a cup deeper than
-that, or behind a long wall, it drives to and fro for ever.
+Obstacles around the robot fill a polar histogram, each widened by the robot's radius. The free
+sectors form openings. Of the directions through them, the robot takes the cheapest: near the
+target's direction, the heading, and the previous choice. It drives fast and smoothly through
+clutter. It sees no further than its beams and has no map, so in a cup that is deeper than that, or
+behind a long wall, it drives back and forth forever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
-    robots", IEEE
-International Conference on Robotics and Automation, 1998: the four stages and the weights of
-    section 3. Departures:
-the histogram is filled from the scan of one step rather than from a certainty grid, so the nearest
-obstacle of a sector counts, not a sum; the speed falls with the density in the chosen direction as
-in their "The vector field histogram" (1991), equation 11.
+    robots", IEEE International Conference on Robotics and Automation, 1998: the four stages and the
+    weights of section 3. Departures: the histogram is filled from the scan of one step rather than
+    from a certainty grid, so the nearest obstacle of a sector counts, not a sum; the speed falls
+    with the density in the chosen direction as in their "The vector field histogram" (1991),
+    equation 11.
 """
 
 from __future__ import annotations
@@ -32,21 +31,22 @@ NEEDS = RobotOptions(beams=72, beam_range=2.0)
 
 
 class VfhPlus(NamedTuple):
-    """Tuned numbers.
+    """Tuned parameters.
 
     Args:
-        safety: What obstacles are widened by beside the robot's radius, in radii.
-        window: Distance, in radii of the robot, beyond which obstacles do not count.
-        low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector
-            becomes free.
+        safety: Safety distance added to obstacles, besides the robot's radius, in radii.
+        window: Distance beyond which obstacles do not count, in radii of the robot.
+        low: Density below which a blocked sector becomes free; 0 is at the window's edge, 1 at the
+            robot.
         high: Density above which a free sector becomes blocked.
         wide: Sectors of an opening that is passed along its side instead of through its middle.
-        to_target: Cost of a sector between a direction and the target's; larger than the two others
+        to_target: Cost per sector between a direction and the target's; larger than the other two
             together.
-        to_heading: Cost of a sector between it and the heading.
-        to_last: Cost of a sector between it and the direction chosen last.
-        turning_radius: m, of a robot that cannot turn on the spot; 0 masks no directions.
-        slowest: Share of the top speed that is left in the densest direction.
+        to_heading: Cost per sector between a direction and the heading.
+        to_last: Cost per sector between a direction and the previous choice.
+        turning_radius: Turning radius of a robot that cannot turn on the spot, m; 0 masks no
+            directions.
+        slowest: Fraction of the top speed that remains in the densest direction.
     """
 
     safety: float = _DEFAULT["safety"]
@@ -62,7 +62,7 @@ class VfhPlus(NamedTuple):
 
 
 def vfh_robot(tuned: VfhPlus, name: str = "vfh") -> CompiledController:
-    """Return a robot under VFH+ with these numbers."""
+    """Return a VFH+ controller with these parameters."""
     act = CoreAct("vfh") if tuned == VfhPlus() else CoreAct("vfh-tuned")
     memory = AT_RESET if tuned == VfhPlus() else AT_RESET + tuple(map(float, tuned))
     return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)

@@ -1,1 +1,1 @@
-"""Controllers that are programs of their own: start them, talk to them, report how they die."""
+"""Controllers that are separate programs: start them, talk to them, and report how they die."""

@@ -1,7 +1,7 @@
-"""Many robots of one program at once.
+"""Drive many robots with one program at the same time.
 
-An offer that a program may make in its first answer, and the lines that follow.
-``docs/controllers.md`` is the normative text of the protocol.
+A program may offer this in its first answer; this module reads the offer and the lines that follow.
+``docs/controllers.md`` specifies the protocol.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 MOST_ROBOTS = 1_024
-"""Robots that are driven at once, at most: their commands fit into one line."""
+"""The most robots that are driven at the same time; their commands fit into one line."""
 
 _COLUMNS = {name: k for k, name in enumerate(Observation._fields)}
 _KEYS = {"speed", "turn_rate", "used_random"}
@@ -35,11 +35,11 @@ _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",
 
 @dataclass(frozen=True)
 class Offer:
-    """What a program offers.
+    """A program's offer to drive many robots.
 
     Args:
-        robots: How many it can drive at once, at least 1.
-        senses: The fields of an observation that it wants to get then.
+        robots: How many it can drive at the same time, at least 1.
+        senses: The fields of an observation that it then wants.
     """
 
     robots: int
@@ -47,14 +47,14 @@ class Offer:
 
 
 def read_offer(given: Any, answer: bytes) -> Offer:
-    """Read the offer of a first answer.
+    """Read the offer in a first answer.
 
     Args:
-        given: What stands after ``"batch"``.
-        answer: The whole answer, to be shown.
+        given: The value of ``"batch"``.
+        answer: The whole answer, to quote if it is not valid.
 
     Raises:
-        Misbehaviour: If it is not an offer.
+        ControllerError: If it is not an offer.
     """
     offer = given if isinstance(given, dict) else {}
     robots = offer.get("robots")
@@ -75,17 +75,17 @@ def read_offer(given: Any, answer: bytes) -> Offer:
 
 
 def reset_batch_line(version: int, robots: int) -> bytes:
-    """The line with which a batch begins."""
+    """Return the line that begins a batch."""
     return _encode({"worldgen": version, "batch": {"robots": robots}}).encode() + b"\n"
 
 
 def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
-    """What some robots of a batch see.
+    """Return the line that tells a program what some robots of a batch observe.
 
     Args:
-        offer: The program's.
-        robots: (n,) their numbers.
-        fresh: Those of them that begin an episode.
+        offer: The program's offer.
+        robots: (n,) numbers of the robots.
+        fresh: Numbers of those that begin an episode.
         seen: (n, OBS_SIZE + beams) what the robots observe.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
@@ -94,7 +94,7 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
         message[name] = (column != 0.0).tolist() if name == "bump" else column.tolist()
     try:
         return _encode(message).encode() + b"\n"
-    except ValueError:  # nan or infinity, which JSON has not
+    except ValueError:  # nan or infinity, which JSON does not have
         finite = {name: _finite(values) for name, values in message.items()}
         return _encode(finite).encode() + b"\n"
 
@@ -104,11 +104,12 @@ def fill_commands(answer: bytes, command: Floats) -> None:
 
     Args:
         answer: One line of JSON.
-        command: (n, CMD_SIZE), filled.
+        command: (n, CMD_SIZE), filled in.
 
     Raises:
-        Misbehaviour: If it is not a command for each robot.
+        ControllerError: If it does not hold a command for each robot.
     """
+    # Each column must have one entry per robot; the try also catches anything of another form.
     try:
         found = json.loads(answer)
         speed = found["speed"]
@@ -128,7 +129,7 @@ def fill_commands(answer: bytes, command: Floats) -> None:
 
 
 def _fits(column: object, count: int) -> bool:
-    """Return True for a list of as many numbers, or truth values."""
+    """Return True for a list of that length without strings, which numpy would convert."""
     return (
         isinstance(column, list)
         and len(column) == count
@@ -143,7 +144,7 @@ def _no_commands(answer: bytes) -> ControllerError:
 
 
 def _finite(values: Sequence[Any]) -> list[Any]:
-    """The same with null for what is not finite."""
+    """Return the same values, with None for numbers that are not finite."""
     return [
         _finite(value)
         if isinstance(value, list)

@@ -1,8 +1,8 @@
-"""What a program says on stderr when it dies.
+"""Read what a program reports on stderr when it dies.
 
-The reports of sanitizers, assertions, panics and tracebacks. A report is read for two facts: what
-    went wrong, and the innermost frames of the program's own code. Addresses, process
-numbers and folders are left out, because they differ between runs and machines.
+Known are the reports of sanitizers, assertions, panics and tracebacks. Two facts are taken from a
+report: what went wrong, and the innermost frames of the program's own code. Addresses, process
+numbers and folders are dropped, because they differ between runs and machines.
 """
 
 from __future__ import annotations
@@ -16,17 +16,25 @@ from worldgen.world import Value
 
 __all__ = ["report_of"]
 
+# Frames that are kept, counted from the innermost.
 _MOST_FRAMES = 6
-_LONGEST = 160  # characters of a reason or a statement
-_LARGEST_SOURCE = 4 << 20  # bytes of a source file that is looked into
-# characters of a longer line that are read; what is between them is left out
+
+# Characters of a reason or a statement.
+_LONGEST = 160
+
+# Bytes; a larger source file is not searched for a frame's line.
+_LARGEST_SOURCE = 4 << 20
+
+# Characters at both ends of a long line that are read; those between are dropped.
 _LINE_BEGIN = 700
 _LINE_END = 300
-_LONGEST_NUMBER = 9  # digits of the number of a line
 
-# What a program writes may be anything, so no pattern may take longer than in proportion to it. A
-# file's name is looked for only where one can begin, and white space before a frame ends with its
-# line.
+# Digits of a line's number.
+_LONGEST_NUMBER = 9
+
+# A program may write anything, so every pattern must take time at most in proportion to the text.
+# That is why a file's name is searched for only where one can begin, and white space before a frame
+# ends with its line.
 _SANITIZER = re.compile(r"(?:ERROR|WARNING): \w+Sanitizer: ?([\w-]+(?: [\w-]+)?)")
 _UNDEFINED = re.compile(
     r"(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+):\d+: runtime error: (?P<reason>.*)"
@@ -103,18 +111,19 @@ _SCRIPT_LIBRARY = re.compile(r"^(?:node:|internal/)|/node_modules/")
 
 
 def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
-    """Return what a dying program's stderr says about its death.
+    """Return what a dying program's stderr reveals about its death.
 
     Args:
-        said: What it wrote, without control sequences.
-        sources: Folders in which, or below which, the program's source may be; a frame there has
-            its line quoted.
+        said: The end of its stderr, without control sequences.
+        sources: Folders in or below which the program's source may be. The line of a frame found
+            there is quoted.
 
     Returns:
-        ``reason``, such as ``heap-buffer-overflow`` or ``ZeroDivisionError``, and ``frames``, as of
-        :func:`sim.controllers.crash_frames.crash_facts`; empty where it says nothing that is
-        understood.
+        ``reason``, such as ``heap-buffer-overflow`` or ``ZeroDivisionError``, and ``frames``, as in
+        :func:`sim.controllers.crash_frames.crash_facts`; empty if no known report is found.
     """
+    # Specific reports come first: a program under a sanitizer, for one, may also print the
+    # allocator's message.
     said = "\n".join(map(_without_its_middle, said.split("\n")))
     for reader in (
         _sanitizer,
@@ -134,24 +143,19 @@ def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
 
 
 def _without_its_middle(line: str) -> str:
-    """Return a line without the middle of it if it is very long.
-
-    What it reports is at its two ends.
-    """
+    """Drop the middle of a very long line; a report is at its two ends."""
     return line if len(line) <= _LINE_BEGIN + _LINE_END else line[:_LINE_BEGIN] + line[-_LINE_END:]
 
 
 def _with_code(report: dict[str, Value], said: str, folders: tuple[Path, ...]) -> dict[str, Value]:
-    """Quote the line of the innermost frame.
-
-    So that two faults in one function can be told apart.
-    """
+    """Quote the line of the innermost frame, so that two faults in one function differ."""
     frames = report.get("frames")
     frame = frames[-1] if isinstance(frames, list) else None
     if not isinstance(frame, dict) or "code" in frame or not {"file", "line"} <= frame.keys():
         return report
     name = str(frame["file"])
     line = int(str(frame["line"]))
+    # The report has the file's path as it was compiled; look for it below each folder.
     written = re.search(rf"(?<![^\s()\"'])[^\s()\"']*{re.escape(name)}(?=:{line}\b)", said)
     for folder in folders if written else ():
         source = (folder / written[0]).resolve() if written else folder
@@ -178,7 +182,7 @@ def _sanitizer(said: str) -> dict[str, Value]:
     words = found[1].split(" ")
     reason = words[0] if words[0] not in ("data", "detected", "attempting") else "-".join(words)
 
-    # Only the first stack is where it happened; those after it say who allocated and who freed.
+    # Only the first stack shows where it happened; later ones show who allocated and who freed.
     frames = []
     begun = False
     for line in said[found.end() :].splitlines():
@@ -196,7 +200,7 @@ def _sanitizer(said: str) -> dict[str, Value]:
 
 
 def _has_a_name(frame: re.Match[str]) -> bool:
-    """Return whether a frame without a source file is the program's own, not a library's."""
+    """Return True if a frame without a source file is the program's own, not a library's."""
     return (
         bool(frame["function"])
         and not re.search(r"\.so\b|\.dylib\b", frame["object"] or "")
@@ -208,7 +212,7 @@ def _undefined(said: str) -> dict[str, Value]:
     reports = list(_UNDEFINED.finditer(said))
     if not reports:
         return {}
-    last = reports[-1]  # a program may go on after the others
+    last = reports[-1]  # A program may continue after the others.
     return _report(last["reason"], [_frame(last["file"], last["line"])])
 
 
@@ -276,7 +280,7 @@ def _python(said: str) -> dict[str, Value]:
 
 
 def _script(said: str) -> dict[str, Value]:
-    """Read the stack of a JavaScript or a Java program, the innermost frame first."""
+    """Read the stack of a JavaScript or Java program, whose innermost frame comes first."""
     found = _SCRIPT.search(said)
     if found is None:
         return {}
@@ -310,10 +314,7 @@ def _frame(
 
 
 def _without_arguments(function: str) -> str:
-    """Return ``Robot::act`` for ``Command Robot::act(const Observation&)``.
-
-    As C++ programs name it.
-    """
+    """Shorten a C++ signature: ``Command Robot::act(const Observation&)`` to ``Robot::act``."""
     name = function.partition("(")[0].strip() or function
     return name.split(" ")[-1]
 

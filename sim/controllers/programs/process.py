@@ -1,6 +1,6 @@
-"""A controller that is a program of its own, in any language.
+"""A controller that is a separate program, in any language.
 
-One JSON line to it, one back, per step. ``docs/controllers.md`` is the normative text of the
+In each step it gets one line of JSON and answers with one. ``docs/controllers.md`` specifies the
 protocol.
 """
 
@@ -56,13 +56,15 @@ PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
 """Options that only a program has."""
 
-
 _NAME = re.compile(r"cmd(?:\+[^:+]*)*:(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
 _UNITS = {"": 1, "k": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
+# Bytes of a memory limit.
 _LEAST_MEMORY = 1 << 20
 _MOST_MEMORY = 1 << 62
-_LONGEST_DEADLINE = 3600.0  # s
+
+# Seconds.
+_LONGEST_DEADLINE = 3600.0
 _EXAMPLE = "cmd:./mine --flag or cmd+deadline=0.2+memory=512M:./mine"
 _KEYS = {"speed", "turn_rate", "used_random"}
 
@@ -70,22 +72,22 @@ _KEYS = {"speed", "turn_rate", "used_random"}
 class ProcessController:
     """A controller that is a program.
 
-    It reads observations and writes commands, each a line of JSON. One process serves many
-    episodes, one after the other; it is started when it is first needed, and afresh after each
-    failure. It and all that it started end with :meth:`close`, with this object, and with this
-    process, however that ends. Two threads need two of these.
+    It reads observations and writes commands, each as a line of JSON. One process serves many
+    episodes in turn. It is started when it is first needed, and again after each failure. It and
+    everything that it started end with :meth:`close`, with this object, and with this process,
+    however that ends. Two threads need two of these objects.
 
-    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never
-    ``loop``; and so it may as well see the clock.
+    Its memory cannot be seen, so a run that repeats forever is ``stalled`` or ``timeout``, never
+    ``loop``. It may therefore read the clock at no further cost.
 
     Args:
-        command: Program and arguments; no shell is involved.
-        deadline: s for an answer, else the verdict is ``hang``.
-        start_deadline: s for the first answer of an episode, in which a program may start up.
-        memory_limit: Bytes of address space, or ``None`` for no limit; on Linux only.
+        command: Program and arguments; they do not pass through a shell.
+        deadline: Time for an answer, s; a program that exceeds it gets the verdict ``hang``.
+        start_deadline: Time for the first answer of an episode, s, in which it may start up.
+        memory_limit: Bytes of address space, or ``None`` for no limit; Linux only.
 
     Raises:
-        InvalidParameter: If a limit is out of range, or there is no such program.
+        InvalidParameter: If a limit is out of range, or the program does not exist.
     """
 
     senses = Observation._fields
@@ -126,26 +128,30 @@ class ProcessController:
         self._program: Program | None = None
         self._owner = 0
         self._stop: Callable[[], object] = _nothing
-        self._first = True  # the next observation is the first of its episode
-        self._served = False  # whether the program has answered before
-        self._batch_reset = b""  # the line with which a batch begins
-        self.offer: Offer | None = (
-            None  # to drive many robots at once, made by the program in its last first answer
-        )
+        # True if the next observation is the first of its episode.
+        self._first = True
+        # True if the program has answered before.
+        self._served = False
+        # The line that begins a batch.
+        self._batch_reset = b""
+        # The program's latest offer to drive many robots, from the first answer of an episode.
+        self.offer: Offer | None = None
         self._transcript: BinaryIO | None = None
 
     @classmethod
     def of(cls, name: str) -> ProcessController:
-        """Reads ``cmd:PROGRAM ARGUMENTS``, with ``+deadline=``, ``+start=`` (s) or ``+memory=`` before the colon.
+        """Return the controller named ``cmd:PROGRAM ARGUMENTS``.
+
+        Before the colon the name may have ``+deadline=`` (s), ``+start=`` (s) or ``+memory=``.
 
         Raises:
-            InvalidParameter: If it is not so written, or there is no such program.
+            InvalidParameter: If the name is not in this form, or the program does not exist.
         """
         parts = _NAME.fullmatch(name)
         if parts is None:
             raise InvalidParameter(
                 "not-a-command",
-                "controller {name!r} is no command",
+                "controller {name!r} is not a command",
                 "write {example}",
                 name=name,
                 example=_EXAMPLE,
@@ -182,13 +188,13 @@ class ProcessController:
         self.close()
 
     def close(self) -> None:
-        """Ends the program; the next episode starts it afresh."""
+        """End the program; the next episode starts it again."""
         self._stop()
         self._program = None
         self._stop = _nothing
 
     def start(self) -> None:
-        """Sees to it that the program runs, and has nothing to say yet.
+        """Make sure that the program runs and has no unread output.
 
         Raises:
             InvalidParameter: If it cannot be started.
@@ -198,10 +204,10 @@ class ProcessController:
 
     @contextlib.contextmanager
     def transcript(self, out: BinaryIO) -> Iterator[None]:
-        """Write each line that the program is sent to a file, until the end.
+        """Write each line that the program is sent to a file, for the duration of the block.
 
-        Only the last episode's lines stay. Fed to the program's stdin, they repeat the episode:
-        ``gdb ./mine``, then ``run < transcript.jsonl``.
+        Only the lines of the last episode are kept. Fed to the program's stdin, they repeat the
+        episode: ``gdb ./mine``, then ``run < transcript.jsonl``.
 
         Args:
             out: A file that can be truncated.
@@ -214,15 +220,15 @@ class ProcessController:
             out.flush()
 
     def reset(self) -> Memory:
-        """Begins an episode; the program hears of it with the first observation."""
+        """Begin an episode; the program is told with the first observation."""
         self._first = True
         return ()
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Asks the program.
+        """Ask the program for a command.
 
         Raises:
-            Misbehaviour: If it crashes, hangs, or answers with no command.
+            ControllerError: If it crashes, hangs, or answers with anything but a command.
         """
         try:
             return self._command_after(observation), memory
@@ -232,11 +238,13 @@ class ProcessController:
             raise
 
     def _command_after(self, observation: Observation) -> Command:
-        """Send an observation, at the start of an episode with the reset line, and return the answer."""
+        """Send an observation, after the reset line if it is the first, and return the answer."""
         line = observation_line(observation)
         if not self._first:
             self._write_down(line)
             return self._ask(line, self.limits.deadline)
+
+        # An episode begins: the transcript starts over, and the program may take time to start up.
         self.start()
         lines = _reset_line(observation) + line
         self._first = False
@@ -251,7 +259,7 @@ class ProcessController:
         except ControllerError as found:
             if not served or found.verdict != Verdict.CRASH:
                 raise
-        # One that serves a single episode and ends; afresh it shows whether it does crash.
+        # It may serve a single episode and then end. Started again, it shows if it really crashes.
         self._start()
         self._served = True
         return self._ask(lines, self.limits.start_deadline, is_first=True)
@@ -261,7 +269,7 @@ class ProcessController:
             self._transcript.write(lines)
 
     def _start(self) -> Program:
-        if self._owner == os.getpid():  # a forked process leaves its parent's program alone
+        if self._owner == os.getpid():  # A forked process must leave its parent's program alone.
             self.close()
         program = Program(self.command, self.limits.memory)
         self._program = program
@@ -282,10 +290,10 @@ class ProcessController:
             raise program.ended_by(found) from None
 
     def begin_batch(self, robots: int) -> None:
-        """Begin to drive many robots at once; the program hears of it with the first observations.
+        """Begin to drive many robots; the program is told with the first observations.
 
         Args:
-            robots: How many at most; they are numbered from 0.
+            robots: The largest number of robots; they are numbered from 0.
         """
         self.start()
         self._first = True
@@ -297,14 +305,14 @@ class ProcessController:
         """Ask the program for the commands of some robots of the batch.
 
         Args:
-            offer: What the program offered.
-            robots: (n,) their numbers.
-            fresh: Those of them that begin an episode.
+            offer: The program's offer.
+            robots: (n,) numbers of the robots.
+            fresh: Numbers of those that begin an episode.
             seen: (n, OBS_SIZE + beams) what the robots observe.
-            command: (n, CMD_SIZE), filled.
+            command: (n, CMD_SIZE), filled in.
 
         Raises:
-            Misbehaviour: If it crashes, hangs, or answers with no commands.
+            ControllerError: If it crashes, hangs, or answers with anything but commands.
         """
         program = self._program or self._start()
         lines = batch_line(offer, robots, fresh, seen)
@@ -322,19 +330,19 @@ class ProcessController:
 
 
 def is_process_name(name: str) -> bool:
-    """Whether a controller's name is a command."""
+    """Return True if a controller's name is a command."""
     return name.startswith(("cmd:", "cmd+"))
 
 
 def observation_line(observation: Observation) -> bytes:
-    """The observation as a line of JSON.
+    """Return an observation as a line of JSON.
 
-    Numbers read back to the same bits, one that is not finite is null.
+    Numbers read back to the same bits; nan and infinity become null.
     """
     values = observation._asdict()
     try:
         return _encode(values).encode() + b"\n"
-    except ValueError:  # nan or infinity, which JSON has not
+    except ValueError:  # nan or infinity, which JSON does not have
         return _encode({name: _finite(value) for name, value in values.items()}).encode() + b"\n"
 
 
@@ -359,16 +367,16 @@ def read_command(answer: bytes) -> Command:
     """Read an answer.
 
     Raises:
-        Misbehaviour: If it is no command.
+        ControllerError: If it is not a command.
     """
     return _command(_object(answer), answer)
 
 
 def read_answer(answer: bytes) -> tuple[Command, Offer | None]:
-    """Read the first answer of an episode, which may offer to drive many robots at once.
+    """Read the first answer of an episode, which may offer to drive many robots.
 
     Raises:
-        Misbehaviour: If it is no command, or the offer is none.
+        ControllerError: If it is not a command, or the offer is not valid.
     """
     found = _object(answer)
     offer = read_offer(found.pop("batch"), answer) if "batch" in found else None
@@ -414,6 +422,7 @@ def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
 
 
 def _no_command(error: str, answer: bytes) -> ControllerError:
+    # Replays compare these errors with the ones in stored failures, so their words must stay.
     return ControllerError(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
 
 
@@ -445,7 +454,7 @@ def _seconds(key: str, text: str) -> float:
     except ValueError:
         raise InvalidParameter(
             "not-a-number",
-            "{key}={text!r} is no number",
+            "{key}={text!r} is not a number",
             "write seconds, like 0.2",
             key=key,
             text=text,
@@ -457,7 +466,7 @@ def _bytes(text: str) -> int | None:
     if parts is None and text != "none":
         raise InvalidParameter(
             "not-a-size",
-            "memory={text!r} is no size",
+            "memory={text!r} is not a size",
             "write it like 512M or 4G, or none for no limit",
             text=text,
         )
@@ -470,4 +479,4 @@ def _stop_own(program: Program, owner: int) -> None:
 
 
 def _nothing() -> None:
-    """There is no program to end."""
+    """Do nothing; used while no program runs."""

@@ -1,7 +1,4 @@
-"""A running program that answers line by line.
-
-Start, ask with a deadline, end it and all that it started.
-"""
+"""A running program that answers line by line: start it, ask it with a deadline, and end it."""
 
 from __future__ import annotations
 
@@ -37,35 +34,45 @@ __all__ = [
     "shown",
 ]
 
-LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
-_CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
-_KEPT = (
-    64 << 10
-)  # bytes of stderr that are kept, the last ones: a sanitizer's report takes up to 10 KB
-# lines and characters of stderr that stand in the evidence
+# Bytes of an answer, not counting its newline.
+LONGEST_LINE = 64 << 10
+
+# Bytes that are read at a time. At most this much is kept of an answer beyond LONGEST_LINE.
+_CHUNK = 64 << 10
+
+# Bytes of stderr that are kept, the last ones. A sanitizer's report takes up to 10 KB.
+_KEPT = 64 << 10
+
+# Lines of stderr in the evidence, and characters of each.
 _LAST_LINES = 5
 _LINE_WIDTH = 200
-_LOOK_AGAIN = (
-    0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
-)
-_TO_EXIT = 1.0  # s that a program may take to exit after it has closed its output
-_TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
 
-# Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's
-# group goes too.
+# Seconds between two checks of a silent program. A grandchild may hold its pipes open after it has
+# ended, so the pipes alone do not tell.
+_LOOK_AGAIN = 0.05
+
+# Seconds that a program may take to exit after it has closed its output.
+_TO_EXIT = 1.0
+
+# Seconds between SIGTERM and SIGKILL.
+_TO_TIDY_UP = 0.5
+
+# The keeper is a shell that outlives this process. Whatever ends this process, SIGKILL included,
+# also closes the pipe that the keeper reads, and then it kills the program's group. The spelling
+# `-s KILL --` is for dash, which does not take a group after -KILL.
 _SHELL = "/bin/sh"
-_KEEPER = 'read -r line || kill -s KILL -- "-$1"'  # dash takes no group behind -KILL
+_KEEPER = 'read -r line || kill -s KILL -- "-$1"'
 
 
 @dataclass(frozen=True)
 class ProgramLimits:
-    """What a program may take.
+    """Limits on a program.
 
     Args:
-        deadline: s for an answer.
-        start_deadline: s for the first answer after a reset, starting up included.
-        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; where the system can set none,
-            there is none.
+        deadline: Time for an answer, s.
+        start_deadline: Time for the first answer after a reset, s, including the start-up.
+        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; ignored on systems that cannot
+            limit it.
     """
 
     deadline: float = 1.0
@@ -74,15 +81,15 @@ class ProgramLimits:
 
 
 class ControllerError(Exception):
-    """What a program did wrong.
+    """A fault of a controller, which decides the verdict of its run.
 
     Args:
         verdict: One of :data:`sim.verdict.BY_THE_CONTROLLER`.
-        error: What it did, the same in every replay.
-        facts: What else is known, by names of :class:`FaultEvidence`.
+        error: The fault, in the same words in every replay.
+        facts: Other facts, by names of :class:`FaultEvidence`.
 
     Attributes:
-        evidence: All of it, without the step.
+        evidence: All of this as evidence, without the step.
     """
 
     def __init__(
@@ -97,7 +104,7 @@ class ControllerError(Exception):
 class WantsMemory(InvalidParameter):
     """A program cannot even start within its limit of address space.
 
-    So that no run says anything about it.
+    No run can then show anything about it, so this is an error of usage.
     """
 
 
@@ -106,9 +113,9 @@ _SANITIZER_RESERVES = re.compile(
     r"(?:allocate|reserve|mmap)"
     r"|Sanitizer: unexpected memory mapping|ERROR: Failed to mmap"
 )
-"""What sanitizers say, which reserve terabytes.
+"""Messages of sanitizers, which reserve terabytes, under a memory limit.
 
-How far they come depends on when the limit was set.
+Which one appears depends on how far the program got before the limit was set.
 """
 
 _RUNTIME_RESERVES = re.compile(
@@ -117,14 +124,14 @@ _RUNTIME_RESERVES = re.compile(
     r"|Error occurred during initialization of VM|Fatal process OOM in|cannot allocate memory in "
     r"static TLS"
 )
-"""What Node, Java and Go say that reserve more than they use, when they start."""
+"""Messages of Node, Java and Go, which reserve more than they use when they start."""
 
 
 def find_program(command: tuple[str, ...]) -> str:
-    """The program's file.
+    """Return the path of a program's file.
 
     Raises:
-        InvalidParameter: If there is none, it may not be executed, or the system is not POSIX.
+        InvalidParameter: If it does not exist or is not executable, or the system is not POSIX.
     """
     if os.name != "posix":
         raise InvalidParameter(
@@ -151,18 +158,18 @@ def find_program(command: tuple[str, ...]) -> str:
         )
     raise InvalidParameter(
         "program-missing",
-        "there is no controller program {program!r}",
+        "controller program {program!r} does not exist",
         "give its path, such as ./mine, or a name that is on PATH",
         program=command[0],
     )
 
 
 class Program:
-    """A child process in a session of its own, with pipes for lines.
+    """A child process in its own session, with pipes for lines.
 
     Args:
         command: Program and arguments.
-        memory: As in :class:`ProgramLimits`.
+        memory: Limit on its memory, as in :class:`ProgramLimits`.
 
     Raises:
         InvalidParameter: If it cannot be started.
@@ -175,11 +182,13 @@ class Program:
         self._answers = 0
         self._sources = (Path.cwd(), Path(file).resolve().parent)
         self._process = _started(command, file)
-        # the last: stdout is at its end
         self.stopped = False
         self._group_ended = False
+        # True once stdout is at its end.
         self._ended = False
         self._keeper: subprocess.Popen[bytes] | None = None
+
+        # All reading and writing is without blocking, so that deadlines can be kept.
         self._stdin, self._stdout, self._stderr = (
             pipe.fileno()
             for pipe in (self._process.stdin, self._process.stdout, self._process.stderr)
@@ -202,13 +211,12 @@ class Program:
     def _limit_memory(self, memory: int | None) -> None:
         import resource  # noqa: PLC0415 - POSIX only
 
-        if memory is None or not hasattr(
-            resource, "prlimit"
-        ):  # as on macOS, which heeds no RLIMIT_AS anyway
+        if memory is None or not hasattr(resource, "prlimit"):
+            # Without prlimit, as on macOS, which ignores RLIMIT_AS anyway.
             return
         try:
             resource.prlimit(self._process.pid, resource.RLIMIT_AS, (memory, memory))
-        except ProcessLookupError:  # it has ended, as its first answer will show
+        except ProcessLookupError:  # It has ended already, as its first answer will show.
             return
         except (OSError, ValueError) as error:
             raise InvalidParameter(
@@ -221,7 +229,7 @@ class Program:
 
     @property
     def is_ready(self) -> bool:
-        """Whether it runs, and has said nothing that it was not asked for."""
+        """True if it runs and has no unread output."""
         if self.stopped:
             return False
         self._hear(0)
@@ -229,19 +237,19 @@ class Program:
 
     @unbreakable
     def ask(self, line: bytes, seconds: float) -> bytes:
-        """Sends a line and waits for one.
+        """Send a line and wait for one.
 
         Args:
-            line: With its newline.
-            seconds: Deadline of the answer.
+            line: The line, with its newline.
+            seconds: Deadline for the answer, s.
 
         Returns:
             The answer without its newline.
 
         Raises:
-            Misbehaviour: If there is none, or more than one. The program is ended then, as by
-                whatever else is raised here, for what it says next would be no answer to what it is
-                asked next.
+            ControllerError: If no answer comes, or more than one line. The program is then
+                ended, as with any other exception here, because its next output would not be an
+                answer to the next question.
         """
         end = time.monotonic() + seconds
         try:
@@ -261,17 +269,20 @@ class Program:
 
     @timed
     def _exchange(self, line: bytes, end: float, seconds: float) -> bytes:
-        """Send a line and receive one; the wait is the program's own time."""
+        """Send a line and receive one; the time spent waiting counts as the program's own."""
         self._send(line, end, seconds)
         return self._receive(end, seconds)
 
     def ended_by(self, found: ControllerError) -> ControllerError:
-        """End it; return the finding with what it last said on stderr, and what a crash's report there says."""
+        """End the program, and return the error with what its stderr reveals."""
         said = self._last_words()
         self.stop()
         lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
-        told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
-        said_instead = str(found.evidence.answer or "")  # Java complains on stdout
+        facts: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
+
+        # A program that failed to reserve memory is a matter of its limit, not a finding. Java
+        # complains about it on stdout, where the answer was expected.
+        said_instead = str(found.evidence.answer or "")
         if self._memory is not None and _wants_memory(
             said + said_instead, starting=self._answers == 0
         ):
@@ -279,8 +290,7 @@ class Program:
             raise WantsMemory(
                 "address-space-too-small",
                 "controller program {program!r} reserves more than the {size} of address space "
-                "that it may "
-                "have, and ended with: {said!r}",
+                "that it may have, and ended with: {said!r}",
                 "lift the limit: --controller 'cmd+memory=none:{command}'",
                 at_terminal=True,
                 program=self._command[0],
@@ -288,9 +298,11 @@ class Program:
                 said=str(_telling_line([said_instead, *lines])),
                 command=shlex.join(self._command),
             )
+
+        # A crash often comes with a report that names its reason and place.
         report = report_of(said, self._sources) if found.verdict == Verdict.CRASH else {}
         return ControllerError(
-            found.verdict, found.error, evidence_table(found.evidence) | told | report
+            found.verdict, found.error, evidence_table(found.evidence) | facts | report
         )
 
     def _send(self, line: bytes, end: float, seconds: float) -> None:
@@ -302,7 +314,7 @@ class Program:
             while sent < len(line):
                 self._wait(end, seconds)
                 sent += self._write(line[sent:])
-        except BrokenPipeError:  # it reads no more; its end may still be heard
+        except BrokenPipeError:  # It no longer reads, but its last words may still arrive.
             pass
         with contextlib.suppress(KeyError):
             self._poll.unregister(self._stdin)
@@ -332,10 +344,10 @@ class Program:
         return line
 
     def _wait(self, end: float, seconds: float) -> None:
-        """Hears what comes next; a look at the process itself where nothing does."""
+        """Read what comes next; if nothing does, check the process itself."""
         left = end - time.monotonic()
         if self._hear(min(max(left, 0.0), _LOOK_AGAIN)):
-            return  # even if it is late: perhaps it was us who had no time to look
+            return  # Even if it is late: perhaps this process was the one without time to look.
         if self._has_exited():
             self._hear(0)
             self._ended = True
@@ -344,9 +356,10 @@ class Program:
             raise ControllerError(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
-        """Reads what is there within that time, a chunk of each pipe.
+        """Read what arrives within that time, up to a chunk from each pipe.
 
-        Whether stdout, or its end, is heard.
+        Returns:
+            True if something came from stdout, or it reached its end.
         """
         heard = False
         for pipe, _ in self._poll.poll(seconds * 1000.0):
@@ -372,9 +385,10 @@ class Program:
             return None
 
     def _has_exited(self) -> bool:
-        """Whether the process has ended.
+        """Return True if the process has ended.
 
-        Where the system allows, it keeps its number until :meth:`stop`.
+        Where the system allows, the process is not reaped yet, so that its number is not reused
+        before :meth:`stop`.
         """
         if self._process.returncode is not None:
             return True
@@ -385,11 +399,11 @@ class Program:
                 os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG)
                 is not None
             )
-        except ChildProcessError:  # the system reaps children by itself, having been told to
+        except ChildProcessError:  # The system reaps children itself if SIGCHLD is ignored.
             return True
 
     def _ending(self) -> ControllerError:
-        """How it ended, told by its exit code or signal."""
+        """Return the error that describes how it ended, by exit code or signal."""
         if not self._exits_within(_TO_EXIT):
             return ControllerError(Verdict.CRASH, "closed its output")
         self._end_group()
@@ -407,14 +421,14 @@ class Program:
         while not self._has_exited():
             if time.monotonic() > end:
                 return False
-            self._hear(0)  # a full pipe must not keep it
+            self._hear(0)  # A full pipe must not keep it from exiting.
             time.sleep(pause)
             pause = min(2 * pause, 0.02)
         return True
 
     def _last_words(self) -> str:
         """Return the end of stderr as plain text."""
-        for _ in range(_KEPT):  # a grandchild may never fall silent
+        for _ in range(_KEPT):  # Bounded, because a grandchild may never fall silent.
             data = self._read(self._stderr)
             if not data:
                 break
@@ -424,7 +438,7 @@ class Program:
 
     @unbreakable
     def stop(self) -> None:
-        """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""
+        """End it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL."""
         if self.stopped:
             return
         self.stopped = True
@@ -440,9 +454,9 @@ class Program:
             self._keeper.communicate(b"done\n")
 
     def _end_group(self) -> None:
-        """Ends whatever it started and left behind.
+        """End everything that it started and left behind.
 
-        Before it is reaped, as after that its number may be another's.
+        This must happen before the process is reaped, when its number may go to another.
         """
         if not self._group_ended:
             self._kill(signal.SIGKILL)
@@ -451,13 +465,12 @@ class Program:
     def _kill(self, number: signal.Signals) -> None:
         try:
             os.killpg(self._process.pid, number)
-        except (
-            ProcessLookupError,
-            PermissionError,
-        ):  # none is left; on macOS also: only the dead are left
+        except (ProcessLookupError, PermissionError):
+            # The group is empty; on macOS the second also means that only dead members remain.
             return
 
 
+# The program gets a session, so that everything it starts can be ended as one group.
 def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
     try:
         return subprocess.Popen(
@@ -468,9 +481,8 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
             stderr=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,
-            env={
-                name: value for name, value in os.environ.items() if name != ONLY_CODE
-            },  # its code is its own
+            # The limit on which code may be loaded is for this process, not for the program.
+            env={name: value for name, value in os.environ.items() if name != ONLY_CODE},
         )
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
@@ -508,18 +520,18 @@ def _wants_memory(said: str, *, starting: bool) -> bool:
 
 
 def _telling_line(lines: list[Value]) -> Value:
-    """Return the line that says that memory was wanted, or the last one."""
+    """Return the line that reports the lack of memory, or else the last one."""
     return ([line for line in lines if _wants_memory(str(line), starting=True)] or lines)[-1]
 
 
 def _plain(data: bytes | bytearray) -> str:
-    """As text without control sequences, so that it may stand in a file and on a terminal."""
+    """Return output as text without control sequences, safe for a file and a terminal."""
     text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", bytes(data).decode("utf-8", "replace"))
     return "".join(char if char.isprintable() or char == "\n" else " " for char in text)
 
 
 def shown(data: bytes | bytearray) -> str:
-    """The beginning of an answer, fit for the evidence."""
+    """Return the beginning of an answer, to quote in the evidence."""
     first = bytes(data[: 4 * _LINE_WIDTH]).partition(b"\n")[0]
     text = _plain(first)
     return text if len(text) <= _LINE_WIDTH else f"{text[:_LINE_WIDTH]}..."

@@ -1,4 +1,4 @@
-"""Transcripts: what a program was sent in an episode, to be sent to it again under a debugger."""
+"""Transcripts: the lines that a program was sent in an episode, to send again under a debugger."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["transcribed"]
 
 @contextlib.contextmanager
 def transcribed(controller: str, out: Path | None, *, force: bool = False) -> Iterator[None]:
-    """Write to ``out`` what a program is sent.
+    """Write the lines that a program is sent to a file.
 
-    An episode that is broken off leaves what was sent until then.
+    If an episode is interrupted, the file has the lines up to then.
 
     Args:
-        controller: Its name.
-        out: The file; nothing is written if it is ``None``.
+        controller: The controller's name.
+        out: The file; ``None`` writes nothing.
         force: Whether the file may be overwritten.
 
     Raises:
@@ -35,7 +35,7 @@ def transcribed(controller: str, out: Path | None, *, force: bool = False) -> It
     if not isinstance(found, ProcessController):
         raise InvalidParameter(
             "not-a-program",
-            "{option} is what a program is sent, and {controller!r} is not one",
+            "{option} records the lines sent to a program, and {controller!r} is not a program",
             "for a Python class take --controller 'cmd:python -m sim.host {controller}'",
             at_terminal=True,
             option="--transcript",

@@ -1,12 +1,11 @@
-"""Makes calls of the core in another process.
+"""Make calls of the core in another process, so that a controller can crash without harm.
 
-So that a controller that crashes or hangs ends a run, not the program. A campaign runs controllers
-of shared libraries this way. The other process is forked when it is first needed. It has the
-    library loaded and makes whole calls at full speed: a run, or first looks at a thousand worlds.
-        Everything that a
-call works on is in memory that both processes share (:data:`SHARED`). So when the other one dies,
-everything is as it was when the controller was asked, and the run in which that was is known.
-``sim/core/wg_guard.h`` is the other side.
+A controller that crashes or hangs then ends a run and not the program. Campaigns run controllers
+from shared libraries this way. The other process is forked when it is first needed. It has the
+library loaded and makes whole calls at full speed, such as a run, or screening runs in a thousand
+worlds. Everything that a call works on is in memory that both processes share (:data:`SHARED`). If
+the other process dies, the memory is as it was when the controller was called, and shows in which
+run that happened. ``sim/core/wg_guard.h`` is the other side.
 """
 
 from __future__ import annotations
@@ -47,21 +46,27 @@ ffi: Any = _ffi
 lib: Any = _lib
 
 HANG = "no answer"
-"""What is said of a controller whose step does not come back."""
+"""The error of a controller whose step does not return."""
 
 DEADLINE = 1.0
-"""s of processor time that a controller can take for a step."""
+"""Processor time that a controller may take for a step, s."""
 
-# S that a step can take on the clock: it may wait for something, or the processors have other work.
+# Seconds that a step may take on the clock, if it waits or the processors are busy elsewhere.
 _WAITING = 5.0
-_LOOK = 0.1  # s between two looks whether the other process gets on; Ctrl-C is heard as often
-_CHUNK = 1 << 24  # bytes by which the shared memory grows
-_SMALLEST = 64  # bytes of a block: a line of the processor's cache
+
+# Seconds between two checks of the other process's progress, and for Ctrl-C.
+_LOOK = 0.1
+
+# Bytes by which the shared memory grows.
+_CHUNK = 1 << 24
+
+# Bytes of the smallest block, a line of the processor's cache.
+_SMALLEST = 64
 
 before_start: list[Callable[[], object]] = []
-"""Called before the other process is forked.
+"""Functions to call before the other process is forked.
 
-They make what it is to find in its copy of this one's memory.
+They make things that it must find in its copy of this process's memory.
 """
 
 
@@ -78,16 +83,16 @@ class ControllerDied(Exception):
 
     @property
     def is_hang(self) -> bool:
-        """Whether a step did not come back."""
+        """True if a step did not return."""
         return self.error == HANG
 
 
 class CallResult(NamedTuple):
-    """What a call came back with.
+    """The result of a call.
 
     Args:
-        result: What the core's function returned.
-        error: What the controller of the last run said is wrong; empty if nothing is.
+        result: Return value of the core's function.
+        error: The fault that the controller reported in the last run; empty without a fault.
     """
 
     result: int
@@ -95,7 +100,7 @@ class CallResult(NamedTuple):
 
 
 class CoreMemory:
-    """Where the core's structs and arrays are: here, in memory of this process alone."""
+    """Memory for the core's structs and arrays; in this class, ordinary memory of this process."""
 
     is_shared = False
 
@@ -103,17 +108,14 @@ class CoreMemory:
         """Return a new struct, or several, as ``ffi.new`` does.
 
         Args:
-            kind: ``WgArena *``, ``WgSettings[]``.
-            value: What is in it at first; for an array also how many.
-            ffi: Of the core that has the struct.
+            kind: C type, such as ``WgArena *`` or ``WgSettings[]``.
+            value: Initial value, or the length of an array.
+            ffi: Of the core that declares the struct.
         """
         return ffi.new(kind, value)
 
     def own(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return an array of the same content in this memory.
-
-        The array itself where it can be seen.
-        """
+        """Return the array if it is in this memory, else a copy that is."""
         return array
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
@@ -124,7 +126,7 @@ class CoreMemory:
 class _SharedMemory(CoreMemory):
     """Memory that this process shares with the one that makes calls.
 
-    It grows, and gives nothing back to the system.
+    It grows as needed, and never returns memory to the system.
     """
 
     is_shared = True
@@ -139,19 +141,19 @@ class _SharedMemory(CoreMemory):
 
     @property
     def chunks(self) -> int:
-        """How often it has grown: a process knows what was there when it was forked."""
+        """How often it has grown; a process only knows the chunks from before it was forked."""
         return len(self._chunks)
 
     def new(self, kind: str, value: Any = None, ffi: Any = ffi) -> Any:
-        """As :meth:`Memory.new`."""
+        """See :meth:`CoreMemory.new`."""
         return _allocator(self, ffi, clear=True)(kind, value)
 
     def block(self, size: int, *, clear: bool) -> Any:
-        """Return a block, all zero if it is to be cleared."""
+        """Return a block of bytes, filled with zeros if ``clear`` is set."""
         return _allocator(self, ffi, clear=clear)("char[]", max(size, 1))
 
     def own(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """As :meth:`Memory.own`."""
+        """See :meth:`CoreMemory.own`."""
         if array.flags.c_contiguous and array.__array_interface__["data"][0] in self._sizes:
             return array
         copy = self._array(array.shape, array.dtype, clear=False)
@@ -159,7 +161,7 @@ class _SharedMemory(CoreMemory):
         return copy
 
     def zeros(self, shape: int | tuple[int, ...], kind: Any) -> npt.NDArray[Any]:
-        """As :meth:`Memory.zeros`."""
+        """See :meth:`CoreMemory.zeros`."""
         return self._array(
             shape if isinstance(shape, tuple) else (shape,), np.dtype(kind), clear=True
         )
@@ -172,7 +174,8 @@ class _SharedMemory(CoreMemory):
         return np.frombuffer(ffi.buffer(block), kind, count).reshape(shape)
 
     def take(self, size: int) -> Any:
-        """Return the address of a block for cffi, with anything in it."""
+        """Return the address of a block for cffi; its content is arbitrary."""
+        # Powers of two make freed blocks easy to use again.
         size = max(_SMALLEST, 1 << (size - 1).bit_length())
         with self._lock:
             free = self._free.get(size)
@@ -192,22 +195,22 @@ class _SharedMemory(CoreMemory):
         return address
 
     def give_back(self, block: Any) -> None:
-        """Take a block back; it may be called wherever an object goes, so it takes no lock."""
+        """Take a block back. Garbage collection may call this at any time, so it takes no lock."""
         address = int(ffi.cast("uintptr_t", block))
         self._free.setdefault(self._sizes[address], []).append(address)
 
 
 @functools.cache
 def _allocator(memory: _SharedMemory, ffi: Any, *, clear: bool) -> Any:
-    """Return what makes a core's structs in shared memory."""
+    """Return a function that creates a core's structs in shared memory."""
     return ffi.new_allocator(memory.take, memory.give_back, should_clear_after_alloc=clear)
 
 
 PRIVATE = CoreMemory()
-"""Memory of this process."""
+"""Ordinary memory of this process."""
 
 SHARED = _SharedMemory()
-"""Memory for what calls in the other process work on."""
+"""Memory for everything that calls in the other process work on."""
 
 
 class _Server:
@@ -239,7 +242,7 @@ class _Server:
         self._poll.register(self._answer, select.POLLIN)
 
     def ask(self) -> bool:
-        """Begin the call; return whether somebody is there to make it."""
+        """Begin the call; return False if the process no longer exists."""
         try:
             os.write(self._ask, b"c")
         except BrokenPipeError:
@@ -247,21 +250,20 @@ class _Server:
         return True
 
     def wait(self, progress: Sequence[Any]) -> None:
-        """Wait until the call is made.
+        """Wait until the call is done.
 
         Args:
-            progress: Structs of which something changes in each step.
+            progress: Structs that change in each step.
 
         Raises:
-            ControllerDied: If the process ends, or a step does not come back.
+            ControllerDied: If the process ends, or a step does not return.
         """
         seen = [b""]
         began = time.monotonic()
         used = 0.0
         while not self._poll.poll(int(_LOOK * 1000)):
-            # The clocks are read before the progress, and again after it if there is any: so if
-            # this process is kept waiting in between, that time does not count against the
-            # controller.
+            # Read the clocks before looking for progress, and again after finding some. If this
+            # process is kept waiting in between, that time does not count against the controller.
             waited = time.monotonic() - began
             used_since = lib.wg_guard_seconds(self.process) - used
             now = [bytes(ffi.buffer(one)) for one in progress]
@@ -291,7 +293,7 @@ class _Server:
             return f"killed by signal {-code}"
 
     def end(self) -> None:
-        """End the process, whatever it does."""
+        """Kill the process."""
         os.kill(self.process, signal.SIGKILL)
         os.waitpid(self.process, 0)
         self._close()
@@ -302,10 +304,11 @@ class _Server:
 
 
 class _Here:
-    """What this process has of the other one: one call at a time, and one process at most.
+    """This process's side: at most one call at a time, and at most one other process.
 
     Attributes:
-        known: Addresses of all functions asked for so far: a new process knows them from its start.
+        known: Addresses of all functions requested so far, which a new process knows from its
+            start.
     """
 
     def __init__(self) -> None:
@@ -331,14 +334,18 @@ def call(
     Args:
         work: The function, a ``WgWork``.
         act: Address of the controller's function.
-        objects: What the function takes; all of it, and all that it points to, in :data:`SHARED`.
-        number: The number that it takes.
+        objects: Arguments of the function. They, and everything that they point to, must be in
+            :data:`SHARED`.
+        number: The number that the function takes.
         report: ``WgReport`` of the run under way, which changes in each step.
-        progress: What else changes as the work goes on.
+        progress: Other structs that change as the work progresses.
+
+    Returns:
+        The function's result and the controller's error.
 
     Raises:
-        ControllerDied: If the process ended, or a step did not come back; the next call has a new
-            one.
+        ControllerDied: If the process ended, or a step did not return; the next call starts a new
+            process.
     """
     function = int(ffi.cast("uintptr_t", work))
     with _here.one_call:
@@ -349,7 +356,7 @@ def call(
             asked.objects[k] = ffi.cast("void *", one)
         asked.number = number
         asked.report = ffi.cast("WgReport *", report)
-        if not server.ask():  # somebody has ended it while it waited
+        if not server.ask():  # Something ended the process while it waited.
             renew()
             return call(work, act, objects, number, report=report, progress=progress)
         try:
@@ -365,7 +372,7 @@ def call(
 
 
 def _server_for(functions: frozenset[int]) -> _Server:
-    """Return a process that knows these functions, and all of the shared memory."""
+    """Return a process that knows these functions and all of the shared memory."""
     _here.known |= functions
     if _here.servers:
         server = _here.servers[0]
@@ -380,7 +387,8 @@ def _server_for(functions: frozenset[int]) -> _Server:
 def renew() -> None:
     """End the other process.
 
-    The next call finds the library as it was loaded, whatever a controller did to it.
+    The next call forks a new one, in which the library is as it was loaded, whatever a controller
+    did to it.
     """
     with _here.one_call:
         while _here.servers:
@@ -388,7 +396,7 @@ def renew() -> None:
 
 
 def _forget() -> None:
-    """Leave the other process, and what it shares, to the process of which this one is a copy."""
+    """After a fork, leave the other process and the shared memory to the parent."""
     _here.__init__()  # type: ignore[misc] # a lock of the copied process may be held there
     SHARED.__init__()  # type: ignore[misc]
 

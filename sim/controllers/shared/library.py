@@ -1,8 +1,7 @@
-"""Controllers in shared libraries.
+"""Controllers in shared libraries: ``lib:./robot.so:act`` runs inside the simulator.
 
-``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator. In a campaign whole
-runs are made in another process (:mod:`sim.controllers.shared.guarded`), so that a crash is a
-verdict and does not end the campaign.
+In a campaign, whole runs are made in another process (:mod:`sim.controllers.shared.guarded`), so
+that a crash is a verdict and does not end the campaign.
 """
 
 from __future__ import annotations
@@ -19,28 +18,26 @@ from worldgen.errors import InvalidParameter
 
 __all__ = ["SharedAct", "library_controller"]
 
-_MOST_MEMORY = 1 << 20  # numbers
+# Numbers in the memory of a controller.
+_MOST_MEMORY = 1 << 20
 
 
 @dataclass(frozen=True)
 class SharedAct(CoreAct):
-    """The act of a controller in a shared library.
+    """The act function of a controller in a shared library.
 
     Args:
-        name: ``lib:./robot.so:act``.
+        name: Name of the controller, such as ``lib:./robot.so:act``.
     """
 
     @property
     def address(self) -> int:
-        """Where the function is: a ``WgAct``."""
+        """Address of the function, a ``WgAct``."""
         return int(ffi.cast("uintptr_t", info_of(self.name).act))
 
     @property
     def is_guarded(self) -> bool:
-        """Whether it is run in another process.
-
-        In campaigns, where the system has such processes.
-        """
+        """Whether it runs in another process, as it does in campaigns where the system can fork."""
         return is_contained()
 
 
@@ -48,11 +45,11 @@ def library_controller(name: str) -> CompiledController:
     """Return the controller that a shared library offers.
 
     Args:
-        name: ``lib:./robot.so:act``.
+        name: Name of the controller, such as ``lib:./robot.so:act``.
 
     Raises:
-        InvalidParameter: If there is no such library or controller, or it was built for another
-            interface.
+        InvalidParameter: If the library or the controller does not exist, or it was built for
+            another version of the interface.
     """
     info = info_of(name)
     senses = _senses(name, int(info.senses))
@@ -102,7 +99,7 @@ def _within(name: str, field: str, value: int, most: int) -> int:
 
 
 def _senses(name: str, bits: int) -> tuple[str, ...]:
-    """Return the names of what a library's controller looks at."""
+    """Return the names of the senses that a library's controller reads."""
     known = sum(
         bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading")
     )
@@ -113,7 +110,7 @@ def _senses(name: str, bits: int) -> tuple[str, ...]:
         raise InvalidParameter(
             "unknown-senses",
             "controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits",
-            "add up those of the header",
+            "use only the bits in the header",
             name=name,
             bits=bits,
         )

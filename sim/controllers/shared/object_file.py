@@ -1,6 +1,6 @@
-"""Reads what a shared library says about a controller in it: ``lib:./robot.so:act``.
+"""Read the description that a shared library gives of a controller: ``lib:./robot.so:act``.
 
-``worldgen_controller.h`` is the contract. A library is code that runs with all rights of the
+``worldgen_controller.h`` is the contract. A library is code, and runs with all rights of the
 process that loads it.
 """
 
@@ -21,31 +21,32 @@ ffi: Any = _ffi
 lib: Any = _lib
 
 _PREFIX = "lib:"
-_OFFER = "_controller"  # what follows the name of the function that describes it
+# Suffix of the function that describes a controller.
+_OFFER = "_controller"
 _BUILD = 'cc -std=c17 -O2 -shared -fPIC -I"$(worldgen --include)" robot.c -o robot.so'
 
 
 def is_library_name(name: str) -> bool:
-    """Return whether a controller's name means one in a shared library."""
+    """Return True if a controller's name refers to one in a shared library."""
     return name.startswith(_PREFIX)
 
 
 def library_file(name: str) -> Path:
-    """Return the library that a controller's name means."""
+    """Return the file of the library in a controller's name."""
     return Path(name.removeprefix(_PREFIX).rpartition(":")[0]).expanduser()
 
 
 def include_folder() -> Path:
-    """Return the folder of ``worldgen_controller.h``."""
+    """Return the folder that contains ``worldgen_controller.h``."""
     return Path(__file__).parents[2] / "include"
 
 
 @functools.cache
 def info_of(name: str) -> Any:
-    """Return what a library says of its controller, checked for the version of the interface.
+    """Return a library's description of its controller, after checking its version.
 
     Raises:
-        InvalidParameter: If there is no such thing.
+        InvalidParameter: If the name, the library or the description is not valid.
     """
     place, colon, function = name.removeprefix(_PREFIX).rpartition(":")
     if not colon or not place or not function:
@@ -55,6 +56,8 @@ def info_of(name: str) -> Any:
             "write lib:./robot.so:act",
             name=name,
         )
+
+    # Every controller comes with a function without arguments that returns its description.
     loaded = _loaded(name, Path(place).expanduser())
     try:
         offer = getattr(loaded, function + _OFFER)
@@ -72,6 +75,8 @@ def info_of(name: str) -> Any:
             function=function,
             offer=_OFFER,
         )
+
+    # Check version and size before reading any other field, as these may have moved.
     info = ffi.cast("const WgControllerInfo *", address)
     if info.abi != lib.WG_CONTROLLER_ABI:
         raise InvalidParameter(
@@ -107,16 +112,16 @@ def info_of(name: str) -> Any:
 
 
 def check_file(name: str) -> None:
-    """Refuse a name of a library that is not there, without loading what is.
+    """Refuse the name of a library whose file does not exist, without loading it.
 
     Raises:
-        InvalidParameter: If it is not there.
+        InvalidParameter: If the file does not exist.
     """
     file = library_file(name)
     if not file.is_file():
         raise InvalidParameter(
             "no-such-file",
-            "controller {name!r}: there is no file {file}",
+            "controller {name!r}: {file} does not exist",
             "build it: {build}",
             name=name,
             file=file,
@@ -125,7 +130,7 @@ def check_file(name: str) -> None:
 
 
 def _loaded(name: str, file: Path) -> ctypes.CDLL:
-    """Return the library, which stays loaded until this process ends."""
+    """Return the library; it stays loaded until this process ends."""
     check_file(name)
     try:
         return ctypes.CDLL(str(file.resolve()))
@@ -142,7 +147,7 @@ def _loaded(name: str, file: Path) -> ctypes.CDLL:
 
 
 def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> Message:
-    """Return what to say where a library does not offer a controller."""
+    """Return the message for a library that does not offer a controller."""
     if hasattr(loaded, function):
         return Message(
             "offers-no-controller",
