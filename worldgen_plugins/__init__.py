@@ -1,12 +1,14 @@
-"""What other programs load.
+"""Plug-ins that other programs load.
 
-Light, for pytest and Hypothesis load it in every project of an environment. Contents:
-    for_pytest: worlds as test parameters, stored failures as tests, failure sections.
+They are small, because pytest and Hypothesis load them in every project of an environment.
+
+Contents:
+    for_pytest: Worlds as test parameters, stored failures as tests, and a section in reports.
     for_hypothesis: ``World`` for ``st.from_type``.
-    for_gymnasium: environments for reinforcement learning, which ``worldgen.gym`` registers.
+    for_gymnasium: Environments for reinforcement learning, registered by ``worldgen.gym``.
 
-All stand outside ``fuzz`` so that a project with a folder of that name, which hides the package,
-still starts.
+The plug-ins are not part of ``fuzz``, because a project with a folder of that name hides the
+package, and must still start.
 
-PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
+PYTEST_DONT_REWRITE: lets a program that has imported this call pytest.main() without a warning.
 """

@@ -1,8 +1,8 @@
-"""The Hypothesis plug-in.
+"""The Hypothesis plug-in: draw reachable worlds from ``st.from_type(World)`` and annotations.
 
-``st.from_type(World)``, and ``@given`` from annotations, draw reachable worlds. Hypothesis calls
-:func:`register` whenever it is imported. A type must exist to be registered, and ``worldgen.world``
-imports NumPy, so the registration waits until a program imports that module itself.
+Hypothesis calls :func:`register` whenever it is imported. A type must exist to be registered, but
+``worldgen.world`` imports NumPy, so the registration waits until a program imports that module
+itself.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _HOME = "worldgen.world"
 
 
 def register() -> None:
-    """Registers ``World`` now if its module is there, else as soon as it is."""
+    """Register ``World`` now if its module is loaded, else as soon as it is."""
     module = sys.modules.get(_HOME)
     if hasattr(module, "World"):
         _register(module)
@@ -42,9 +42,9 @@ def _worlds(_: object) -> Any:
 
 
 class _Awaited(MetaPathFinder):
-    """Lets others find the module, and registers when it has been executed.
+    """A finder that waits for the module: it lets others find it, and watches its execution.
 
-    Who only looks for it changes nothing.
+    A program that only looks for the module changes nothing.
     """
 
     def __init__(self) -> None:
@@ -53,7 +53,7 @@ class _Awaited(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The specification that the other finders give, with a loader that reports."""
+        """Return the specification of the other finders, with a loader that reports execution."""
         if fullname != _HOME or self._asks_others:
             return None
         self._asks_others = True
@@ -67,18 +67,18 @@ class _Awaited(MetaPathFinder):
 
 
 class _Reporting(Loader):
-    """Another loader, which it puts back into the module before that is executed."""
+    """Wraps another loader, which it puts back into the module before running it."""
 
     def __init__(self, loader: Loader, finder: _Awaited) -> None:
         self._loader = loader
         self._finder = finder
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """As the other loader does."""
+        """Create the module as the other loader does."""
         return self._loader.create_module(spec)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Executes the module, then registers its type."""
+        """Execute the module, then register its type."""
         module.__loader__ = self._loader
         if module.__spec__ is not None:
             module.__spec__.loader = self._loader

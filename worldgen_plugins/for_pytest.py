@@ -1,6 +1,7 @@
-"""The pytest plug-in: worlds as test parameters, stored failures as tests, failing worlds shown and kept.
+"""The pytest plug-in: worlds as test parameters, stored failures as tests, failing worlds kept.
 
-It is loaded wherever pytest runs, so what needs NumPy is imported when a test asks for it.
+It is loaded wherever pytest runs, so anything that needs NumPy is imported only when a test uses
+it.
 """
 
 from __future__ import annotations
@@ -24,16 +25,15 @@ __all__ = ["FailureFile", "FailureTest", "worldgen_episode", "worldgen_world"]
 EXPECTATIONS = ("fixed", "confirmed")
 _ENDINGS = (".grid", ".grid.gz")
 _MARK = (
-    "worldgen(*, family, controller=None, count=10, seed=0, **parameters): one test for each world "
-    "of a family (or of "
-    "several), with rising seeds; the test takes the fixture worldgen_world, or worldgen_episode, "
-    "the controller's run"
+    "worldgen(*, family, controller=None, count=10, seed=0, **parameters): run the test once for "
+    "each of count worlds of a family (or of several), with rising seeds; the test takes the "
+    "fixture worldgen_world, or worldgen_episode for the controller's run"
 )
 
 
 @dataclass(frozen=True)
 class _Settings:
-    """The options, each from the command line or else from the ini file."""
+    """The plug-in's options, from the command line or else from the ini file."""
 
     corpora: tuple[Path, ...]
     expect: str
@@ -42,7 +42,7 @@ class _Settings:
 
 @dataclass(frozen=True)
 class _Case:
-    """One world that a mark asks for."""
+    """One world that a mark requests."""
 
     family: str
     seed: int
@@ -55,26 +55,25 @@ _SEEN: pytest.StashKey[RegressionRun] = pytest.StashKey()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Adds the options and their ini equivalents."""
+    """Add the options and their ini equivalents."""
     group = parser.getgroup("worldgen", "worldgen: worlds and stored failures")
     group.addoption(
         "--worldgen-corpus",
         action="append",
         metavar="DIR",
-        help="Collect the .grid files in this folder and below, each as a test; may be repeated.",
+        help="Collect each .grid file in this folder and below as a test; may be repeated.",
     )
     group.addoption(
         "--worldgen-expect",
         choices=EXPECTATIONS,
-        help="What a stored failure must be: fixed (the robot now arrives; the default), or "
-        "confirmed (it replays, "
-        "with the same verdict, evidence and digest).",
+        help="Requirement on a stored failure: fixed (the robot now arrives; the default), or "
+        "confirmed (it replays with the same verdict, evidence and digest).",
     )
     group.addoption(
         "--worldgen-controller",
         metavar="NAME",
-        help="Run this controller in stored failures instead of theirs, and in marked tests that "
-        "name none.",
+        help="Run this controller in stored failures instead of theirs, and in marked tests "
+        "without their own.",
     )
     group.addoption(
         "--worldgen-artifacts",
@@ -83,41 +82,45 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     parser.addini(
         "worldgen_corpus",
-        "Folders as of --worldgen-corpus, for runs that name no path.",
+        "Folders as in --worldgen-corpus, for runs without a path.",
         type="paths",
     )
-    parser.addini("worldgen_expect", "As --worldgen-expect: fixed or confirmed.", default="")
-    parser.addini("worldgen_controller", "As --worldgen-controller.", default="")
+    parser.addini("worldgen_expect", "Same as --worldgen-expect: fixed or confirmed.", default="")
+    parser.addini("worldgen_controller", "Same as --worldgen-controller.", default="")
     parser.addini(
-        "worldgen_artifacts", "As --worldgen-artifacts, seen from the root directory.", default=""
+        "worldgen_artifacts",
+        "Same as --worldgen-artifacts, relative to the root directory.",
+        default="",
     )
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Reads the options and adds the corpora to what is collected."""
+    """Read the options, and collect the corpora too."""
     config.addinivalue_line("markers", _MARK)
     options = config.option
     given = [config.invocation_params.dir / folder for folder in options.worldgen_corpus or ()]
     expect = options.worldgen_expect or config.getini("worldgen_expect") or EXPECTATIONS[0]
     if expect not in EXPECTATIONS:
         raise pytest.UsageError(
-            f"worldgen_expect = {expect!r} is neither fixed nor confirmed; write one of them"
+            f"worldgen_expect = {expect!r} is not valid; write fixed or confirmed"
         )
     usual: Iterable[Path] = config.getini("worldgen_corpus")
     corpora = tuple(Path(folder).resolve() for folder in (given or usual))
     for folder in corpora:
         if not folder.is_dir():
             raise pytest.UsageError(
-                f"the corpus {folder} is no folder; make it, or name another --worldgen-corpus"
+                f"the corpus {folder} is not a folder; make it, or give another --worldgen-corpus"
             )
     controller = options.worldgen_controller or config.getini("worldgen_controller") or None
     config.stash[_SETTINGS] = _Settings(corpora, expect, controller)
+
+    # Corpora from the ini file are collected only if the command line names no paths.
     if given or config.args_source is not pytest.Config.ArgsSource.ARGS:
         config.args += [str(folder) for folder in corpora if str(folder) not in config.args]
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
-    """Says which corpora are collected, and what is expected of them."""
+    """Return a line that names the corpora and what is expected of them."""
     settings = config.stash[_SETTINGS]
     if not settings.corpora:
         return None
@@ -129,7 +132,7 @@ def pytest_report_header(config: pytest.Config) -> str | None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> FailureFile | None:
-    """Takes world files in a corpus, and those named on the command line."""
+    """Collect world files in a corpus, and those named on the command line."""
     if not file_path.name.endswith(_ENDINGS):
         return None
     corpora = parent.config.stash[_SETTINGS].corpora
@@ -141,17 +144,17 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> FailureFil
 
 
 class FailureFile(pytest.File):
-    """A stored failure, or a world; one test."""
+    """A stored failure, or a world; it has one test."""
 
     def collect(self) -> Iterable[FailureTest]:
-        """The test, named by what is expected."""
+        """Yield the test, whose name is the expectation."""
         yield FailureTest.from_parent(self, name=self.config.stash[_SETTINGS].expect)
 
 
 class NotAsExpected(Exception):
-    """A stored failure is not what it is expected to be.
+    """A stored failure does not meet the expectation.
 
-    The message says why, in words that steer no terminal.
+    The message gives the reason, without control sequences that could affect a terminal.
     """
 
     def __init__(self, reason: object) -> None:
@@ -161,10 +164,10 @@ class NotAsExpected(Exception):
 
 
 class FailureTest(pytest.Item):
-    """Runs the controller in the file's world and holds the outcome against what is expected."""
+    """Runs the controller in the file's world, and checks the outcome against the expectation."""
 
     def runtest(self) -> None:
-        """Runs it.
+        """Run the test.
 
         Raises:
             NotAsExpected: If the failure is not fixed, or not confirmed.
@@ -188,13 +191,13 @@ class FailureTest(pytest.Item):
             raise NotAsExpected(outcome.reason)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """The reason alone, without a traceback through the program."""
+        """Return only the reason, without a traceback through this program."""
         if isinstance(excinfo.value, NotAsExpected):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """Where it stands, for the report."""
+        """Return the file and a title for the report."""
         return self.path, None, f"{self.path.name} is {self.name}"
 
 
@@ -202,13 +205,13 @@ class FailureTest(pytest.Item):
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """One test for each world that the mark asks for; the worlds are made when the tests run."""
+    """Parametrise a test over the worlds of its mark, which are made when the tests run."""
     mark = metafunc.definition.get_closest_marker("worldgen")
     wants = "worldgen_world" in metafunc.fixturenames
     test = metafunc.definition.nodeid
     if mark is None and wants:
         raise pytest.Collector.CollectError(
-            f"{test} takes a worldgen fixture but does not say of which worlds; add "
+            f"{test} takes a worldgen fixture but does not name a family of worlds; add "
             '@pytest.mark.worldgen(family="trap")'
         )
     if mark is None or not wants:
@@ -218,6 +221,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
                 f"worldgen_episode"
             )
         return
+
+    # A mark's mistakes are reported as errors of collection, with the test's name.
     try:
         cases = _cases(mark, metafunc.config.stash[_SETTINGS].controller)
     except (TypeError, ValueError) as error:
@@ -233,7 +238,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
     if mark.args:
         raise TypeError(
-            f"the mark worldgen takes names only, not {mark.args[0]!r}; write "
+            f"the mark worldgen takes keyword arguments only, not {mark.args[0]!r}; write "
             f"family={mark.args[0]!r}"
         )
     given = dict(mark.kwargs)
@@ -243,17 +248,17 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
     controller = given.pop("controller", None) or usual
     if not (controller is None or isinstance(controller, str)):
         raise TypeError(
-            f"controller={controller!r} is no name; write one, package.module:name or "
+            f"controller={controller!r} is not a name; write one, such as package.module:name or "
             f"./file.py:name"
         )
     families: Sequence[object] = [family] if isinstance(family, str) else family or ()
     if not families or not all(isinstance(name, str) for name in families):
         raise TypeError(
-            f'family={family!r} names no family; write family="trap", or a list of names'
+            f'family={family!r} does not name a family; write family="trap", or a list of names'
         )
     for name, value, least in (("count", count, 1), ("seed", seed, 0)):
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise ValueError(f"{name}={value!r} is no whole number from {least}; give one")
+            raise ValueError(f"{name}={value!r} is not a whole number from {least}; give one")
     return [
         _Case(str(name), seed + k, controller, given) for name in families for k in range(count)
     ]
@@ -261,7 +266,7 @@ def _cases(mark: pytest.Mark, usual: str | None) -> list[_Case]:
 
 @pytest.fixture
 def worldgen_world(request: pytest.FixtureRequest) -> World:
-    """A world of the family that the test's mark names, with a witness that its target can be reached."""
+    """Return a world of the mark's family, with a witness that its target can be reached."""
     from worldgen.errors import WorldgenError
     from worldgen.generation import generate
     from worldgen.plugins.own_packages import check_hidden
@@ -280,16 +285,15 @@ def worldgen_world(request: pytest.FixtureRequest) -> World:
 
 @pytest.fixture
 def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> Episode:
-    """The recorded run of the mark's controller in ``worldgen_world``; its seed is the world's."""
+    """Return the recorded run of the mark's controller in the world; its seed is the world's."""
     from fuzz.replay.regression import run
     from worldgen.errors import WorldgenError
 
     case: _Case = request.node.callspec.params["worldgen_world"]
     if case.controller is None:
         pytest.fail(
-            "the test takes worldgen_episode, but no controller is named; add "
-            'controller="./mine.py:Robot" to the '
-            "mark, or --worldgen-controller",
+            "the test takes worldgen_episode, but no controller is given; add "
+            'controller="./mine.py:Robot" to the mark, or use --worldgen-controller',
             pytrace=False,
         )
     try:
@@ -307,10 +311,7 @@ def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> E
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Behind a failing test's report.
-
-    The picture, where its world is kept, the line that shows it again.
-    """
+    """Add a section to a failing test's report: picture, stored world, and the line to replay it."""
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":
@@ -321,14 +322,13 @@ def pytest_runtest_makereport(
         report.sections.append(("worldgen", told.text))
         properties = [(f"worldgen.{name}", value) for name, value in told.properties.items()]
         report.user_properties += properties
-        item.user_properties += (
-            properties  # JUnit reads those of the teardown's report, which copies these
-        )
+        # JUnit reads the properties of the teardown's report, which copies the item's.
+        item.user_properties += properties
     return report
 
 
 def _artifacts(config: pytest.Config) -> Path | None:
-    """The folder for failing worlds; ``None`` if none is named and pytest keeps no cache."""
+    """Return the folder for failing worlds; ``None`` if none is given and pytest has no cache."""
     if config.option.worldgen_artifacts:
         return config.invocation_params.dir / str(config.option.worldgen_artifacts)
     if config.getini("worldgen_artifacts"):
@@ -338,6 +338,6 @@ def _artifacts(config: pytest.Config) -> Path | None:
 
 
 def _artifact_name(item: pytest.Item) -> str:
-    """A file name that a person recognises and no other test has."""
+    """Return a file name that people recognise and that no other test has."""
     readable = re.sub(r"[^A-Za-z0-9.]+", "-", f"{item.path.stem}-{item.name}")[-80:].strip("-")
     return f"{readable}-{hashlib.sha256(item.nodeid.encode()).hexdigest()[:8]}.grid"

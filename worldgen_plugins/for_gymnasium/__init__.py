@@ -1,9 +1,9 @@
 """The Gymnasium environments; ``import worldgen.gym`` registers them.
 
 Contents, each imported when it is first used:
-    NavigateEnv: the single environment.
-    NavigateVectorEnv: the vector environment.
-    Interface: sensors and actions, with which a trained policy becomes a controller.
+    NavigateEnv: The single environment.
+    NavigateVectorEnv: The vector environment.
+    Interface: Sensors and actions; they turn a trained policy into a controller.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Actions as they come, checked and in the form that the kernel takes."""
+"""Check actions, and convert them to the form that the core takes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ __all__ = ["checked_actions"]
 
 
 def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArray[Any]:
-    """(n,) int64 or (n, 2) float32, in C order.
+    """Return actions as (n,) int64 or (n, 2) float32, in C order.
 
-    Numbers beyond the bounds are as good as the bounds.
+    Continuous actions may exceed their bounds; the core limits them.
 
     Raises:
-        InvalidParameter: If they are of another shape or type, nan, or no number of a discrete
-            action.
+        InvalidParameter: If they have another shape or type, contain nan, or are not numbers of
+            discrete actions.
     """
     given = np.asarray(actions)
     if interface.actions == "discrete":
@@ -44,7 +44,7 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     if given.shape != (count, 2) or given.dtype.kind not in "fiu":
         raise InvalidParameter(
             "wrong-shape",
-            "actions of shape {shape}, {dtype}: give the shares of turn rate and top speed for "
+            "actions of shape {shape}, {dtype}: give fractions of turn rate and top speed for "
             "{count}",
             shape=given.shape,
             dtype=str(given.dtype),
@@ -52,6 +52,6 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
         )
     if np.isnan(given.sum()) and np.isnan(given).any():
         raise InvalidParameter(
-            "not-finite", "an action is nan", "give shares of turn rate and top speed, -1 to 1"
+            "not-finite", "an action is nan", "give fractions of turn rate and top speed, -1 to 1"
         )
     return np.ascontiguousarray(given, np.float32)

@@ -1,4 +1,4 @@
-"""How long the shortest way to the target is, from everywhere: what progress can be measured by."""
+"""Compute the shortest path to the target from everywhere, as a measure of progress."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from worldgen.world import World
 
 __all__ = ["distances_to_target"]
 
-_NEAR = (
-    1.5  # half cells: from the target's centre to nodes that it is joined to, if its radius is less
-)
+# Half cells. Nodes at most this far from the target's centre are joined to it, unless its radius is
+# larger; this reaches at least one node.
+_NEAR = 1.5
 
 
 def distances_to_target(world: World) -> npt.NDArray[np.float32]:
-    """Length of the disc's shortest way over points at multiples of half a cell, m.
+    """Return the length of the disc's shortest path over multiples of half a cell, m.
 
-    Inf where there is none.
+    The length is inf where no path exists.
 
     Args:
-        world: One that does not change.
+        world: A world that does not change.
 
     Returns:
         ((2 height + 1) * (2 width + 1),) float32, row by row.
@@ -43,6 +43,8 @@ def distances_to_target(world: World) -> npt.NDArray[np.float32]:
             "distance='way' needs worlds that do not change",
             "take distance='straight' for this one",
         )
+
+    # Edges join a node to its eight neighbours; slanted ones also need the middle to be clear.
     graph = build_graph(world.walls, radius_in_cells(world), 2)
     clear = graph.clear
     middle = graph.middle[:-1, :-1]
@@ -54,6 +56,8 @@ def distances_to_target(world: World) -> npt.NDArray[np.float32]:
         (numbers[:-1, :-1], numbers[1:, 1:], clear[:-1, :-1] & clear[1:, 1:] & middle, slanted),
         (numbers[:-1, 1:], numbers[1:, :-1], clear[:-1, 1:] & clear[1:, :-1] & middle, slanted),
     ]
+
+    # One more node stands for the target, joined to all nodes near it.
     side = 0.5 * world.cell_size
     rows, columns = np.indices(clear.shape)
     away = np.hypot(columns - world.target.x / side, rows - world.target.y / side)
@@ -64,6 +68,8 @@ def distances_to_target(world: World) -> npt.NDArray[np.float32]:
         *(np.full(np.count_nonzero(there), cost) for *_, there, cost in steps),
         np.maximum(away.flat[home], 1e-9),
     ]
+
+    # A distance of 0 would mean that there is no edge, hence the least cost above.
     places = (np.concatenate(begins), np.concatenate(ends))
     matrix = coo_array(
         (np.concatenate(costs), places), shape=(clear.size + 1, clear.size + 1)

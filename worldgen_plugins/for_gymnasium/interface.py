@@ -1,4 +1,4 @@
-"""What an environment shows of a robot's senses, and how its actions become commands."""
+"""Turn what a robot senses into an environment's observations, and actions into commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ Floats = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
 
 DEFAULT_BEAMS = 16
-MOST_TURN_RATE = 1e6  # rad/s
+# Radians per second.
+MOST_TURN_RATE = 1e6
 
 
 class Sensor(NamedTuple):
@@ -31,8 +32,8 @@ class Sensor(NamedTuple):
     Args:
         code: Its number in the core.
         low: Least value of each of its numbers.
-        high: Greatest value.
-        senses: What of the simulator's observation it looks at.
+        high: Greatest value of each of its numbers.
+        senses: The fields of the simulator's observation that it reads.
     """
 
     code: int
@@ -62,12 +63,12 @@ SENSORS: Mapping[str, Sensor] = {
     ),
     "beams": Sensor(lib.WG_SHOW_BEAMS, (0.0,), (1.0,), ("beams",)),
 }
-"""Every sensor; of ``beams`` there are as many as the robot has."""
+"""All sensors by name; ``beams`` has as many numbers as the robot has beams."""
 
 CHOICES = ((0.0, 1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0))
-"""The discrete actions, as shares of the turn rate and of the top speed.
+"""The discrete actions, as fractions of the turn rate and of the top speed.
 
-Ahead; ahead to the left; ahead to the right; left on the spot; right on the spot.
+In order: ahead, ahead to the left, ahead to the right, left on the spot, right on the spot.
 """
 
 
@@ -75,17 +76,17 @@ Ahead; ahead to the left; ahead to the right; left on the spot; right on the spo
 class Interface:
     """Sensors and actions of an environment.
 
-    A controller that has the same sees what was seen in training.
+    A controller with the same interface observes exactly what was observed in training.
 
     Args:
-        sensors: Names in :data:`SENSORS`, in the order in which they stand in an observation.
-        actions: ``continuous``, or ``discrete`` for the five of :data:`CHOICES`.
-        turn_rate: rad/s, what an action turns at most.
+        sensors: Names from :data:`SENSORS`, in the order of their numbers in an observation.
+        actions: ``continuous``, or ``discrete`` for the five in :data:`CHOICES`.
+        turn_rate: Largest turn rate of an action, rad/s.
         reverse: Whether continuous actions may drive backwards.
-        extent: m, which distances and positions are given as shares of; what is farther is as far
-            as that.
-        robot: The robot's dynamics and sensors; with ``beams`` among the sensors it has 16 unless
-            this says otherwise.
+        extent: Length that distances and positions are given as fractions of, m; larger ones are
+            limited to it.
+        robot: The robot's dynamics and sensors. If ``beams`` is among the sensors, it has 16 beams
+            unless this says otherwise.
 
     Raises:
         InvalidParameter: If a name is unknown or a value is out of range.
@@ -118,7 +119,7 @@ class Interface:
             raise InvalidParameter(
                 "conflict",
                 "reverse=True goes with continuous actions",
-                "leave it out, or actions='discrete'",
+                "remove it, or actions='discrete'",
             )
         for name, most, unit in (("turn_rate", MOST_TURN_RATE, "rad/s"), ("extent", 1e6, "m")):
             object.__setattr__(self, name, positive(name, getattr(self, name), most, unit))
@@ -130,7 +131,7 @@ class Interface:
             if not isinstance(robot, Mapping):
                 raise InvalidParameter(
                     "wrong-type",
-                    "robot={given} is no RobotOptions",
+                    "robot={given} is not a RobotOptions",
                     "give some, or a dict: {{'slip': 0.1}}",
                     given=repr(robot),
                 )
@@ -141,27 +142,27 @@ class Interface:
 
     @property
     def needs(self) -> RobotOptions:
-        """The robot, as a controller declares it."""
+        """The robot's options, as a controller declares them."""
         return self._robot()
 
     @property
     def senses(self) -> tuple[str, ...]:
-        """The names of what it looks at, as a controller declares them."""
+        """Names of the senses that it reads, as a controller declares them."""
         found = dict.fromkeys(sense for name in self.sensors for sense in SENSORS[name].senses)
         return tuple(found)
 
     @property
     def codes(self) -> npt.NDArray[np.int64]:
-        """(k,) the sensors as the core knows them."""
+        """(k,) int64, the sensors' numbers in the core."""
         return np.array([SENSORS[name].code for name in self.sensors], np.int64)
 
     @property
     def choices(self) -> Floats:
-        """(m, 2) the discrete actions; none for continuous ones."""
+        """(m, 2) float64, the discrete actions; empty for continuous ones."""
         return np.array(CHOICES if self.actions == "discrete" else (), np.float64).reshape(-1, 2)
 
     def rules(self) -> Any:
-        """Return what this decides of a WgRules; zeros for the rest."""
+        """Return a WgRules with the fields that this interface decides; the others are zero."""
         rules = ffi.new("WgRules *")
         rules.extent = self.extent
         rules.beam_range = self.needs.beam_range
@@ -170,7 +171,7 @@ class Interface:
         return rules
 
     def bounds(self) -> dict[str, tuple[Singles, Singles]]:
-        """Least and greatest values of each sensor's numbers."""
+        """Return the least and greatest values of each sensor's numbers."""
         found = {}
         for name in self.sensors:
             low, high = (np.array(numbers, np.float32) for numbers in SENSORS[name][1:3])
@@ -178,12 +179,14 @@ class Interface:
                 low = low.repeat(self.needs.beams)
                 high = high.repeat(self.needs.beams)
             elif name == "signal":
+                # Noise can raise a reading above 1.
                 high += np.float32(self.needs.sensor_noise)
             found[name] = (low, high)
         return found
 
     def observe(self, observation: Observation) -> Singles:
-        """What the environment would have shown, from what a controller sees: (size,) float32."""
+        """Return (size,) float32, the environment's observation, given that of a controller."""
+        # Fill the core's struct, whose numbers have the order of the observation's fields.
         numbers = np.array(observation[:-1], np.float64)
         beams = np.array(observation.beams, np.float64)
         seen = ffi.new("WgObservation *")
@@ -197,7 +200,7 @@ class Interface:
         return out
 
     def command(self, action: Any, observation: Observation) -> Command:
-        """The command that an action is, for a robot whose top speed is the observation's."""
+        """Return an action as a command, for a robot with the observation's top speed."""
         turn, speed = (
             CHOICES[int(action)]
             if self.actions == "discrete"
@@ -209,10 +212,10 @@ class Interface:
 
 
 def positive(name: str, value: object, most: float, unit: str) -> float:
-    """A number above 0.
+    """Return a positive number as a float.
 
     Raises:
-        InvalidParameter: If it is none, or above ``most``.
+        InvalidParameter: If it is not a number, not above 0, or above ``most``.
     """
     if (
         not isinstance(value, int | float | np.number)
@@ -221,7 +224,7 @@ def positive(name: str, value: object, most: float, unit: str) -> float:
     ):
         raise InvalidParameter(
             "out-of-range",
-            "{name}={value!r} is no number of {unit} above 0 and at most {most:g}",
+            "{name}={value!r} is not a number of {unit} above 0 and at most {most:g}",
             "give one",
             name=name,
             value=value,
@@ -235,7 +238,7 @@ def _names(sensors: object) -> tuple[str, ...]:
     if isinstance(sensors, str) or not isinstance(sensors, tuple | list):
         raise InvalidParameter(
             "wrong-type",
-            "sensors={sensors!r} is no list of names",
+            "sensors={sensors!r} is not a list of names",
             "write one: ('target_direction', 'bump')",
             sensors=sensors,
         )
@@ -251,6 +254,8 @@ def _names(sensors: object) -> tuple[str, ...]:
         )
     if not names or len(set(names)) != len(names):
         raise InvalidParameter(
-            "twice", "sensors={sensors!r}: give at least one, and none twice", sensors=sensors
+            "twice",
+            "sensors={sensors!r}: give at least one, and each only once",
+            sensors=sensors,
         )
     return names

@@ -1,4 +1,4 @@
-"""Robots in lockstep: packs worlds and robots for the core, and calls it. No maths of its own."""
+"""Robots in lockstep: pack worlds and robots for the core, and call it."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ Bools = npt.NDArray[np.bool_]
 
 
 def _nobody(observation: npt.NDArray[np.float64], memory: object, command: object) -> None:
-    """Never called: an environment's actions are its commands."""
+    """Do nothing; never called, because an environment's actions are its commands."""
 
 
 class StepResult(NamedTuple):
-    """What a call says of each robot; made anew for each.
+    """The result of a step for each robot; every step makes a new one.
 
     Args:
         observation: (n, size) float32.
-        reward: (n,).
-        terminated: (n,) whether it arrived, or burned.
-        truncated: (n,) whether its time is over.
-        reached: (n,) whether it arrived.
-        began: (n,) whether the observation is the first of an episode.
-        last: (n, size) float32, the last observation of an episode after which the next began in
-            the same step; of no rows where that does not happen.
+        reward: (n,) float64.
+        terminated: (n,) bool, whether it arrived or burned.
+        truncated: (n,) bool, whether its time is over.
+        reached: (n,) bool, whether it arrived.
+        began: (n,) bool, whether the observation is the first of an episode.
+        last: (n, size) float32, the last observation of an episode if the next one began in the
+            same step; without rows if that cannot happen.
     """
 
     observation: Singles
@@ -52,7 +52,7 @@ class StepResult(NamedTuple):
     last: Singles
 
     def in_core(self) -> Any:
-        """Return the WgTold whose memory this is."""
+        """Return the WgTold that points to these arrays."""
         told = ffi.new("WgTold *")
         for name, array in self._asdict().items():
             setattr(told, name, writable(ffi, array, array.dtype.type))
@@ -63,13 +63,13 @@ _OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance",
 
 
 class RobotArrays:
-    """What the core knows of n robots, as arrays over its memory.
+    """The core's data on n robots, as arrays that share its memory.
 
     Args:
-        rules: What an episode is.
+        rules: The rules of an episode.
         numbers: WgRules.
-        count: Robots.
-        size: Numbers of an observation.
+        count: Number of robots.
+        size: Numbers in an observation.
     """
 
     def __init__(self, rules: Rules, numbers: Any, count: int, size: int) -> None:
@@ -87,7 +87,7 @@ class RobotArrays:
             array = getattr(self, name)
             setattr(self.c, name, writable(ffi, array, array.dtype.type))
 
-        # What all share.
+        # These are shared by all robots.
         interface = rules.interface
         codes = interface.codes
         choices = interface.choices
@@ -110,7 +110,8 @@ class RobotArrays:
         self._own: tuple[npt.NDArray[Any], ...] = ()
 
     def load(self, places: Any, runs: Sequence[LatticeRun], held: tuple[Any, ...]) -> None:
-        """Put the robots into other worlds, of which ``held`` is the memory."""
+        """Put the robots into other worlds, whose memory ``held`` keeps alive."""
+        # A step may have as many corners as events, so the busiest step decides the room for them.
         changing = [run.events for run in runs if len(run.events)]
         most = max(
             (int(np.unique(rows[:, 0], return_counts=True)[1].max()) for rows in changing),
@@ -119,6 +120,8 @@ class RobotArrays:
         self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + 1))
         self._tie_robots()
         self.c.places = places
+
+        # In worlds that change, each robot needs its own copy of the cells.
         self.c.place_count = len(runs)
         self.c.cells = ffi.NULL
         self.c.near = ffi.NULL
@@ -135,20 +138,20 @@ class RobotArrays:
         self._worlds = (places, held)
 
     def _tie_robots(self) -> None:
-        """Give the robots their states and their chain."""
+        """Connect the robots with their states and with the shared chain of corners."""
         lib.wg_crew_robots(
             self.c, ffi.cast("WgState *", writable(ffi, self.state, np.int64)), self._chain
         )
 
     def snapshot(self) -> tuple[list[npt.NDArray[Any]], bytes]:
-        """Return all that changes as robots go."""
+        """Return copies of everything that changes as robots move."""
         arrays = [getattr(self, name) for name in _OF_ROBOTS]
         return [array.copy() for array in (*arrays, self.state, *self._own)], bytes(
             ffi.buffer(self._robots)
         )
 
     def restore(self, snapshot: tuple[list[npt.NDArray[Any]], bytes]) -> None:
-        """Put everything back as it was; the same worlds must be loaded."""
+        """Restore everything from a snapshot; the same worlds must be loaded."""
         arrays, robots = snapshot
         own = [getattr(self, name) for name in _OF_ROBOTS]
         for array, before in zip((*own, self.state, *self._own), arrays, strict=True):
@@ -161,9 +164,9 @@ class Lockstep:
     """n robots in some of w worlds.
 
     Args:
-        rules: What an episode is.
-        count: Robots.
-        limit: Steps until an episode is cut off; 0 for never.
+        rules: The rules of an episode.
+        count: Number of robots.
+        limit: Steps after which an episode is truncated; 0 for never.
         autoreset: WG_NEXT_STEP, WG_SAME_STEP or WG_NO_AUTORESET.
     """
 
@@ -181,7 +184,7 @@ class Lockstep:
         self.crew = RobotArrays(rules, rules.numbers(limit, autoreset), count, self.size)
 
     def __getstate__(self) -> tuple[Any, ...]:
-        """Return what a copy is made of, which memory of the core cannot be."""
+        """Return what a copy is built from; memory of the core cannot be copied."""
         return (
             self._rules,
             self.count,
@@ -192,7 +195,7 @@ class Lockstep:
         )
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
-        """Make the copy."""
+        """Build the copy."""
         rules, count, limit, autoreset, worlds, snapshot = state
         self.__init__(rules, count, limit, autoreset)  # type: ignore[misc]
         if worlds:
@@ -200,11 +203,11 @@ class Lockstep:
         self.crew.restore(snapshot)
 
     def load(self, worlds: Sequence[World]) -> None:
-        """Puts the robots into other worlds; each must begin an episode before it steps.
+        """Put the robots into other worlds; each must begin an episode before it steps.
 
         Raises:
-            InvalidWorld: If the robot cannot stand at the start of one.
-            InvalidParameter: If the time step does not go with a robot's speed.
+            InvalidWorld: If the robot does not fit at the start of a world.
+            InvalidParameter: If the time step does not fit a robot's speed.
         """
         options = self._rules.run_options()
         runs = [LatticeRun(world, self._driver, options) for world in worlds]
@@ -220,39 +223,42 @@ class Lockstep:
         self.worlds = worlds
 
     def begin(self, robot: int, world: int) -> Singles:
-        """Puts one robot at the start of an episode in a world; its observation."""
+        """Put one robot at the start of an episode in a world, and return its observation."""
         out = np.empty(self.size, np.float32)
         lib.wg_crew_begin(self._crew(), robot, world, writable(ffi, out, np.float32))
         return out
 
     def begin_many(self, which: Bools) -> StepResult:
-        """Puts robots at the starts of episodes in the worlds that their seeds choose."""
-        told = self._told()
+        """Put robots at the starts of episodes, in the worlds that their seeds choose."""
+        result = self._new_result()
         lib.wg_crew_begin_many(
-            self._crew(), pointer(ffi, which, np.bool_), writable(ffi, told.observation, np.float32)
+            self._crew(),
+            pointer(ffi, which, np.bool_),
+            writable(ffi, result.observation, np.float32),
         )
-        return told
+        return result
 
     def step(self, actions: npt.NDArray[Any]) -> StepResult:
-        """One action of each robot.
+        """Step all robots.
 
-        (n,) int64 discrete, or (n, 2) float32 continuous ones, in C order.
+        Args:
+            actions: (n,) int64 discrete actions, or (n, 2) float32 continuous ones, in C order.
 
         Raises:
-            ValueError: If there is no such discrete action.
+            ValueError: If a discrete action does not exist.
         """
-        told = self._told()
+        result = self._new_result()
         chosen = ffi.NULL
         moves = ffi.NULL
         if actions.ndim == 1:
             chosen = pointer(ffi, actions, np.int64)
         else:
             moves = pointer(ffi, actions, np.float32)
-        check(lib.wg_crew_step(self._crew(), chosen, moves, told.in_core()))
-        return told
+        check(lib.wg_crew_step(self._crew(), chosen, moves, result.in_core()))
+        return result
 
     def place_of(self, robot: int) -> tuple[float, float]:
-        """Where a robot's centre is, m."""
+        """Return the position of a robot's centre, m."""
         side = self.worlds[self.crew.world[robot]].cell_size
         x, y = self.crew.state[robot, :2].tolist()
         return lattice_to_metres(x, side), lattice_to_metres(y, side)
@@ -262,7 +268,7 @@ class Lockstep:
             raise RuntimeError("no worlds are loaded")
         return self.crew.c
 
-    def _told(self) -> StepResult:
+    def _new_result(self) -> StepResult:
         n = self.count
         flags = [np.empty(n, np.bool_) for _ in range(4)]
         last = np.empty((n if self._autoreset == lib.WG_SAME_STEP else 0, self.size), np.float32)

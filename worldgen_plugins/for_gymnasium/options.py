@@ -1,4 +1,4 @@
-"""The options of both environments, checked."""
+"""The options of both environments, and their checks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REWARD: Mapping[str, float] = {
     "reached": 1.0,
     "burned": -1.0,
 }
-"""What is rewarded: a metre nearer to the target, a second, a step that a wall stopped or bent, and the two ends."""
+"""Rewards: per metre nearer to the target, per second, per step with contact, and for both ends."""
 
 _INTERFACE = ("sensors", "actions", "turn_rate", "reverse", "extent", "robot")
 
@@ -36,22 +36,22 @@ class Options(TypedDict, total=False):
     Args:
         world: The only world, or its file.
         worlds: Worlds, or files, or a folder or archive of them.
-        family: Name of a family, whose worlds have rising seeds.
+        family: Name of a family, whose worlds get rising seeds.
         params: The family's parameters.
         difficulty: Least and greatest difficulty of the family's worlds, 0 to 1.
-        pool: How many worlds of the family there are; each episode is in one of them.
+        pool: Number of worlds of the family; each episode is in one of them.
         pool_seed: Seed of the first.
-        sensors: As of :class:`worldgen_plugins.for_gymnasium.Interface`, and likewise down to
-            ``robot``.
+        sensors: See :class:`worldgen_plugins.for_gymnasium.Interface`, also for the next ones down
+            to ``robot``.
         actions: ``continuous`` or ``discrete``.
-        turn_rate: rad/s.
+        turn_rate: Largest turn rate, rad/s.
         reverse: Whether actions may drive backwards.
-        extent: m.
+        extent: Length that distances are given as fractions of, m.
         robot: The robot's dynamics and sensors.
-        observation: ``box`` for one flat array, ``dict`` for one for each sensor.
-        time_step: s.
-        reward: What of :data:`REWARD` is otherwise.
-        distance: By what progress is measured: ``straight``, or ``way`` for the shortest way.
+        observation: ``box`` for one flat array, ``dict`` for one array per sensor.
+        time_step: Duration of a step, s.
+        reward: The entries of :data:`REWARD` to change.
+        distance: Measure of progress: ``straight``, or ``way`` for the shortest path.
     """
 
     world: World | str | Path | None
@@ -75,14 +75,14 @@ class Options(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Rules:
-    """What an episode is, apart from its world.
+    """The rules of an episode, apart from its world.
 
     Args:
         interface: Sensors and actions.
         observation: ``box`` or ``dict``.
-        time_step: s.
-        reward: What is rewarded, all of :data:`REWARD`.
-        by_way: Whether progress is measured by the shortest way.
+        time_step: Duration of a step, s.
+        reward: All entries of :data:`REWARD`.
+        by_way: Whether progress is measured by the shortest path.
     """
 
     interface: Interface
@@ -92,10 +92,10 @@ class Rules:
     by_way: bool = False
 
     def numbers(self, limit: int, autoreset: int) -> Any:
-        """Return the rules as the core knows them, WgRules.
+        """Return the rules as a WgRules for the core.
 
         Args:
-            limit: Steps until an episode is cut off; 0 for never.
+            limit: Steps after which an episode is truncated; 0 for never.
             autoreset: WG_NEXT_STEP, WG_SAME_STEP or WG_NO_AUTORESET.
         """
         rules = self.interface.rules()
@@ -106,26 +106,26 @@ class Rules:
         return rules
 
     def run_options(self) -> RunOptions:
-        """The same as options of a run of the simulator."""
+        """Return the same rules as options of a run of the simulator."""
         return RunOptions("swept", 1, self.time_step, robot=self.interface.needs)
 
 
 def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
-    """Rules and worlds from the keywords of an environment.
+    """Return rules and worlds from the keywords of an environment.
 
     Raises:
-        InvalidParameter: If one is unknown or out of range.
+        InvalidParameter: If a keyword is unknown or its value is out of range.
     """
     known = tuple(Options.__annotations__)
     _check_names(options, known, "option")
-    told = {name: options[name] for name in _INTERFACE if name in options}
-    look = options.get("observation", "box")
-    if look not in ("box", "dict"):
+    interface = {name: options[name] for name in _INTERFACE if name in options}
+    form = options.get("observation", "box")
+    if form not in ("box", "dict"):
         raise InvalidParameter(
             "unknown-name",
             "observation={observation!r} is neither 'box' nor 'dict'",
             "give one of them",
-            observation=look,
+            observation=form,
         )
     distance = options.get("distance", "straight")
     if distance not in ("straight", "way"):
@@ -136,22 +136,26 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
             distance=distance,
         )
     rules = Rules(
-        Interface(**told), look, options.get("time_step", DEFAULT_TIME_STEP), _reward(options.get("reward", {})),
-        distance == "way",
-    )  # fmt: skip
-    rules.run_options()  # refuses a time step that is out of range
+        interface=Interface(**interface),
+        observation=form,
+        time_step=options.get("time_step", DEFAULT_TIME_STEP),
+        reward=_reward(options.get("reward", {})),
+        by_way=distance == "way",
+    )
+    # Making run options refuses a time step that is out of range.
+    rules.run_options()
     return rules, Supply({name: options[name] for name in SOURCES if name in options})
 
 
 def sources_in(options: Mapping[str, Any] | None, *others: str) -> dict[str, Any]:
-    """What the options of a reset say of worlds.
+    """Return the options of a reset that determine the source of worlds.
 
     Args:
         options: The options.
-        *others: Names that may be there, too.
+        *others: Names of other options that are allowed.
 
     Raises:
-        InvalidParameter: If one is unknown.
+        InvalidParameter: If an option is unknown.
     """
     given = {} if options is None else options
     _check_names(given, (*SOURCES, *others), "reset option")
@@ -177,7 +181,7 @@ def _reward(given: object) -> dict[str, float]:
     if not isinstance(given, Mapping):
         raise InvalidParameter(
             "wrong-type",
-            "reward={given} is no dict",
+            "reward={given} is not a dict",
             "write one such as {{'time': -0.2}}",
             given=repr(given),
         )
@@ -186,7 +190,7 @@ def _reward(given: object) -> dict[str, float]:
         if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) <= 1e9:
             raise InvalidParameter(
                 "not-a-number",
-                "reward: {name}={value!r} is no number within 1e9 of 0",
+                "reward: {name}={value!r} is not a number within 1e9 of 0",
                 "give one",
                 name=name,
                 value=value,

@@ -1,4 +1,4 @@
-"""Frames of an episode, by the code that draws all pictures."""
+"""Draw frames of an episode, with the code that draws all pictures."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from worldgen.world import World
 __all__ = ["RENDER_MODES", "check_render_mode", "frame_of"]
 
 RENDER_MODES = ("rgb_array", "ansi")
-_PIXELS = 480  # of a map's longer side
+# Pixels along the longer side of a map, and characters along a line of text.
+_PIXELS = 480
 _COLUMNS = 200
 
 
 def check_render_mode(mode: object) -> str | None:
-    """The render mode; ``None`` for no pictures.
+    """Return a render mode after checking it; ``None`` for no pictures.
 
     Raises:
         InvalidParameter: If it is unknown.
@@ -36,12 +37,12 @@ def check_render_mode(mode: object) -> str | None:
 
 
 def frame_of(world: World, places: Sequence[tuple[float, float]], mode: str) -> Any:
-    """A frame: (height, width, 3) uint8 for ``rgb_array``, text for ``ansi``.
+    """Return a frame: (height, width, 3) uint8 for ``rgb_array``, text for ``ansi``.
 
     Args:
-        world: The episode's.
-        places: Where the robot has been, m, the last one last.
-        mode: Of :data:`RENDER_MODES`.
+        world: The world of the episode.
+        places: Positions of the robot so far, m, the latest one last.
+        mode: One of :data:`RENDER_MODES`.
     """
     x, y = np.array(places, np.float64).T
     trail = Trail(x, y, None, [EventMark(float(x[-1]), float(y[-1]), "end")])

@@ -21,10 +21,10 @@ __all__ = ["NavigateEnv"]
 
 
 class NavigateEnv(gymnasium.Env[Any, Any]):
-    """A disc robot that is to reach the target, in worlds in which it can.
+    """A disc robot that should reach the target, in worlds in which it can.
 
-    An episode ends when the robot arrives or burns; to cut it off, ``gymnasium.make`` puts a time
-    limit around it. ``docs/gymnasium.md`` says what is observed and rewarded.
+    An episode ends when the robot arrives or burns. To truncate it, ``gymnasium.make`` wraps a time
+    limit around the environment. ``docs/gymnasium.md`` describes observations and rewards.
 
     Args:
         render_mode: ``rgb_array``, ``ansi`` or ``None``.
@@ -47,7 +47,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
 
     @property
     def interface(self) -> Interface:
-        """Sensors and actions, for a controller that is to have the same."""
+        """Sensors and actions, to give a controller the same ones."""
         return self._rules.interface
 
     @property
@@ -64,16 +64,19 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode; with a seed the first of a series that the seed decides, without one the next of it.
+        """Begin an episode.
+
+        A seed starts a new series of episodes, which the seed decides; without one, this begins the
+        next episode of the series.
 
         Args:
-            seed: Of the worlds' choice and the simulator's noise.
-            options: Where worlds come from, from now on: ``{"world": w}``,
+            seed: Seed for the choice of worlds and for the simulator's noise.
+            options: The source of worlds from now on: ``{"world": w}``,
                 ``{"difficulty": (0.4, 0.6)}``, ...
 
         Returns:
-            The observation; and ``world``, the world's number among those there are, and
-            ``run_seed``, with which ``sim.simulate`` runs it likewise.
+            The observation, and a dict with ``world``, the world's index, and ``run_seed``, the
+            seed with which ``sim.simulate`` gives the same run.
         """
         super().reset(seed=seed)
         self._supply = self._supply.changed(sources_in(options))
@@ -84,6 +87,8 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
             self._is_seeded = True
         else:
             crew.episode[0] += 1
+
+        # Only this episode's world is loaded, so it is number 0 for the core.
         index = world_of_episode(int(crew.seed[0]), int(crew.episode[0]), len(self._supply))
         self._lockstep.load([self._supply[index]])
         out = self._lockstep.begin(0, 0)
@@ -95,28 +100,26 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
         }
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One step of the simulator.
-
-        The information ``is_success`` says whether the robot has arrived.
+        """Simulate one step; the information ``is_success`` tells whether the robot has arrived.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the first reset.
-            InvalidParameter: If the action is none.
+            InvalidParameter: If the action is not valid.
         """
         if not self._places:
             raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before step()")
-        told = self._lockstep.step(
+        result = self._lockstep.step(
             checked_actions(self.interface, np.asarray(action)[np.newaxis], 1)
         )
         self._note_place()
-        information = {"is_success": bool(told.reached[0])}
-        seen = shown(self._rules, told.observation[0])
-        return seen, float(told.reward[0]), bool(told.terminated[0]), False, information
+        information = {"is_success": bool(result.reached[0])}
+        seen = shown(self._rules, result.observation[0])
+        return seen, float(result.reward[0]), bool(result.terminated[0]), False, information
 
     def render(self) -> npt.NDArray[np.uint8] | str | None:
-        """The world and the way so far: a picture, (height, width, 3) uint8, or text.
+        """Return the world with the path so far, as a picture, (height, width, 3) uint8, or text.
 
-        ``None`` without a mode.
+        ``None`` without a render mode.
         """
         if self.render_mode is None:
             gymnasium.logger.warn(
@@ -132,14 +135,11 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
 
 
 def seed_of(generator: np.random.Generator) -> int:
-    """Return a seed of 64 bits from a generator.
-
-    Of its raw stream, which NumPy promises to keep.
-    """
+    """Return a seed of 64 bits from a generator's raw stream, which NumPy promises not to change."""
     return int(generator.bit_generator.random_raw())
 
 
 def world_of_episode(seed: int, episode: int, count: int) -> int:
-    """Which of so many worlds an episode is in, as the core chooses it."""
+    """Return the index of an episode's world among ``count`` worlds, as the core chooses it."""
     drawn = (mix64((seed + (2 * episode + 1) * GAMMA) & MASK64) >> 11) * 2.0**-53
     return min(int(drawn * count), count - 1)

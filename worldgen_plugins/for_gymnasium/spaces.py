@@ -1,4 +1,4 @@
-"""Observation spaces, and observations in their form."""
+"""The observation and action spaces, and observations in the form of their space."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ __all__ = ["action_space", "observation_space", "shown"]
 
 
 def action_space(interface: Interface) -> gymnasium.Space[Any]:
-    """Shares of the turn rate, counter-clockwise, and of the top speed.
+    """Return the space of one robot's actions.
 
-    Or numbers of the discrete actions.
+    Continuous actions are fractions of the turn rate, counter-clockwise, and of the top speed.
+    Discrete actions are numbers.
     """
     if interface.actions == "discrete":
         return gymnasium.spaces.Discrete(len(CHOICES))
@@ -26,10 +27,7 @@ def action_space(interface: Interface) -> gymnasium.Space[Any]:
 
 
 def observation_space(rules: Rules) -> gymnasium.Space[Any]:
-    """The space of one robot's observations.
-
-    A flat box, or one box for each sensor, always of float32.
-    """
+    """Return the space of one robot's observations: a flat float32 box, or one per sensor."""
     bounds = rules.interface.bounds()
     if rules.observation == "dict":
         boxes: dict[str, gymnasium.Space[Any]] = {
@@ -42,7 +40,7 @@ def observation_space(rules: Rules) -> gymnasium.Space[Any]:
 
 
 def shown(rules: Rules, observation: npt.NDArray[np.float32]) -> Any:
-    """Observations (..., size) as the space has them."""
+    """Return observations (..., size) in the form of their space."""
     if rules.observation == "box":
         return observation
     found = {}

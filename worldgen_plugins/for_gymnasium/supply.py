@@ -1,4 +1,4 @@
-"""Where the worlds of episodes come from: given ones, or a family's, as hard as is wished."""
+"""Supply the worlds of episodes: given ones, or those of a family at a chosen difficulty."""
 
 from __future__ import annotations
 
@@ -25,22 +25,23 @@ MOST_POOL = 1_000_000
 MAX_SEED = 2**64 - 1
 
 SOURCES = ("world", "worlds", "family", "params", "difficulty", "pool", "pool_seed")
-"""The options that say where worlds come from."""
+"""The options that determine the source of worlds."""
 
 
 class Supply:
-    """A fixed number of worlds, each made or read when it is first asked for.
+    """A fixed number of worlds, each made or read when it is first needed.
 
     Args:
-        options: What is given of :data:`SOURCES`; see
+        options: Those of :data:`SOURCES` that are given; see
             :class:`worldgen_plugins.for_gymnasium.options.Options`.
 
     Raises:
-        InvalidParameter: If what is given does not go together, or is out of range.
-        FormatError: If a file is no world.
+        InvalidParameter: If the options contradict each other, or are out of range.
+        FormatError: If a file is not a world.
     """
 
     def __init__(self, options: Mapping[str, Any]) -> None:
+        # Worlds come from one source, and options of a family go with a family only.
         given = {name: value for name, value in options.items() if value is not None}
         named = [name for name in ("world", "worlds", "family") if name in given]
         if len(named) > 1:
@@ -57,10 +58,12 @@ class Supply:
             raise InvalidParameter(
                 "conflict",
                 "{only_for_family} is for a family, and {named} is given",
-                "leave one of them out",
+                "remove one of them",
                 only_for_family=stray[0],
                 named=named[0],
             )
+
+        # Given worlds are read now; those of a family are made on demand.
         self.options: dict[str, Any] = given
         self._made: list[World] = []
         self._more: Iterator[World] = iter(())
@@ -74,7 +77,7 @@ class Supply:
             self._more = _of_family(given, self._count)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For copies: all but the generator of further worlds, which cannot be copied."""
+        """Return everything except the generator of further worlds, which cannot be copied."""
         return {name: value for name, value in vars(self).items() if name != "_more"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -87,11 +90,11 @@ class Supply:
         )
 
     def changed(self, options: Mapping[str, Any]) -> Supply:
-        """The supply with other options.
+        """Return the supply with other options.
 
-        Those of a family stay what they are unless they are named. A world, or worlds, take the
-        place of a family, and a family theirs. ``None`` says nothing, but of a difficulty or
-        parameters that there are none from now on.
+        Options of a family keep their values unless they are given. A world, or worlds, replace a
+        family, and a family replaces them. ``None`` has no effect, except for difficulty and
+        parameters, which it removes.
         """
         options = {
             name: value
@@ -118,10 +121,10 @@ class Supply:
         return self._made[index]
 
     def all(self, progress: Callable[[int], None] = lambda done: None) -> Sequence[World]:
-        """Return all worlds, made if they are not yet.
+        """Return all worlds, making those that do not exist yet.
 
         Args:
-            progress: Called with the number of worlds that are there.
+            progress: Called with the number of worlds made so far.
         """
         worlds = []
         for index in range(len(self)):
@@ -149,7 +152,7 @@ def _read_all(given: object) -> list[World]:
     if not isinstance(given, Sequence) or not given:
         raise InvalidParameter(
             "wrong-type",
-            "worlds={given} is no folder, archive or list of worlds",
+            "worlds={given} is not a folder, archive or list of worlds",
             "give one",
             given=repr(given),
         )
@@ -161,21 +164,21 @@ def _read_all(given: object) -> list[World]:
 
 
 def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
-    """Worlds of rising seeds; with a difficulty, different ones that a search finds."""
+    """Yield worlds with rising seeds or, given a difficulty, different ones that a search finds."""
     name = given.get("family", DEFAULT_FAMILY)
     params = given.get("params", {})
     if not isinstance(params, Mapping):
         raise InvalidParameter(
             "wrong-type",
-            "params={given} is no dict",
+            "params={given} is not a dict",
             "write one such as {{'size': 30}}",
             given=repr(params),
         )
     if not isinstance(name, str | Family):
         raise InvalidParameter(
             "wrong-type",
-            "family={given} is no family's name",
-            "give one such as 'maze'",
+            "family={given} is not a family's name",
+            "give a name such as 'maze'",
             given=repr(name),
         )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
@@ -195,7 +198,7 @@ def _range(given: object) -> tuple[float, float]:
     if len(pair) != 2 or len(numbers) != 2 or not 0.0 <= numbers[0] < numbers[1] <= 1.0:
         raise InvalidParameter(
             "out-of-range",
-            "difficulty={given} is no range within 0 to 1",
+            "difficulty={given} is not a range within 0 to 1",
             "write one such as (0.2, 0.4)",
             given=repr(given),
         )

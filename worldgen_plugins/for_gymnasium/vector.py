@@ -1,4 +1,4 @@
-"""The vector environment: many robots, one compiled call for a step of all."""
+"""The vector environment: many robots, stepped together in one compiled call."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ _MASK = "reset_mask"
 
 
 class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
-    """Many robots that are to reach the targets of their worlds.
+    """Many robots that should reach the targets of their worlds.
 
-    Robot i with seed s is, to the bit, the single environment with seed s + i.
+    Robot i with seed s behaves, to the bit, like the single environment with seed s + i.
 
     Args:
-        num_envs: Robots.
-        max_episode_steps: Steps until an episode is cut off; ``None``, 0, or -1 as in
+        num_envs: Number of robots.
+        max_episode_steps: Steps after which an episode is truncated; ``None``, 0, or -1 as in
             ``gymnasium.make``, for never.
         autoreset_mode: When the next episode begins: ``NextStep``, ``SameStep`` or ``Disabled``.
         render_mode: ``rgb_array``, ``ansi`` or ``None``.
-        **options: As of the single environment.
+        **options: The same as of the single environment.
 
     Raises:
         WorldgenError: If an option is unknown or out of range, or a world cannot be read or made.
@@ -87,7 +87,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     @property
     def interface(self) -> Interface:
-        """Sensors and actions, for a controller that is to have the same."""
+        """Sensors and actions, to give a controller the same ones."""
         return self._rules.interface
 
     def reset(
@@ -96,20 +96,24 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """Begins an episode of each robot.
+        """Begin an episode of each robot.
 
         See :meth:`worldgen_plugins.for_gymnasium.single.NavigateEnv.reset`.
 
         Args:
-            seed: Of the first robot; the others have the next ones. Or one for each.
-            options: Where worlds come from, from now on. ``reset_mask``, (n,) bool, says whose
-                episodes begin.
+            seed: Seed of the first robot; the others get the next ones. Or a list of seeds, one for
+                each robot.
+            options: The source of worlds from now on. ``reset_mask``, (n,) bool, selects the robots
+                whose episodes begin.
+
+        Returns:
+            The observations, and the information on each robot's world and run.
         """
         super().reset(seed=seed if isinstance(seed, int) else None)
         which = _mask_of(options, self.num_envs)
         if self._seen is None and not which.all():
             raise InvalidParameter(
-                "conflict", "the first reset is of all robots", "leave reset_mask out"
+                "conflict", "the first reset is of all robots", "omit reset_mask"
             )
         supply = self._supply.changed(sources_in(options, _MASK))
         if supply is not self._supply or not self._lockstep.worlds:
@@ -117,23 +121,25 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 raise InvalidParameter(
                     "conflict",
                     "a reset of some robots cannot change the worlds of all",
-                    "leave reset_mask out",
+                    "omit reset_mask",
                 )
             with working(f"preparing {len(supply):,} worlds for {self.num_envs:,} robots") as work:
                 self._lockstep.load(
                     supply.all(lambda done: work.count(done, len(supply), "worlds"))
                 )
             self._supply = supply
+
+        # Begin the episodes; the other robots keep their last observation.
         self._number_episodes(_seeds_of(seed, self.num_envs), which)
-        told = self._lockstep.begin_many(which)
+        result = self._lockstep.begin_many(which)
         if self._seen is not None:
-            told.observation[~which] = self._seen[~which]
-        self._seen = told.observation
+            result.observation[~which] = self._seen[~which]
+        self._seen = result.observation
         self._note_places(which)
-        return shown(self._rules, told.observation.copy()), self._of_worlds(which)
+        return shown(self._rules, result.observation.copy()), self._of_worlds(which)
 
     def _number_episodes(self, seeds: Sequence[int | None], which: Bools) -> None:
-        """Gives each robot whose episode begins its seed, and its episode its number."""
+        """Set the seed of each robot whose episode begins, and the number of that episode."""
         crew = self._lockstep.crew
         for robot in np.flatnonzero(which).tolist():
             seed = seeds[robot]
@@ -147,16 +153,16 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[Any, npt.NDArray[np.float64], Bools, Bools, dict[str, Any]]:
-        """One step of each robot.
+        """Step all robots.
 
-        The information ``is_success`` says who has arrived. Where an episode begins, ``world`` and
-        ``run_seed`` are there too, and with ``SameStep`` ``final_obs`` and ``final_info`` of the
-        episode before.
+        The information ``is_success`` tells which robots have arrived. Where an episode begins, it
+        also has ``world`` and ``run_seed``, and with ``SameStep`` the ``final_obs`` and
+        ``final_info`` of the previous episode.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the first reset; with ``Disabled``, if an episode is
                 over.
-            InvalidParameter: If the actions are none.
+            InvalidParameter: If the actions are not valid.
         """
         crew = self._lockstep.crew
         if self._seen is None:
@@ -166,16 +172,16 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise gymnasium.error.ResetNeeded(
                 f"the episode of robot {over} is over; reset it, with reset_mask"
             )
-        told = self._lockstep.step(checked_actions(self.interface, actions, self.num_envs))
-        self._seen = told.observation
+        result = self._lockstep.step(checked_actions(self.interface, actions, self.num_envs))
+        self._seen = result.observation
         if self.render_mode is not None:
-            self._note_places(told.began)
-        information = self._information(told)
-        seen = shown(self._rules, told.observation.copy())
-        return seen, told.reward, told.terminated, told.truncated, information
+            self._note_places(result.began)
+        information = self._information(result)
+        seen = shown(self._rules, result.observation.copy())
+        return seen, result.reward, result.terminated, result.truncated, information
 
     def render(self) -> tuple[Any, ...] | None:
-        """A frame for each robot; ``None`` without a render mode.
+        """Return a frame for each robot; ``None`` without a render mode.
 
         Raises:
             gymnasium.error.ResetNeeded: Before the first reset.
@@ -194,29 +200,29 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             for world, places in zip(crew.world.tolist(), self._places, strict=True)
         )
 
-    def _information(self, told: StepResult) -> dict[str, Any]:
-        """What Gymnasium's own vector environments would make of the single ones' information."""
+    def _information(self, result: StepResult) -> dict[str, Any]:
+        """Return the information in the form of Gymnasium's own vector environments."""
         if self._mode is AutoresetMode.SAME_STEP:
             information: dict[str, Any] = {}
-            if told.began.any():
-                information = self._finals(told)
-            running = ~told.began
+            if result.began.any():
+                information = self._finals(result)
+            running = ~result.began
             if running.any():
-                information |= {"is_success": told.reached & running, "_is_success": running}
+                information |= {"is_success": result.reached & running, "_is_success": running}
         else:
-            running = ~told.began
+            running = ~result.began
             information = (
-                {"is_success": told.reached, "_is_success": running} if running.any() else {}
+                {"is_success": result.reached, "_is_success": running} if running.any() else {}
             )
-        return information | self._of_worlds(told.began) if told.began.any() else information
+        return information | self._of_worlds(result.began) if result.began.any() else information
 
-    def _finals(self, told: StepResult) -> dict[str, Any]:
-        """Last observation and information of the episodes that were followed by the next in the same step."""
+    def _finals(self, result: StepResult) -> dict[str, Any]:
+        """Return the last observation and information of episodes that ended in a same-step reset."""
         last = np.full(self.num_envs, None, dtype=object)
-        for robot in np.flatnonzero(told.began).tolist():
-            last[robot] = shown(self._rules, told.last[robot].copy())
-        ended = told.began
-        final = {"is_success": told.reached & ended, "_is_success": ended.copy()}
+        for robot in np.flatnonzero(result.began).tolist():
+            last[robot] = shown(self._rules, result.last[robot].copy())
+        ended = result.began
+        final = {"is_success": result.reached & ended, "_is_success": ended.copy()}
         return {
             "final_obs": last,
             "_final_obs": ended.copy(),
@@ -225,12 +231,14 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         }
 
     def _of_worlds(self, which: Bools) -> dict[str, Any]:
-        """In which worlds episodes begin, and with which seeds of their runs."""
+        """Return the worlds in which episodes begin, and the seeds of their runs."""
         crew = self._lockstep.crew
         return {
-            "world": np.where(which, crew.world, 0), "_world": which.copy(),
-            "run_seed": np.where(which, crew.run, 0), "_run_seed": which.copy(),
-        }  # fmt: skip
+            "world": np.where(which, crew.world, 0),
+            "_world": which.copy(),
+            "run_seed": np.where(which, crew.run, 0),
+            "_run_seed": which.copy(),
+        }
 
     def _note_places(self, began: Bools) -> None:
         if self.render_mode is None:
@@ -283,8 +291,8 @@ def _mask_of(options: dict[str, Any] | None, count: int) -> Bools:
     ):
         raise InvalidParameter(
             "wrong-shape",
-            "reset_mask is no array of {count} booleans of which one is true",
-            "give one",
+            "reset_mask is not an array of {count} booleans, of which at least one is true",
+            "give such an array",
             count=count,
         )
     return mask
