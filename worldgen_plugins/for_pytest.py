@@ -311,7 +311,7 @@ def worldgen_episode(request: pytest.FixtureRequest, worldgen_world: World) -> E
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Add a section to a failing test's report: picture, stored world, and the line to replay it."""
+    """Add to a failing test's report the picture, the stored world, and the line to replay it."""
     report = yield
     seen = item.stash.get(_SEEN, None)
     if seen is not None and report.failed and report.when == "call":

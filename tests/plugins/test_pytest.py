@@ -108,11 +108,11 @@ WRONG = {
     "mark.filterwarnings('error')\ndef test_it(worldgen_world): "
     "pass": "does not say of which worlds; add @pytest",
     "mark.worldgen('trap')\ndef test_it(worldgen_world): "
-    "pass": "takes names only, not 'trap'; write family='trap'",
+    "pass": "takes keyword arguments only, not 'trap'; write family='trap'",
     "mark.worldgen(count=3)\ndef test_it(worldgen_world): "
-    "pass": 'family=None names no family; write family="trap"',
+    "pass": 'family=None does not name a family; write family="trap"',
     "mark.worldgen(family='trap', count=0)\ndef test_it(worldgen_world): "
-    "pass": "count=0 is no whole number from 1",
+    "pass": "count=0 is not a whole number from 1",
     "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): "
     "pass": "controller=3 is no name",
     "mark.worldgen(family='trapp', count=1)\ndef test_it(worldgen_world): "
@@ -136,10 +136,10 @@ def test_wrong_settings_are_usage_errors(project):
     done = pytest_run(project, "--worldgen-corpus", "nowhere")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
     done.stderr.fnmatch_lines(
-        ["ERROR: the corpus *nowhere is no folder; make it, or name another --worldgen-corpus"]
+        ["ERROR: the corpus *nowhere is not a folder; make it, or give another --worldgen-corpus"]
     )
     project.makeini("[pytest]\nworldgen_expect = maybe")
-    assert "'maybe' is neither fixed nor confirmed" in pytest_run(project).stderr.str()
+    assert "'maybe' is not valid; write fixed or confirmed" in pytest_run(project).stderr.str()
 
 
 @pytest.mark.gate

@@ -69,7 +69,7 @@ def distances_to_target(world: World) -> npt.NDArray[np.float32]:
         np.maximum(away.flat[home], 1e-9),
     ]
 
-    # A distance of 0 would mean that there is no edge, hence the least cost above.
+    # A distance of 0 would mean the lack of an edge, hence the least cost above.
     places = (np.concatenate(begins), np.concatenate(ends))
     matrix = coo_array(
         (np.concatenate(costs), places), shape=(clear.size + 1, clear.size + 1)

@@ -135,7 +135,7 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
 
 
 def seed_of(generator: np.random.Generator) -> int:
-    """Return a seed of 64 bits from a generator's raw stream, which NumPy promises not to change."""
+    """Return a 64-bit seed from a generator's raw stream, which NumPy promises not to change."""
     return int(generator.bit_generator.random_raw())
 
 

@@ -217,7 +217,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return information | self._of_worlds(result.began) if result.began.any() else information
 
     def _finals(self, result: StepResult) -> dict[str, Any]:
-        """Return the last observation and information of episodes that ended in a same-step reset."""
+        """Return the last observation and information of episodes that were reset in this step."""
         last = np.full(self.num_envs, None, dtype=object)
         for robot in np.flatnonzero(result.began).tolist():
             last[robot] = shown(self._rules, result.last[robot].copy())

@@ -124,8 +124,8 @@ def mapping(
         raise InvalidParameter(
             "out-of-range",
             "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
-            "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
             "give a fraction near 1",
+            no_room=no_room,
         )
     size = lattice.memory_size(side)
     return CompiledController(
