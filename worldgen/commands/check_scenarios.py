@@ -51,7 +51,7 @@ def check_scenarios(
     Exits with 0 if all agree, with 1 if some do not, with 2 if there is nothing to check.
     """
     from worldgen.files.whole import check_output
-    from worldgen.interop.benchmark import scenario_check as library
+    from worldgen.interop import scenario_check as library
     from worldgen.support.plain_text import shown_lines
     from worldgen.support.progress import working
 

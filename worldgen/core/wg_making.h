@@ -269,35 +269,4 @@ WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, c
 WgStatus wg_rays(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y, int64_t count,
                  const int64_t *directions, int64_t rays, double reach, double *far);
 
-// making/octile.c: shortest paths of straight and diagonal moves that cut no corner.
-//
-// Directions 0 to 7 are eighths of a turn from +x.
-
-// Fills the tables of jumps: k > 0 means that a path may have to turn after k moves; -k or 0 that only k are possible.
-//
-// free_cells: (size,) 1 is free; 0 on the rim.
-// jumps:      (8, size) to be filled.
-WgStatus wg_octile_jumps(const uint8_t *free_cells, int64_t size, int64_t stride, int16_t *jumps);
-
-// Some questions on one map.
-typedef struct WgOctile {
-    int64_t size;       // cells
-    int64_t stride;     // cells in a row
-    int64_t marks;      // landmarks; may be 0
-    double slack;       // by how much differences of their distances may be too large
-    int64_t questions;
-    int64_t answered;   // 0 at first
-    int64_t looked;     // places looked at so far; 0 at first
-} WgOctile;
-
-// Answers questions, some tenths of a second of them, until all are answered.
-//
-// jumps:     (8, size) from wg_octile_jumps.
-// distances: (size, marks) from landmarks.
-// starts:    (questions,) cells; each is joined to its goal.
-// goals:     (questions,) cells.
-// answers:   (questions, 2) to be filled: straight and diagonal moves.
-WgStatus wg_octile_search(WgOctile *asked, const int16_t *jumps, const double *distances, const int64_t *starts,
-                          const int64_t *goals, int64_t *answers);
-
 #endif

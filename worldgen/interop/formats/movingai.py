@@ -503,24 +503,22 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the map goes; ``.scen`` is put behind its name for the other.
     """
-    from worldgen.interop.benchmark.octile import OctileMap
+    from worldgen.interop.octile import octile_moves
 
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
     head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
     files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
     start = cell_of(world, world.start.x, world.start.y)
     goal = cell_of(world, world.target.x, world.target.y)
-    straight, diagonal = (
-        OctileMap(flip_rows(world.walls)).lengths(np.array([start]), np.array([goal]))[0].tolist()
-    )
-    if straight < 0:
+    moves = octile_moves(flip_rows(world.walls), start, goal)
+    if moves is None:
         why = (
             "no path of cells leads from the start's to the target's, so there is no scenario file"
         )
         return Exported(
             files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"}
         )
-    optimal = _decimals(straight, diagonal)
+    optimal = _decimals(*moves)
     name = re.sub(r"\s", "_", destination.name)  # other programs part the fields at any white space
     bucket = int(optimal.partition(".")[0]) // 4
     row = "\t".join(map(str, (bucket, name, world.width, world.height, *start, *goal, optimal)))

@@ -1,1 +1,0 @@
-"""The MovingAI benchmark's problems, solved on its maps as we read them."""
