@@ -116,7 +116,8 @@ def _is_diagonal(cell: int, other: int, width: int) -> bool:
 
 def _numbers(cells: Cells, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     """Return the numbers of cells, given as columns and rows, in the flat map."""
-    return cells[:, 1].astype(np.int64) * walls.shape[1] + cells[:, 0]
+    numbers: npt.NDArray[np.int64] = cells[:, 1].astype(np.int64) * walls.shape[1] + cells[:, 0]
+    return numbers
 
 
 def _graph(walls: npt.NDArray[np.bool_]) -> Any:
