@@ -1,4 +1,4 @@
-"""The table of docs/census.md: worlds of other people's generators and collections, judged.
+"""The table of docs/howto/census.md: worlds of other people's generators and collections, judged.
 
 ``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
 table and under it the command of each row, with ``--json`` one object. What is not installed, or

@@ -1,7 +1,7 @@
 """How many worlds a campaign tries a second against controllers that users bring.
 
 Classes, and programs. ``python -m benchmarks.classes`` prints a table, with ``--json`` one object;
-``--document docs/search.md`` writes it to that page, too. Rates are per second of one core's
+``--document docs/explanation/search.md`` writes it to that page, too. Rates are per second of one core's
 processor time, without compilation. For a program they are per second of wall time, because most of
 its time is spent in another process.
 
@@ -47,7 +47,7 @@ SHORT = 60  # steps
 BEAMS = 36
 PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
 MARKS = (
-    "<!-- table: python -m benchmarks.classes --document docs/search.md -->",
+    "<!-- table: python -m benchmarks.classes --document docs/explanation/search.md -->",
     "<!-- end of table -->",
 )
 _FOR = 0.5  # s that a rate is measured for, at least

@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.difficulty`` makes worlds of every family whose worlds stand still, with
 parameters drawn at random, runs the library's controllers in them, and prints the tables of
-``docs/difficulty.md``: Spearman's rank correlation of every metric with failure, with bootstrap
+``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with bootstrap
 intervals, and the weights that ``worldgen/difficulty/model.py`` holds. With ``--json`` it prints
 one object, with ``--barn FOLDER`` also the correlations with the outcomes that the BARN challenge
 publishes, from a copy of its repository. Takes ten minutes.

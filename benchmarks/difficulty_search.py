@@ -1,6 +1,6 @@
 """How many worlds a guided search makes until one fits, beside drawing seed after seed, in one run.
 
-``python -m benchmarks.difficulty_search`` prints the table of ``docs/difficulty.md``, with
+``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``, with
 ``--json`` one object. Each wish is searched for with several seeds; a search that finds nothing
 within ``--tries`` counts with that number, so what drawing needs is then a lower bound. Drawing
 comes in two kinds: with the family's defaults, and with parameters drawn at random.

@@ -1,7 +1,7 @@
 """How often each registered controller arrives.
 
 Over ``corpora/thesis``, and over many worlds of every family. ``python -m benchmarks.library``
-prints how each run ended, table by table, and then the two tables of ``docs/library.md``; with
+prints how each run ended, table by table, and then the two tables of ``docs/reference/library.md``; with
 ``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the dynamic
 window's.
 

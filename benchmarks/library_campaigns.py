@@ -1,7 +1,7 @@
 """What a campaign finds against each controller of the library, family by family.
 
 ``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
-and of every family and prints the table of ``docs/library.md``, with ``--json`` one object. What a
+and of every family and prints the table of ``docs/reference/library.md``, with ``--json`` one object. What a
 unit draws depends on the seed alone, so the figures are the same on every machine. Failures are
 proved and classified; they are not shrunk.
 """

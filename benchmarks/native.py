@@ -2,7 +2,7 @@
 
 Robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
 ``python -m benchmarks.native`` prints a table, with ``--json`` one object;
-``--document docs/search.md`` also puts it into that document. All rates are per second of one
+``--document docs/explanation/search.md`` also puts it into that document. All rates are per second of one
 core's processor time, compilation left out.
 
 ``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at;
@@ -54,7 +54,7 @@ ALONE_STEPS = 300_000
 LOOKS = 4_000  # scenes
 SAME_WORLDS = 300  # of simulate_many
 MARKS = (
-    "<!-- table: python -m benchmarks.native --document docs/search.md -->",
+    "<!-- table: python -m benchmarks.native --document docs/explanation/search.md -->",
     "<!-- end of table -->",
 )
 

@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/compose.md: ``python docs/draw_compose.py``."""
+"""Draws the pictures of docs/howto/compose.md: ``python docs/draw_compose.py``."""
 
 from __future__ import annotations
 

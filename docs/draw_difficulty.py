@@ -1,4 +1,4 @@
-"""Draws the pictures of ``docs/difficulty.md``.
+"""Draws the pictures of ``docs/howto/difficulty.md``.
 
 Pockets by their depth, and the decision points of a maze. ``python docs/draw_difficulty.py`` writes
 them to ``docs/pictures``.

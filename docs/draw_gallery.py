@@ -1,4 +1,4 @@
-"""Writes ``docs/gallery.md`` and its pictures: ``python docs/draw_gallery.py [FAMILY ...]``.
+"""Writes ``docs/reference/gallery.md`` and its pictures: ``python docs/draw_gallery.py [FAMILY ...]``.
 
 A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds
 by the page's commands and compares.
@@ -33,7 +33,8 @@ INTRO = f"""# Gallery
 Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
 it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
 cells burn, dotted outlines change. Below each picture stand the commands that make its worlds, as sets
-([sets.md](sets.md)), and the first {ID} hex digits of the worlds' ids. What the words mean: [families.md](families.md).
+([sets.md](../howto/sets.md)), and the first {ID} hex digits of the worlds' ids.
+[families.md](families.md) says what the words mean.
 
 `python docs/draw_gallery.py` makes this page and its pictures.
 """
@@ -192,7 +193,7 @@ def page() -> str:
         parts.append(f"## {heading(family)}\n")
         parts.append(
             f"![{family}: "
-            f"{', '.join(kind.label for kind in kinds)}](pictures/gallery-{family}.png)\n"
+            f"{', '.join(kind.label for kind in kinds)}](../pictures/gallery-{family}.png)\n"
         )
         parts.append("\n".join(["| worlds | command | ids |", "| --- | --- | --- |", *rows]) + "\n")
     return "\n".join(parts)
@@ -202,7 +203,7 @@ def heading(family: str) -> str:
     """The heading of a family, and what it says of itself."""
     if family == RECIPES:
         about = (
-            "Worlds put together from parts, each by a file ([compose.md](compose.md)). One "
+            "Worlds put together from parts, each by a file ([compose.md](../howto/compose.md)). One "
             "that draws nothing is the"
         )
         return f"Recipes\n\n{about}\nsame world for every seed."
@@ -224,4 +225,4 @@ def shown(family: str) -> list[str]:
 if __name__ == "__main__":
     for name in sys.argv[1:] or GALLERY:
         picture_of(name).write_bytes(draw(name))
-    (DOCS / "gallery.md").write_text(page(), encoding="utf-8")
+    (DOCS / "reference" / "gallery.md").write_text(page(), encoding="utf-8")

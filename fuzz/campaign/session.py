@@ -119,7 +119,7 @@ def _try_out(config: CampaignConfig, seconds: float | None, oracles: list[NamedO
         raise InvalidParameter(
             "no-first-answer",
             "{controller} does not answer its first observation within {seconds} s",
-            "does it flush its output after each line? docs/controllers.md has the protocol",
+            "does it flush its output after each line? docs/reference/controllers.md has the protocol",
             controller=scenario.controller,
             seconds=outcome.fault.deadline,
         )
@@ -456,7 +456,7 @@ class CampaignSession:
                 f"and had to be broken "
                 "off; if a step may hang, run the controller as a program: each step has a "
                 "deadline then, and a hang "
-                "is a failure (docs/controllers.md)"
+                "is a failure (docs/reference/controllers.md)"
             )
         if state.known:
             often = ", ".join(

@@ -7,7 +7,7 @@ Contents:
     junit, sarif, markdown: a report as text.
     place_of, repository: where in the repository a controller's source stands.
 
-``docs/ci.md`` is the description.
+``docs/tutorials/ci.md`` is the description.
 """
 
 from fuzz.ci.finding import CiFinding, Report, State

@@ -44,7 +44,7 @@ def corpus() -> None:
     """Look at saved failures, compare and merge folders of them, and keep them small.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are
-    of one class if controller, motion model and class are the same. docs/corpus.md has the whole of
+    of one class if controller, motion model and class are the same. docs/howto/corpus.md has the whole of
     it.
     """
 

@@ -44,7 +44,7 @@ def studio(
 
     PATH is a world's file, or a folder; only that folder, or the file's, can be read and written
     from the page. The server answers this machine alone, and only the browser that opens the
-    address that is printed. docs/studio.md has the whole of it.
+    address that is printed. docs/howto/studio.md has the whole of it.
     """
     import importlib.util
     import ipaddress

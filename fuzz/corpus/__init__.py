@@ -9,7 +9,7 @@ Contents:
     export: one archive, or a table.
     contact_sheet: a corpus as one picture.
 
-The files are the truth. ``docs/corpus.md`` is the description.
+The files are the truth. ``docs/howto/corpus.md`` is the description.
 """
 
 from fuzz.corpus.baseline import Baseline

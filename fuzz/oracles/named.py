@@ -58,7 +58,7 @@ def _accept(name: str, thing: Any) -> OracleFunction:
     return found
 
 
-_HOW = "write a function of a trial, or of a trial and a number; docs/oracles.md has one"
+_HOW = "write a function of a trial, or of a trial and a number; docs/reference/oracles.md has one"
 
 ORACLES: Registry[OracleFunction] = Registry("worldgen.oracles", "oracle", _accept)
 

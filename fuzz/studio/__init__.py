@@ -2,7 +2,7 @@
 
 It does nothing that the library and the command line do not: a browser and a server exchange small
     messages
-(docs/studio-protocol.md), and each becomes one call of the Python API.
+(docs/reference/studio-protocol.md), and each becomes one call of the Python API.
 
 Contents:
     Studio, make_app: the server's settings, and the server as an ASGI application (``app``).

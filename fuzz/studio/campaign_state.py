@@ -69,7 +69,7 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
         opened: The opened folder.
 
     Returns:
-        As docs/studio-protocol.md says of ``state``.
+        As docs/reference/studio-protocol.md says of ``state``.
 
     Raises:
         FormatError: If its files cannot be read.

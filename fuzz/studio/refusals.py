@@ -74,7 +74,7 @@ _LONGEST = 2_000  # characters of a fact; what is longer quotes a file
 
 
 def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:
-    """Return an error as the page gets it; ``docs/studio-protocol.md`` describes the parts.
+    """Return an error as the page gets it; ``docs/reference/studio-protocol.md`` describes the parts.
 
     Args:
         error: The library's.

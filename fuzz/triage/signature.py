@@ -26,7 +26,7 @@ _ROUNDING = (
 def failure_class(world: World, episode: Episode) -> str:
     """A short name for the kind of failure, fit for a file name.
 
-    docs/failures.md says what its words mean.
+    docs/reference/failures.md says what its words mean.
 
     Args:
         world: Where it happened.

@@ -62,7 +62,7 @@ def audit(
 
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported
     are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the
-    grid, jumps faster than the robot, and touched fire; docs/audit.md tells more. Exit code 0 if it
+    grid, jumps faster than the robot, and touched fire; docs/howto/audit.md tells more. Exit code 0 if it
     was possible, 1 if not.
     """
     from sim.audit import audit as audit_trajectory

@@ -95,7 +95,7 @@ def compare(
 
     PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its
     run, so that thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with
-    chance runs with many seeds. docs/compare.md describes table, CSV and JSON.
+    chance runs with many seeds. docs/howto/compare.md describes table, CSV and JSON.
     """
     from sim.compare.comparison import compare as compare_worlds
     from sim.compare.picture import MAX_CONTROLLERS, draw_comparison

@@ -1,7 +1,7 @@
 // Whether the disc surely gets to the target: a flood over half cells that may miss a path, but never invents one.
 //
 // A step of half a cell along an axis has its least clearance at an end, a diagonal one at an end or in the middle
-// (docs/reachability.md proves it).
+// (docs/explanation/reachability.md proves it).
 
 #include <string.h>
 

@@ -79,7 +79,7 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
                 "first-steps-too-slow",
                 "{controller} did not finish two steps within {seconds:g} s",
                 "give a larger --budget, or run it as a program, whose steps have a deadline "
-                "(docs/controllers.md)",
+                "(docs/reference/controllers.md)",
                 at_terminal=True,
                 controller=scenario.controller,
                 seconds=seconds,

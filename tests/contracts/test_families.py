@@ -18,7 +18,7 @@ from worldgen.reach import check_certificate
 from worldgen.testing import CHECKS, FAMILY_CHECKS, check_family
 from worldgen.world import Pose, Target, Witness, World
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "families.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "reference" / "families.md"
 
 # Of seed 7: the world's id without and with its witness, 16 digits each. A change of the first
 # changes what users' seeds yield: raise the family's version with it. A change of the second alone

@@ -28,7 +28,9 @@ from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVecto
 from worldgen_plugins.for_gymnasium.interface import SENSORS
 from worldgen_plugins.for_gymnasium.options import REWARD, Options
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
+GUIDE = (Path(__file__).parents[2] / "docs" / "tutorials" / "train-a-policy.md").read_text(
+    encoding="utf-8"
+)
 PLAIN = ("target_direction", "target_distance", "bump")
 ALL = (
     *PLAIN,

@@ -1,4 +1,4 @@
-"""The shrunk faults of the thesis's motion, and what docs/thesis-faults.md says of them."""
+"""The shrunk faults of the thesis's motion, and what docs/explanation/thesis-faults.md says of them."""
 
 import functools
 import pathlib
@@ -28,7 +28,7 @@ FAULTS = ROOT / "corpora" / "thesis-faults"
 NAMES = sorted(path.stem for path in FAULTS.glob("*.grid"))
 CAUSES = ("slide", "back-off", "corner")
 ROBOTS = ("thesis-1", "thesis-2", "thesis-3")
-PAGE = (ROOT / "docs" / "thesis-faults.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "explanation" / "thesis-faults.md").read_text(encoding="utf-8")
 README = (FAULTS / "README.md").read_text(encoding="utf-8")
 TABLE = dict(re.findall(r"^\| `([\w-]+)\.grid` \| `([\w-]+)` \|", README, flags=re.MULTILINE))
 

@@ -1,4 +1,4 @@
-"""Run the commands that README.md and docs/*.md show, and compare what they print with what the page shows.
+"""Run the commands that README.md and the pages in docs/ show, and compare what they print with what the page shows.
 
 Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the
     lines below it are its
@@ -45,9 +45,14 @@ from unittest import mock
 from worldgen.cli.main import main as command_line
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCS = ROOT / "docs"
+GENERATED = DOCS / "reference" / "generated"  # written when the site is built
+PAGES = [
+    ROOT / "README.md",
+    *sorted(page for page in DOCS.rglob("*.md") if not page.is_relative_to(GENERATED)),
+]
 
-_FENCE = re.compile(r"( *)```(\w*)\s*")
+_FENCE = re.compile(r"( *)```(\w*|\{[\w-]+\}.*?)\s*")  # in braces: a directive of the site
 _FILE = re.compile(r"(?:# |// |\"\"\")([\w./-]+\.(?:py|toml|c|json))\b.*")
 _NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 _FIRST = re.compile(r"<!-- first: (.+) -->")

@@ -1,4 +1,4 @@
-"""The adapters of examples/census, and the script that makes the table of docs/census.md."""
+"""The adapters of examples/census, and the script that makes the table of docs/howto/census.md."""
 
 import importlib.util
 import json

@@ -19,7 +19,7 @@ from tests.helpers.workflow import Job, load
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "ci"
 WORKFLOW = ".github/workflows/worldgen.yml"
-GUIDE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs" / "tutorials" / "ci.md").read_text(encoding="utf-8")
 QUICK = {
     "controller": "./robot.py:Robot",
     "families": "rooms",

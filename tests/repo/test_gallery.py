@@ -13,7 +13,7 @@ from worldgen.family import FAMILIES
 from worldgen.sets import manifest_of
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "gallery.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference" / "gallery.md").read_text(encoding="utf-8")
 AGAIN = "run python docs/draw_gallery.py, and look at what it draws"
 
 

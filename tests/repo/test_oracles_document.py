@@ -1,4 +1,4 @@
-"""What docs/oracles.md shows works, command by command, with the oracle of ten lines that it teaches."""
+"""What docs/reference/oracles.md shows works, command by command, with the oracle of ten lines that it teaches."""
 
 import re
 import shlex
@@ -10,7 +10,7 @@ from fuzz.oracles import ORACLES
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
 
-PAGE = (Path(__file__).parents[2] / "docs" / "oracles.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "oracles.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

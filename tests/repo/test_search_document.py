@@ -1,9 +1,9 @@
-"""What docs/search.md shows can be run as it stands."""
+"""What docs/explanation/search.md shows can be run as it stands."""
 
 import re
 from pathlib import Path
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "search.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "explanation" / "search.md"
 
 
 def test_the_example_runs_and_finds_the_longest_way_round(capsys):

@@ -1,4 +1,4 @@
-"""What docs/sets.md shows works, command by command."""
+"""What docs/howto/sets.md shows works, command by command."""
 
 import re
 import shlex
@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.command_line import worldgen
 
-PAGE = (Path(__file__).parents[2] / "docs" / "sets.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "sets.md").read_text(encoding="utf-8")
 FEWER = ("--count 10000", "--count 8 --size 20")
 
 

@@ -1,4 +1,4 @@
-"""docs/shrinking.md lists what the shrinker does, and shows commands that work."""
+"""docs/howto/shrinking.md lists what the shrinker does, and shows commands that work."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
 
-PAGE = (Path(__file__).parents[2] / "docs" / "shrinking.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "shrinking.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("title", "listed"), [("What simpler means", ORDER), ("Passes", PASSES)])

@@ -12,7 +12,9 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 def test_every_question_of_the_protocol_is_described():
     rows = set(
-        re.findall(r"^\| `(\w+)` \|", (DOCS / "studio-protocol.md").read_text(), re.MULTILINE)
+        re.findall(
+            r"^\| `(\w+)` \|", (DOCS / "reference" / "studio-protocol.md").read_text(), re.MULTILINE
+        )
     )
     assert rows - {"do"} == {*LANES, "cancel"}
 
@@ -22,18 +24,20 @@ def test_every_option_of_the_command_is_described():
         "--help",
         "--browser",
     }
-    text = (DOCS / "studio.md").read_text()
+    text = (DOCS / "howto" / "studio.md").read_text()
     assert all(option in text for option in options)
 
 
 def test_every_tool_is_described_with_its_key():
-    text = (DOCS / "studio.md").read_text()
+    text = (DOCS / "howto" / "studio.md").read_text()
     script = (files("fuzz.studio") / "page" / "tools.js").read_text()
     keys = re.findall(r'^  \w+: \[\s*"[^"]+",\s*"(\w)",\s*"M', script, re.MULTILINE)
     assert len(keys) == 11 and all(f"`{key}`" in text for key in keys)
 
 
 def test_the_pictures_are_there():
-    text = (DOCS / "studio.md").read_text() + (DOCS / "studio-walk.md").read_text()
-    pictures = set(re.findall(r"\]\((pictures/[^)]+)\)", text))
+    text = (DOCS / "howto" / "studio.md").read_text() + (
+        DOCS / "howto" / "studio-walk.md"
+    ).read_text()
+    pictures = set(re.findall(r"\]\(\.\./(pictures/[^)]+)\)", text))
     assert len(pictures) >= 6 and all((DOCS / picture).exists() for picture in pictures)

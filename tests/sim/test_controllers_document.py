@@ -1,4 +1,4 @@
-"""docs/controllers.md: its tables are those of the code.
+"""docs/reference/controllers.md: its tables are those of the code.
 
 Its commands run with all documented commands.
 """
@@ -16,7 +16,7 @@ from sim.host import serve
 from worldgen import generate
 
 ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "controllers.md").read_text(encoding="utf-8")
 
 
 def test_the_document_names_every_field_of_an_observation():

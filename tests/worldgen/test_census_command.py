@@ -341,7 +341,7 @@ def test_arrays_are_read_top_row_first(tmp_path):
 
 
 def test_the_page_names_every_option_and_every_key():
-    page = (Path(__file__).parents[2] / "docs" / "census.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "census.md").read_text()
     options = [
         option
         for parameter in command.params

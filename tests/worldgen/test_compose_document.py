@@ -1,4 +1,4 @@
-"""What docs/compose.md shows is so."""
+"""What docs/howto/compose.md shows is so."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ from worldgen.compose.recipe import family_from_recipe
 from worldgen.generation import generate
 from worldgen.reach import check_certificate
 
-TEXT = Path("docs/compose.md").read_text()
+TEXT = Path("docs/howto/compose.md").read_text()
 
 
 def test_the_python_in_the_document_makes_proved_worlds():

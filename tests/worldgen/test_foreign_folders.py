@@ -1,6 +1,6 @@
 """Folders of other people's maps.
 
-``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/foreign-maps.md
+``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/howto/foreign-maps.md
 says which ones were read, and what came of it.
 """
 
@@ -20,7 +20,8 @@ FOLDER = os.environ.get("WORLDGEN_FOREIGN_MAPS")
 pytestmark = [
     pytest.mark.nightly,
     pytest.mark.skipif(
-        not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/foreign-maps.md says which"
+        not FOLDER,
+        reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/foreign-maps.md says which",
     ),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")

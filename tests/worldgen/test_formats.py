@@ -37,7 +37,7 @@ from worldgen.interop.format import decimal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 
-PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "formats.md").read_text()
 BOTH_WAYS = [name for name in FORMATS if FORMATS.get(name).direction == "both"]
 WRITTEN = [name for name in FORMATS if FORMATS.get(name).write is not None]
 # Families have these sizes; a micromouse's maze and the thesis's maps ask for odd and for even

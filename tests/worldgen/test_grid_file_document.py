@@ -1,4 +1,4 @@
-"""docs/grid-format.md and the code say the same."""
+"""docs/reference/grid-format.md and the code say the same."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,9 @@ import pytest
 
 from worldgen.files.grid import dumps, loads, schema
 
-DOCUMENT = (Path(__file__).parents[2] / "docs" / "grid-format.md").read_text(encoding="utf-8")
+DOCUMENT = (Path(__file__).parents[2] / "docs" / "reference" / "grid-format.md").read_text(
+    encoding="utf-8"
+)
 EXAMPLES = re.findall(r"```grid\n(.*?)```", DOCUMENT, re.DOTALL)
 ERRORS = re.findall(r"```text\n(.*?)```", DOCUMENT, re.DOTALL)[0].splitlines()
 LIMITS = {

@@ -32,7 +32,7 @@ __all__ = [
 CONTROLLER_HELP = (
     "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies "
     "the run "
-    "(docs/controllers.md)."
+    "(docs/reference/controllers.md)."
 )
 
 F = TypeVar("F", bound=Callable[..., Any])

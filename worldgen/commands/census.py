@@ -112,7 +112,7 @@ def census(
 
     SOURCE is a map file, a folder of them, or a generator: ./file.py:function or
         package.module:function. Each
-    answer is proved and the proof checked. docs/census.md describes table, CSV, JSON and
+    answer is proved and the proof checked. docs/howto/census.md describes table, CSV, JSON and
     generators.
     """
     from worldgen.files.whole import check_output

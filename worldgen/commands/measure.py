@@ -37,7 +37,7 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
 
     Metrics are worked out anew, by the file's own witness; a map without a certificate is decided
     first. What has no meaning for a world is left empty. A folder or an archive stands for the
-    .grid files in it. docs/difficulty.md defines every metric.
+    .grid files in it. docs/howto/difficulty.md defines every metric.
     """
     from worldgen.difficulty import measure as measured
     from worldgen.files.worlds import read_worlds

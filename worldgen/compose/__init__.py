@@ -6,7 +6,7 @@ Contents:
     beside, above: pieces in a row.
     first_solvable: a composition with drawn parts, tried until the robot gets through.
 
-``docs/compose.md`` shows them, and how the same is written as a TOML recipe.
+``docs/howto/compose.md`` shows them, and how the same is written as a TOML recipe.
 """
 
 from worldgen.compose.piece import Piece

@@ -121,7 +121,7 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
                     raise InvalidParameter(
                         "unknown-name",
                         "family={name!r} is no registered family",
-                        "register your own as a package (docs/families.md)",
+                        "register your own as a package (docs/reference/families.md)",
                         name=name[:60],
                     )
                 for key, spec in part.params.items():

@@ -2,7 +2,7 @@
 //
 // Every connected part of the clear poses in the disc has one that is nearest to the disc's centre. That one is the
 // centre itself, or the foot of a perpendicular from it on the edge of one cell's neighbourhood, or it is on the edges
-// of two neighbourhoods at once (docs/reachability.md). Such edges are straight lines and circles, so each coordinate
+// of two neighbourhoods at once (docs/explanation/reachability.md). Such edges are straight lines and circles, so each coordinate
 // is a sum of a whole number and another times a root, over a common factor above 0. Floats choose what is doubtful;
 // that is compared in whole numbers.
 

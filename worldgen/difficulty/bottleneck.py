@@ -1,7 +1,7 @@
 """The largest disc that could get from the start to the target at all, without trying disc after disc.
 
 A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from
-target (docs/reachability.md). So the gaps are taken from the narrowest on, and the cells on both
+target (docs/explanation/reachability.md). So the gaps are taken from the narrowest on, and the cells on both
 sides united; the first gap that closes such a chain is the bottleneck between two poses. Beside it,
 start and target have to hold the disc.
 """
@@ -88,7 +88,7 @@ class _DiscQuery:
     """Whether a disc that fits at the start gets to any pose of the target, asked for one radius after another.
 
     No way is sought: a pose that no chain parts from the start can be reached
-        (docs/reachability.md).
+        (docs/explanation/reachability.md).
     """
 
     def __init__(self, world: World, solid: Bools) -> None:

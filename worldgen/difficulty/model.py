@@ -5,7 +5,7 @@ logarithm, and then ``(1 + s / (1 + |s|)) / 2`` of the sum ``s``, which is monot
 division. No weight has another sign than :data:`worldgen.difficulty.METRICS` says, so no metric
 that makes a world harder ever lowers its difficulty.
 
-``python -m benchmarks.difficulty`` fits scales and weights and prints them; docs/difficulty.md says
+``python -m benchmarks.difficulty`` fits scales and weights and prints them; docs/howto/difficulty.md says
 how well they do.
 """
 

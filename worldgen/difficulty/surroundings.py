@@ -5,7 +5,7 @@ float64. Samples are multiples of a power of two not below 2**-23, so that every
 comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
 
 Source: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", 2020;
-    docs/difficulty.md says where this
+    docs/howto/difficulty.md says where this
 differs from the authors' program.
 """
 

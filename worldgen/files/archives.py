@@ -2,7 +2,7 @@
 
 Written byte for byte alike, read one file at a time and within bounds. Times, owners and modes are
 fixed, so equal files in equal order are an equal archive. How bytes are compressed is zlib's and
-libbz2's business: see ``docs/sets.md`` for what that means on other machines.
+libbz2's business: see ``docs/howto/sets.md`` for what that means on other machines.
 """
 
 from __future__ import annotations

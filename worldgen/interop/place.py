@@ -1,7 +1,7 @@
 """Places start and target on a map that has none: far apart, clear, and joined by construction.
 
 The places are the multiples of half a cell at which the disc is clear, exactly. A step of half a
-cell along an axis between two of them is clear as well (docs/reachability.md), so two places that
+cell along an axis between two of them is clear as well (docs/explanation/reachability.md), so two places that
 are joined by such steps are joined for the robot.
 """
 

@@ -8,7 +8,7 @@ Contents:
     check_set: compares a set with its manifest.
     Header, Entry, Manifest: what the manifest says.
 
-``docs/sets.md`` tells what a user sees.
+``docs/howto/sets.md`` tells what a user sees.
 """
 
 from worldgen.sets.check import SetDifference, check_set, manifest_of

@@ -1,6 +1,6 @@
 """The process protocol, and one exchange with the robot's driver a step.
 
-Knows neither rclpy nor worldgen. ``docs/controllers.md`` is the protocol's normative text. A step
+Knows neither rclpy nor worldgen. ``docs/reference/controllers.md`` is the protocol's normative text. A step
 is: say what the robot senses, wait for a command, answer.
 """
 

@@ -70,7 +70,7 @@ def grid_of(text: str) -> Grid:
     """The map in a ``.grid`` file; of an imported ROS map with the origin that it had.
 
     Args:
-        text: The file's contents, ``docs/grid-format.md``; the cells are those at time 0.
+        text: The file's contents, ``docs/reference/grid-format.md``; the cells are those at time 0.
 
     Raises:
         ValueError: If it is none.

@@ -155,7 +155,7 @@ def _retell(error: BaseException, address: str) -> None:
             "killed-worker",
             "one piece of work ended as many workers as the scheduler allows, {workers}: "
             "perhaps the controller kills them, or they have too little memory "
-            "(docs/campaigns.md)",
+            "(docs/howto/campaigns.md)",
             workers=error.allowed_failures + 1,
         ) from error
     if isinstance(error, CancelledError | OSError):

@@ -11,7 +11,7 @@ So that nothing that ends it loses more than the units under way. Contents:
     MEMORY: name of the folder in a campaign's folder.
     CampaignStore: what a campaign needs of a store; this one remembers nothing.
 
-``docs/campaigns.md`` tells what a user sees.
+``docs/howto/campaigns.md`` tells what a user sees.
 """
 
 from fuzz.campaign.store.fingerprint import Fingerprint, fingerprint_of

@@ -142,7 +142,7 @@ class Summary:
     controller_share: float | None = None
 
     def table(self) -> dict[str, Any]:
-        """Return what the file holds; ``docs/campaigns.md`` says what each part means."""
+        """Return what the file holds; ``docs/howto/campaigns.md`` says what each part means."""
         share = (
             {}
             if self.controller_share is None

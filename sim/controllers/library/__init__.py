@@ -1,4 +1,4 @@
 """Controllers from the literature, one file each.
 
-``docs/library.md`` describes what each of them does and where it fails.
+``docs/reference/library.md`` describes what each of them does and where it fails.
 """

@@ -1,7 +1,7 @@
 """Drive many robots with one program at the same time.
 
 A program may offer this in its first answer; this module reads the offer and the lines that follow.
-``docs/controllers.md`` specifies the protocol.
+``docs/reference/controllers.md`` specifies the protocol.
 """
 
 from __future__ import annotations

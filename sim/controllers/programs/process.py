@@ -1,6 +1,6 @@
 """A controller that is a separate program, in any language.
 
-In each step it gets one line of JSON and answers with one. ``docs/controllers.md`` specifies the
+In each step it gets one line of JSON and answers with one. ``docs/reference/controllers.md`` specifies the
 protocol.
 """
 

@@ -5,7 +5,7 @@ Contents:
     read_world, write_world: between a world and a file, compressed if its name ends in ``.gz``.
     world_digest: a world's id.
 
-``docs/grid-format.md`` is the normative description.
+``docs/reference/grid-format.md`` is the normative description.
 """
 
 from worldgen.files.grid.disk import read_world, write_world

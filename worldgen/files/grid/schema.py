@@ -1,6 +1,6 @@
 """The rules of ``.grid`` version 1 as data: keys, sections, words, limits.
 
-``docs/grid-format.md`` says the same in prose; a test holds the two together. This module imports
+``docs/reference/grid-format.md`` says the same in prose; a test holds the two together. This module imports
 neither the reader nor the writer, which both go by it.
 """
 

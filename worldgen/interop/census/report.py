@@ -1,4 +1,4 @@
-"""A census as text, CSV and JSON; ``docs/census.md`` describes lines, columns and keys."""
+"""A census as text, CSV and JSON; ``docs/howto/census.md`` describes lines, columns and keys."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Every connected part of the clear poses in the disc has one that is nearest to the disc's centre.
 That one is the centre itself, or the foot of a perpendicular from it on the edge of one cell's
-neighbourhood, or it lies on the edges of two neighbourhoods at once (docs/reachability.md). Such
+neighbourhood, or it lies on the edges of two neighbourhoods at once (docs/explanation/reachability.md). Such
 edges are straight lines and arcs, so each coordinate is a + b * sqrt(m) with fractions a, b and m,
 and every comparison is exact. C makes them; fractions do where lengths have so many digits that C
 has no room for their products.

@@ -3,7 +3,7 @@
 A tile is dead while a single blocked cell is so near that no point of the tile is clear. A robot
 goes, in a slab of time, no farther than one tile's side: so from its tile to one of the eight
 around, or it stays. What this reaches is more than the disc can reach, and what it does not reach
-is out of reach (docs/reachability.md).
+is out of reach (docs/explanation/reachability.md).
 """
 
 from __future__ import annotations

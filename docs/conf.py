@@ -1,0 +1,90 @@
+"""Settings of the documentation site: ``python -m sphinx -W --keep-going docs build/docs``."""
+
+import re
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+HERE = Path(__file__).parent
+_ENTRY = 4  # columns before an entry of a docstring's section
+sys.path.insert(0, str(HERE))
+
+import generate_reference
+
+project = "worldgen"
+author = "The worldgen developers"
+project_copyright = author
+release = version_of("worldgen")
+version = release
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns = ["_build"]
+
+# Headings get the anchors that they have on code hosts, so that one link works in both places.
+myst_heading_anchors = 4
+# Many JSON and Python snippets leave lines out with "...", which is not valid in either language.
+suppress_warnings = ["misc.highlighting_failure"]
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = f"worldgen {release}"
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {"navigation_with_keys": True}
+
+
+_LINK_OUT = re.compile(r"\[([^\]]+)\]\(((?:\.\./)+(?!pictures/)[^)\s:]+)\)")
+
+
+def mark_repository_files(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Replace a page's links to files of the repository by their names; the site has only pages.
+
+    A link to a file that does not exist is left alone, so that Sphinx warns about it.
+    """
+    folder = (HERE / docname).parent
+
+    def replaced(link: re.Match[str]) -> str:
+        text, target = link.groups()
+        file = (folder / target.partition("#")[0]).resolve()
+        if file.is_relative_to(HERE) or not file.exists():
+            return link[0]
+        name = str(file.relative_to(HERE.parent))
+        return f"`{name}`" if text.strip("`") == name else f"{text} (`{name}`)"
+
+    source[0] = _LINK_OUT.sub(replaced, source[0])
+
+
+def mend_wrapping(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Undo stray indentation in the middle of a docstring's paragraph, which is not valid markup."""
+    if what == "data" and lines and lines[0] in (type(thing).__doc__ or "").splitlines()[:1]:
+        lines.clear()  # the docstring of a type such as dict, which explains nothing here
+    above = 0
+    for at, line in enumerate(lines):
+        indent = len(line) - len(line.lstrip())
+        if not line.strip() or above >= at or not lines[above].strip():
+            above = at
+            continue
+        base = len(lines[above]) - len(lines[above].lstrip())
+        # Sections such as "Args:" and their entries are indented on purpose, up to an empty line.
+        below = lines[at + 1] if at + 1 < len(lines) else ""
+        returns = bool(below.strip()) and len(below) - len(below.lstrip()) == base
+        on_purpose = base == _ENTRY or (lines[above].rstrip().endswith(":") and not returns)
+        if indent > base and not on_purpose:
+            lines[at] = " " * base + line.lstrip()
+        above = at
+
+
+def setup(app: Sphinx) -> None:
+    """Write the pages that come from the code before Sphinx looks for pages."""
+    generate_reference.write_pages(HERE / "reference" / "generated")
+    app.connect("source-read", mark_repository_files)
+    # Before napoleon reads the sections, which it does at priority 500.
+    app.connect("autodoc-process-docstring", mend_wrapping, priority=100)
