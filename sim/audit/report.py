@@ -152,7 +152,7 @@ def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes
     for kind, mark in _MARKS.items():
         own = [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]
         places = [(min(max(at.x, -border), width), min(max(at.y, -border), height)) for at in own]
-        marks += [render.Mark(x, y, mark) for x, y in places]
+        marks += [render.EventMark(x, y, mark) for x, y in places]
     x, y = _cut_off(trajectory.x, trajectory.y, (-border, width), (-border, height))
 
     # Drop points that fall on the same spot as the one before; a long recording has many.

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.helpers.buildings import building_file
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.cli.main import cli
@@ -182,11 +183,14 @@ def test_the_tables_command_works_on_the_world_of_the_page(
     monkeypatch.chdir(tmp_path)
     shutil.copy(world_of_the_page, "w.grid")
     words = dict(commands_of_the_table())[name].split()
+    if words[0] == "import":  # of meshes in glTF, which nothing here writes
+        Path("w.grid").unlink()
+        Path(words[1]).write_bytes(building_file("gltf"))
     done = worldgen(*words)
     assert done.code == 0, done.err
-    if (
-        FORMATS.get(name).read is not None or name == "sdf"
-    ):  # the reader of barn takes all that is Gazebo's
+    # The reader of barn takes every file of Gazebo's, and so those of sdf.
+    is_read_back = FORMATS.get(name).read is not None or name == "sdf"
+    if words[0] == "export" and is_read_back:
         imported = worldgen("import", words[-1], "--out", "back.grid")
         assert imported.code == 0, imported.err
         assert np.array_equal(
