@@ -19,6 +19,7 @@ import json
 import shlex
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,8 +27,10 @@ from typing import Any
 
 import click
 
+from benchmarks.grid_planners import InflationPlanners
 from worldgen.errors import InvalidParameter
 from worldgen.interop.census import (
+    CensusCase,
     CensusOptions,
     Radius,
     Tally,
@@ -36,7 +39,9 @@ from worldgen.interop.census import (
     take_census,
     tally,
 )
+from worldgen.reach import REACHABLE
 from worldgen.support.intervals import interval_95
+from worldgen.world import World
 
 __all__ = ["ROWS", "Row", "measure"]
 
@@ -160,7 +165,8 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
             maps = generated_maps(place, count=count, seed=SEED, options=keywords)
         except InvalidParameter as error:  # installed, and does not load
             return {"name": row.name, "skipped": str(error)}
-    census = take_census(maps, options)
+    inflated = Inflated()
+    census = take_census(maps, options, each=inflated.compare)
     if census.interrupted:
         raise KeyboardInterrupt
     sides = sorted({max(question.width, question.height) for question in census.questions})
@@ -172,15 +178,41 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
         "sides": sides[:1] + sides[-1:],
         "command": row.command(count),
         "seconds": time.perf_counter() - began,
-        "radii": [_figures(one) for one in tally(census)],
+        "radii": [_figures(one, inflated.wrong) for one in tally(census)],
     }
 
 
-def _figures(one: Tally) -> dict[str, Any]:
+class Inflated:
+    """Counts where planners on inflated walls are wrong about the disc."""
+
+    def __init__(self) -> None:
+        self.wrong = Counter[tuple[Radius, str]]()
+        self._map = ""
+        self._planners: InflationPlanners | None = None
+
+    def compare(self, question: CensusCase, world: World) -> None:
+        """Compare both planners with a proved answer."""
+        # The questions about one map come one after another, so one map is kept.
+        if self._planners is None or self._map != question.map:
+            self._planners = InflationPlanners(world.walls)
+            self._map = question.map
+        if not question.proved:
+            return
+        reachable = question.result == REACHABLE
+        for name, path in self._planners.answers(world)._asdict().items():
+            if path != reachable:
+                self.wrong[question.asked, f"{name}_wrong_{'yes' if path else 'no'}"] += 1
+
+
+WRONG = ("costmap_wrong_yes", "costmap_wrong_no", "square_wrong_no")
+
+
+def _figures(one: Tally, wrong: Counter[tuple[Radius, str]]) -> dict[str, Any]:
     return {
         "radius": str(one.asked),
         "questions": one.questions,
         **one.counts,
+        **{name: wrong[one.asked, name] for name in WRONG},
         "prover_seconds": one.seconds,
     }
 
@@ -239,10 +271,7 @@ def _cells(one: dict[str, Any]) -> list[str]:
         str(one["no_room"]),
         f"{one['four_only']} ({one['four_parted']})",
         f"{one['eight_only']} ({one['eight_parted']})",
-        *(
-            str(one[key])
-            for key in ("costmap_wrong_yes", "costmap_wrong_no", "square_wrong_no", "undecided")
-        ),
+        *(str(one[name]) for name in (*WRONG, "undecided")),
     ]
 
 

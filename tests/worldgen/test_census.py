@@ -1,4 +1,4 @@
-"""A census: what is asked of every map, what planners on the grid say, and how it is counted."""
+"""A census: what is asked of every map, what a point on the grid can do, and how it is counted."""
 
 from collections import deque
 from dataclasses import replace
@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from benchmarks.grid_planners import InflationPlanners
 from tests.helpers.foreign_maps import GAP, solid, write_each_kind
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.interop.census import (
     CensusMap,
     CensusOptions,
-    GridPlanners,
     Radius,
     folder_maps,
     take_census,
@@ -27,6 +27,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import check_certificate
 from worldgen.support.intervals import interval_95
 from worldgen.support.rows import flip_rows
+from worldgen.world import World
 
 HALF, WIDER, WHOLE = Radius(0.5, True), Radius(0.7, True), Radius(1.0, True)
 FOUR = ((0, 1), (1, 0), (0, -1), (-1, 0))
@@ -100,13 +101,15 @@ def test_planners_on_the_grid_say_what_plain_floods_say(question):
     )  # fmt: skip
     circle = inflated(item.walls, lambda down, across: down**2 + across**2 <= cells**2)
     square = inflated(item.walls, lambda down, across: max(down, across) <= -(-cells // 1))
-    expected = (
-        flooded(~item.walls, start, target, FOUR),
-        flooded(~item.walls, start, target, EIGHT),
+    found = one(item, radius)
+    assert found.four == flooded(~item.walls, start, target, FOUR)
+    assert found.eight == flooded(~item.walls, start, target, EIGHT)
+    metres = radius.metres(0.1)
+    world = World(item.walls, given_ends.start, given_ends.target, 0.1, robot_radius=metres)
+    assert InflationPlanners(item.walls).answers(world) == (
         flooded(circle, start, target, EIGHT),
         flooded(square, start, target, FOUR),
     )
-    assert GridPlanners(item.walls, 0.1).answers(given_ends, cells) == expected
 
 
 @given(questions())
@@ -114,16 +117,14 @@ def test_every_answer_is_proved_and_no_disc_passes_where_a_point_does_not(questi
     found = one(*question)
     assert found.proved
     if found.result == "reachable":
-        assert found.room and found.grid.four
-    else:
-        assert not found.grid.square
+        assert found.room and found.four
 
 
 @given(questions())
 def test_up_to_half_a_cell_a_disc_passes_exactly_where_a_point_with_four_moves_does(question):
     item, _ = question
     found = one(item, HALF)
-    assert (found.result == "reachable") == found.grid.four
+    assert (found.result == "reachable") == found.four
 
 
 @given(questions())
@@ -134,7 +135,7 @@ def test_what_a_disc_reaches_a_smaller_one_reaches_too(question):
 
 
 CASES = [
-    ("a gap of one cell stops a wider disc", GAP, (3, 1), (3, 7), 0.7, (True, True, True, True)),
+    ("a gap of one cell stops a wider disc", GAP, (3, 1), (3, 7), 0.7, (True, True, True)),
     ("a gap of one cell lets half a cell through", GAP, (3, 2), (3, 6), 0.5, None),
     (
         "touching corners let a point through, no disc",
@@ -142,7 +143,7 @@ CASES = [
         (0, 0),
         (1, 1),
         0.1,
-        (True, False, True, True),
+        (True, False, True),
     ),
 ]
 
@@ -157,7 +158,7 @@ def test_a_world_that_only_the_grid_passes_is_told_apart(rows, start, target, ce
     if expected is None:
         assert found.result == "reachable" and not found.grid_only
     else:
-        assert (found.grid_only, found.grid.four, found.grid.eight, found.grid.costmap) == expected
+        assert (found.grid_only, found.four, found.eight) == expected
 
 
 def test_a_disc_without_room_at_the_start_is_blocked_there():
@@ -187,13 +188,13 @@ def test_a_radius_in_metres_is_another_number_of_cells_in_every_map(tmp_path):
     assert one_tally.radius == (0.03, 0.03) and one_tally.radius_in_cells == (0.3, 0.6)
 
 
-def test_kept_worlds_carry_a_cut_that_holds():
-    kept = {}
+def test_judged_worlds_carry_a_cut_that_holds():
+    kept = []
     rows = (*GAP[:3], GAP[3], *GAP[4:])
     item = rows_map(*rows, start=(3, 2), target=(3, 6))
-    take_census([item], CensusOptions((HALF, WIDER)), keep=kept.__setitem__)
-    ((name, world),) = kept.items()
-    assert name == "parted-m-0-r0.07"
+    take_census([item], CensusOptions((HALF, WIDER)), each=lambda *pair: kept.append(pair))
+    ((question, world),) = [pair for pair in kept if pair[0].grid_only]
+    assert question.radius == 0.07
     assert check_certificate(world).valid and len(world.certificate.cells) > 1
 
 

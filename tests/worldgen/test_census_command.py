@@ -18,8 +18,7 @@ from tests.helpers.foreign_maps import (
 )
 from worldgen import Pose, Target, World, read_world, write_world
 from worldgen.commands.census import census as command
-from worldgen.interop.census.report import CSV_COLUMNS
-from worldgen.interop.census.tally import ROWS
+from worldgen.interop.census.report import CSV_COLUMNS, ROWS
 from worldgen.reach import check_certificate
 
 TARGET = Target(0.65, 0.65, 0.05)

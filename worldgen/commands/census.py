@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,7 +24,7 @@ from worldgen.errors import InvalidParameter, OutputError
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.interop.census import Census, CensusOptions
+    from worldgen.interop.census import Census, CensusCase, CensusOptions
     from worldgen.interop.census.folders import FolderMaps
     from worldgen.interop.census.generators import GeneratedMaps
     from worldgen.world import World
@@ -36,6 +37,7 @@ EXAMPLES = (
     "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
 PATH = click.Path(path_type=Path)
+_LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
 
 
 @click.command(epilog=EXAMPLES)
@@ -117,7 +119,7 @@ def census(
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import census as library
-    from worldgen.interop.census.radius import DEFAULT_RADII
+    from worldgen.interop.census.case import DEFAULT_RADII
 
     asked = tuple(dict.fromkeys(library.Radius.parse(text) for text in radii)) or DEFAULT_RADII
     if table is not None:
@@ -134,7 +136,7 @@ def census(
         found = library.take_census(
             itertools.chain(*maps),
             what,
-            keep=keep,
+            each=keep,
             progress=lambda: work.count(next(done), total, "maps"),
         )
     _check_any(found)
@@ -224,11 +226,20 @@ def _check_folder(folder: Path, *, force: bool) -> None:
         )
 
 
-def _keeper(folder: Path, *, force: bool) -> Callable[[str, World], None]:
-    """Writes what is kept at once, so that it is there whatever ends the census."""
-    from worldgen.files.grid import write_world
+def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]:
+    """Return what writes the worlds that only a point passes.
 
-    def keep(name: str, world: World) -> None:
+    Each is written at once, so that it is there whatever ends the census.
+    """
+    from worldgen.files.grid import write_world
+    from worldgen.interop.census.take import once
+
+    taken = Counter[str]()
+
+    def keep(question: CensusCase, world: World) -> None:
+        if not question.grid_only:
+            return
+        name = once(_file_name(question), taken)
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -242,6 +253,15 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[str, World], None]:
         write_world(world, folder / f"{name}.grid", force=force)
 
     return keep
+
+
+def _file_name(question: CensusCase) -> str:
+    """Return a file's name without ending; it says whether the disc had room at both ends."""
+    plain = "".join(
+        letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map
+    )
+    kind = "parted" if question.room else "no-room"
+    return f"{kind}-{plain[:_LONGEST]}-{question.pair}-r{question.radius:g}"
 
 
 def _check_any(found: Census) -> None:

@@ -3,22 +3,18 @@
 What a disc can reach in them, and what only a point on the grid can. Contents:
     take_census, Census, Question (``take``): asks every map at every radius and keeps the answers.
     CensusMap, Ends, Refused (``case``): a map as the census takes it, and what was no map.
-    Radius (``radius``): in m or in cells of whatever map comes.
+    Radius (``case``): in m or in cells of whatever map comes.
     folder_maps (``folders``): the maps in files and folders.
     generated_maps (``generators``): the maps of a third-party generator, through a function.
-    GridPlanners (``planners``): what planners on the grid say.
-    Tally, tally (``tally``): counts and intervals for each radius.
+    Tally, tally (``report``): counts and intervals for each radius.
     as_csv, as_json, as_text (``report``): what is printed.
 """
 
-from worldgen.interop.census.case import CensusMap, Ends, Refused
+from worldgen.interop.census.case import CensusMap, Ends, Radius, Refused, cell_at
 from worldgen.interop.census.folders import folder_maps
 from worldgen.interop.census.generators import generated_maps
-from worldgen.interop.census.planners import GridPlanners
-from worldgen.interop.census.radius import Radius
-from worldgen.interop.census.report import as_csv, as_json, as_text
+from worldgen.interop.census.report import Tally, as_csv, as_json, as_text, tally
 from worldgen.interop.census.take import Census, CensusCase, CensusOptions, take_census
-from worldgen.interop.census.tally import Tally, tally
 
 __all__ = [
     "Census",
@@ -26,13 +22,13 @@ __all__ = [
     "CensusMap",
     "CensusOptions",
     "Ends",
-    "GridPlanners",
     "Radius",
     "Refused",
     "Tally",
     "as_csv",
     "as_json",
     "as_text",
+    "cell_at",
     "folder_maps",
     "generated_maps",
     "take_census",

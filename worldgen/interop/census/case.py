@@ -1,7 +1,9 @@
-"""A map as the census takes it."""
+"""What a census asks: maps, pairs of start and target, and radii."""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -10,13 +12,71 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
+from worldgen.family import check_between
 from worldgen.interop.formats.text import cell_centre
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.lattice import UNIT, exact, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.reach.still.lattice_graph import build_graph
 from worldgen.world import DEFAULT_CELL_SIZE, Pose, Target, Value
 
-__all__ = ["CensusMap", "Ends", "Refused", "cell_ends", "draw_ends"]
+__all__ = [
+    "DEFAULT_RADII",
+    "CensusMap",
+    "Ends",
+    "Radius",
+    "Refused",
+    "cell_at",
+    "cell_ends",
+    "draw_ends",
+]
+
+_FORM = re.compile(r"([0-9]{1,40}\.?[0-9]{0,40}(?:[eE][+-]?[0-9]{1,3})?)\s*(m|c|cells?)?")
+
+
+@dataclass(frozen=True)
+class Radius:
+    """What ``--radius`` takes.
+
+    Args:
+        value: The number.
+        cells: Whether it counts cells rather than m.
+    """
+
+    value: float
+    cells: bool = False
+
+    @classmethod
+    def parse(cls, text: str) -> Radius:
+        """``0.3`` or ``0.3m`` is m, ``0.7c`` cells.
+
+        Raises:
+            InvalidParameter: If it is neither, or out of range.
+        """
+        found = _FORM.fullmatch(text.strip())
+        if found is None:
+            raise InvalidParameter(
+                "wrong-form",
+                "radius={text!r} is no radius",
+                "write 0.3 for m, or 0.7c for cells",
+                text=text[:40],
+            )
+        radius = cls(float(found[1]), (found[2] or "m").startswith("c"))
+        check_between("radius", radius.value, 1e-9, 1e9, "cells" if radius.cells else "m")
+        return radius
+
+    def metres(self, cell_size: float) -> float:
+        """The radius, m, in a map of cells of ``cell_size`` m."""
+        return float(exact(self.value) * exact(cell_size)) if self.cells else self.value
+
+    def in_cells(self, cell_size: float) -> Fraction:
+        """The radius, cells, as it is judged: that of :meth:`metres`, exactly."""
+        return in_cells(self.metres(cell_size), cell_size)
+
+    def __str__(self) -> str:
+        return f"{self.value:g} cells" if self.cells else f"{self.value:g} m"
+
+
+DEFAULT_RADII = (Radius(0.45, True), Radius(0.7, True), Radius(1.0, True))
 
 
 @dataclass(frozen=True)
@@ -78,6 +138,20 @@ def cell_ends(
     at = cell_centre(*start, cell_size)
     to = cell_centre(*target, cell_size)
     return Ends(Pose(*at), Target(*to, half), named)
+
+
+def cell_at(walls: npt.NDArray[np.bool_], cell_size: float, x: float, y: float) -> tuple[int, int]:
+    """Return row and column of the cell that holds a point.
+
+    Args:
+        walls: (height, width) bool, row 0 the lowest y.
+        cell_size: m.
+        x: Of the point, m; on the map's far sides it is in the last cell.
+        y: Of the point, m.
+    """
+    column, row = (math.floor(in_cells(value, cell_size)) for value in (x, y))
+    height, width = walls.shape
+    return min(row, height - 1), min(column, width - 1)
 
 
 def draw_ends(

@@ -1,24 +1,112 @@
-"""A census as text, CSV and JSON; ``docs/howto/census.md`` describes lines, columns and keys."""
+"""Counts of a census for each radius, and the census as text, CSV and JSON.
+
+``docs/howto/census.md`` describes lines, columns and keys.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from worldgen.interop.census.radius import Radius
-from worldgen.interop.census.take import Census
-from worldgen.interop.census.tally import ROWS, Tally, tally
+from worldgen.interop.census.case import Radius
+from worldgen.interop.census.take import Census, CensusCase
+from worldgen.reach import BLOCKED, REACHABLE
+from worldgen.support.intervals import interval_95
 from worldgen.support.plain_text import GAP, aligned, counted
 
-__all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text"]
+__all__ = ["CSV_COLUMNS", "ROWS", "Tally", "as_csv", "as_json", "as_text", "tally"]
+
+ROWS = {
+    "reachable": "reachable for the disc",
+    "blocked": "blocked for the disc",
+    "no_room": "  no room for it at the start or the target",
+    "four_only": "  4-connected path on the grid all the same",
+    "four_parted": "    with room at both ends",
+    "eight_only": "  8-connected path on the grid all the same",
+    "eight_parted": "    with room at both ends",
+    "undecided": "undecided, or certificate refused",
+}
+"""What is counted, as the table calls it; indented where it is part of the line above."""
 
 CSV_COLUMNS = (
     "map", "pair", "named", "width", "height", "cell_size", "radius", "radius_in_cells", "result", "proved", "room",
-    "four", "eight", "costmap", "square",
+    "four", "eight",
 )  # fmt: skip
 _MOST_REFUSALS = 10  # lines of text; JSON has them all
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What holds of all questions at one radius.
+
+    Args:
+        asked: The radius.
+        questions: How many.
+        counts: By the names of :data:`ROWS`.
+        radius: Smallest and largest, m.
+        radius_in_cells: Likewise, cells.
+        seconds: That prover and checker took.
+    """
+
+    asked: Radius
+    questions: int
+    counts: dict[str, int]
+    radius: tuple[float, float]
+    radius_in_cells: tuple[float, float]
+    seconds: float
+
+    def share(self, name: str) -> float | None:
+        """Of all questions, or None where there are none."""
+        return self.counts[name] / self.questions if self.questions else None
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 %, Clopper and Pearson."""
+        return interval_95(self.counts[name], self.questions) if self.questions else (0.0, 1.0)
+
+
+def tally(census: Census) -> tuple[Tally, ...]:
+    """One for each radius, in the order in which they were asked for."""
+    return tuple(
+        _tally_one(radius, [question for question in census.questions if question.asked == radius])
+        for radius in census.options.radii
+    )
+
+
+def _tally_one(radius: Radius, questions: Sequence[CensusCase]) -> Tally:
+    metres = [question.radius for question in questions] or [0.0]
+    cells = [float(radius.in_cells(question.cell_size)) for question in questions] or [0.0]
+    counts = dict.fromkeys(ROWS, 0)
+    for question in questions:
+        for name in _counted(question):
+            counts[name] += 1
+    return Tally(
+        radius,
+        len(questions),
+        counts,
+        (min(metres), max(metres)),
+        (min(cells), max(cells)),
+        sum(question.seconds for question in questions),
+    )
+
+
+def _counted(question: CensusCase) -> list[str]:
+    """The lines that a question belongs to."""
+    if not question.proved:
+        return ["undecided"]
+    if question.result == REACHABLE:
+        return ["reachable"]
+    holding = {
+        "no_room": not question.room,
+        "four_only": question.four,
+        "four_parted": question.four and question.room,
+        "eight_only": question.eight,
+        "eight_parted": question.eight and question.room,
+    }
+    return [BLOCKED, *(name for name, holds in holding.items() if holds)]
 
 
 def as_text(census: Census) -> str:
@@ -84,7 +172,7 @@ def as_csv(census: Census) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(CSV_COLUMNS)
     for question in census.questions:
-        flags = (question.proved, question.room, *question.grid)
+        flags = (question.proved, question.room, question.four, question.eight)
         writer.writerow(
             [question.map, question.pair, int(question.named), question.width, question.height, question.cell_size,
              question.radius, float(_in_cells(question.asked, question.cell_size)), question.result, *map(int, flags)]

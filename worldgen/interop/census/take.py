@@ -1,4 +1,4 @@
-"""Asks every map at every radius: can the disc get there, and what do planners on the grid say?"""
+"""Asks every map at every radius: can the disc get there, and can a point on the grid?"""
 
 from __future__ import annotations
 
@@ -8,17 +8,26 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
 from worldgen.errors import InvalidWorld, WorldgenError
-from worldgen.interop.census.case import CensusMap, Ends, Refused, draw_ends
-from worldgen.interop.census.planners import GridAnswers, GridPlanners
-from worldgen.interop.census.radius import DEFAULT_RADII, Radius
+from worldgen.interop.census.case import (
+    DEFAULT_RADII,
+    CensusMap,
+    Ends,
+    Radius,
+    Refused,
+    cell_at,
+    draw_ends,
+)
 from worldgen.random_streams import RandomStream
 from worldgen.reach import BLOCKED, check_certificate, decide
 from worldgen.world import Cut, Provenance, Value, World
 
-__all__ = ["VERSION", "Census", "CensusCase", "CensusOptions", "take_census"]
+__all__ = ["VERSION", "Census", "CensusCase", "CensusOptions", "once", "take_census"]
 
-_LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
 VERSION = 1  # goes up whenever a seed draws other pairs than before
 
 
@@ -56,7 +65,9 @@ class CensusCase:
         proved: Whether the checker confirms its certificate.
         room: Whether the disc is clear at the start and at some pose of the target; only False if
             that is proved.
-        grid: What planners on the grid say.
+        four: Whether a point that moves between cells which share a side gets there.
+        eight: Whether one gets there that also moves between cells which share a corner, past
+            whatever is next to it.
         seconds: That prover and checker took.
     """
 
@@ -71,13 +82,14 @@ class CensusCase:
     result: str
     proved: bool
     room: bool
-    grid: GridAnswers
+    four: bool
+    eight: bool
     seconds: float = field(compare=False)
 
     @property
     def grid_only(self) -> bool:
         """Whether a point on the grid finds a way where it is proved that the disc has none."""
-        return self.proved and self.result == BLOCKED and self.grid.eight
+        return self.proved and self.result == BLOCKED and self.eight
 
 
 @dataclass
@@ -105,7 +117,7 @@ def take_census(
     maps: Iterable[CensusMap | Refused],
     options: CensusOptions | None = None,
     *,
-    keep: Callable[[str, World], object] | None = None,
+    each: Callable[[CensusCase, World], object] | None = None,
     progress: Callable[[], None] | None = None,
 ) -> Census:
     """Judges maps one after the other.
@@ -115,17 +127,15 @@ def take_census(
     Args:
         maps: What there is to judge.
         options: What to ask.
-        keep: Handed a name and each world where a point finds a way and the disc has none, with its
-            cut.
+        each: Called with every answer and its world, which carries the certificate.
         progress: Called after each map.
     """
     census = Census(options or CensusOptions())
     names = Counter[str]()
-    files = Counter[str]()
     try:
         for item in maps:
             if isinstance(item, CensusMap):
-                _judge(census, replace(item, name=_once(item.name, names)), keep, files)
+                _judge(census, replace(item, name=once(item.name, names)), each)
             else:
                 census.refused.append(item)
             if progress is not None:
@@ -137,25 +147,24 @@ def take_census(
     return census
 
 
-def _once(name: str, taken: Counter[str]) -> str:
-    """The name, with a number behind it if it is taken."""
-    told = name = name.encode(
-        errors="backslashreplace"
-    ).decode()  # a file's name may hold what UTF-8 cannot
-    while taken[told]:
+def once(name: str, taken: Counter[str]) -> str:
+    """Return the name, with a number after it if it is taken, and count it as taken."""
+    # A file's name may hold what UTF-8 cannot.
+    name = name.encode(errors="backslashreplace").decode()
+    free = name
+    while taken[free]:
         taken[name] += 1
-        told = f"{name}-{taken[name]}"
-    taken[told] += 1
-    return told
+        free = f"{name}-{taken[name]}"
+    taken[free] += 1
+    return free
 
 
 def _judge(
     census: Census,
     item: CensusMap,
-    keep: Callable[[str, World], object] | None,
-    files: Counter[str],
+    each: Callable[[CensusCase, World], object] | None,
 ) -> None:
-    """Every question about one map; all of them or, if the map has a fault, none."""
+    """Answer every question about one map; all of them or, if the map has a fault, none."""
     options = census.options
     try:
         ends = item.ends or _drawn(item, options)
@@ -163,25 +172,29 @@ def _judge(
     except (InvalidWorld, WorldgenError) as error:
         census.refused.append(Refused(item.name, str(error)))
         return
-    planners = GridPlanners(item.walls, item.cell_size)
+    # Regions in which a point on the grid moves freely, with four moves and with eight.
+    four, _ = ndimage.label(~item.walls)
+    eight, _ = ndimage.label(~item.walls, structure=np.ones((3, 3)))
+
     found = []
-    kept = []
     for number, (pair, world) in enumerate(zip(ends, worlds, strict=True)):
+        joined = (_joined(four, item, pair), _joined(eight, item, pair))
         for radius in options.radii:
-            question, judged = _answer(item, number, pair, world, radius, planners)
+            question, judged = _answer(item, number, pair, world, radius, joined)
             found.append(question)
-            if question.grid_only and keep is not None:
-                kept.append(
-                    (
-                        _once(_file_name(question), files),
-                        _with_source(judged, item, question, options.seed),
-                    )
-                )
-    for name, judged in kept:
-        if keep is not None:
-            keep(name, judged)
+            if each is not None:
+                each(question, _with_source(judged, item, question, options.seed))
     census.questions += found
     census.maps += 1
+
+
+def _joined(regions: npt.NDArray[np.int32], item: CensusMap, pair: Ends) -> bool:
+    """Return True if start and target are in one region; region 0 is the walls."""
+    start, target = (
+        regions[cell_at(item.walls, item.cell_size, place.x, place.y)]
+        for place in (pair.start, pair.target)
+    )
+    return bool(start != 0 and start == target)
 
 
 def _drawn(item: CensusMap, options: CensusOptions) -> tuple[Ends, ...]:
@@ -193,7 +206,12 @@ def _drawn(item: CensusMap, options: CensusOptions) -> tuple[Ends, ...]:
 
 
 def _answer(
-    item: CensusMap, number: int, pair: Ends, world: World, radius: Radius, planners: GridPlanners
+    item: CensusMap,
+    number: int,
+    pair: Ends,
+    world: World,
+    radius: Radius,
+    joined: tuple[bool, bool],
 ) -> tuple[CensusCase, World]:
     """A question with its answers, and the world with its certificate."""
     metres = radius.metres(item.cell_size)
@@ -206,21 +224,11 @@ def _answer(
     cut = decision.certificate
     # One cell is a cut only where it is too near to the start, or no pose of the target is clear.
     room = not (isinstance(cut, Cut) and len(cut.cells) == 1)
-    grid = planners.answers(pair, radius.in_cells(item.cell_size))
     question = CensusCase(
         item.name, number, pair.named, radius, metres, world.width, world.height, item.cell_size,
-        decision.result, proved, room, grid, seconds,
+        decision.result, proved, room, *joined, seconds,
     )  # fmt: skip
     return question, world
-
-
-def _file_name(question: CensusCase) -> str:
-    """Without ending; what parts start and target on the way comes apart from what gives them no room."""
-    plain = "".join(
-        letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map
-    )
-    kind = "parted" if question.room else "no-room"
-    return f"{kind}-{plain[:_LONGEST]}-{question.pair}-r{question.radius:g}"
 
 
 def _with_source(world: World, item: CensusMap, question: CensusCase, seed: int) -> World:
