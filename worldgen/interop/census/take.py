@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -173,8 +174,8 @@ def _judge(
         census.refused.append(Refused(item.name, str(error)))
         return
     # Regions in which a point on the grid moves freely, with four moves and with eight.
-    four, _ = ndimage.label(~item.walls)
-    eight, _ = ndimage.label(~item.walls, structure=np.ones((3, 3)))
+    four: Any = ndimage.label(~item.walls)[0]
+    eight: Any = ndimage.label(~item.walls, structure=np.ones((3, 3)))[0]
 
     found = []
     for number, (pair, world) in enumerate(zip(ends, worlds, strict=True)):
@@ -188,7 +189,7 @@ def _judge(
     census.maps += 1
 
 
-def _joined(regions: npt.NDArray[np.int32], item: CensusMap, pair: Ends) -> bool:
+def _joined(regions: npt.NDArray[Any], item: CensusMap, pair: Ends) -> bool:
     """Return True if start and target are in one region; region 0 is the walls."""
     start, target = (
         regions[cell_at(item.walls, item.cell_size, place.x, place.y)]
