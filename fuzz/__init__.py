@@ -1,14 +1,15 @@
-"""The fuzzer: searches for worlds in which a controller fails, proves it, shrinks it, keeps it.
+"""The fuzzer: find worlds in which a controller fails, prove each failure, shrink it and keep it.
 
-Contents, each imported when it is first used:
+Contents (each name is imported on first use):
     worlds, feature_worlds, family_worlds: Hypothesis strategies for worlds with a witness.
-    scenarios: a strategy for worlds together with what runs in them.
-    Campaign, CampaignConfig: a budgeted search.
-    Failure: a world and what went wrong in it, as a file holds it.
-    failure_of, replay, Replay: failures and their confirmation.
-    Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
+    scenarios: A strategy for worlds together with the run in each of them.
+    Campaign, CampaignConfig: A search with a budget.
+    Failure: A world and what went wrong in it, as stored in a file.
+    failure_of, replay, Replay: Read failures and confirm that they still occur.
+    Shrunk: The result of ``fuzz.shrink.shrink``: the smallest world that still fails.
 
-PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
+PYTEST_DONT_REWRITE: lets a program that has imported this package call pytest.main() without a
+warning about assertion rewriting.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from worldgen.support.lazy import lazy_names
 try:
     from sim.containment import contain
 except ModuleNotFoundError:
-    check_hidden()  # the user's own sim came instead; say so
+    check_hidden()  # raises a clearer error if the user's own package `sim` was imported instead
     raise
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
     from fuzz.triage.judging import Replay, failure_of, replay
 
-contain()  # whatever a campaign, a replay or a shrinking runs may crash
+# A campaign, a replay or a shrink runs other people's controllers, and any of them may crash.
+contain()
 
 __getattr__, __dir__ = lazy_names(
     __name__,

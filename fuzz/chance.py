@@ -1,7 +1,4 @@
-"""What chance has to do with a failure.
-
-The exact answer where there is one, else how many seeds fail.
-"""
+"""How much chance matters in a failure: the exact answer, or else how many seeds fail."""
 
 from __future__ import annotations
 
@@ -31,26 +28,27 @@ __all__ = [
 ]
 
 MOST_STATES = 100_000
-"""States that are looked at before only seeds are counted; a few seconds."""
+"""Most states to explore before falling back to counting seeds; this many take a few seconds."""
 
+# Campaigns find many failures, so they explore less for each.
 _MOST_IN_CAMPAIGNS = 20_000
-# ordinary runs that are held against the states
+
+# Ordinary runs that are checked against the explored states, and the steps of each.
 _RUNS = 4
 _STEPS = 2_000
 
 
 @dataclass(frozen=True)
 class Chance:
-    """What is known about a run with chance.
+    """The outcome of a randomised run, as far as it is known.
 
     Args:
-        chance: ``sure``: with probability one the robot arrives. ``trap``: it never does, whatever
-            is drawn. ``part``: some draws are its end. ``undecided``.
-        reason: Why it is undecided; else empty.
-        states: That were looked at, 0 if undecided.
-        draws: For ``part``, values from 0 that, drawn one after the other, lose all in the fewest
-            steps.
-        lost_after: For ``part``, those steps.
+        chance: ``sure``: the robot arrives with probability one. ``trap``: it never arrives,
+            whatever it draws. ``part``: some draws make it impossible to arrive. ``undecided``.
+        reason: Why the outcome is undecided; empty otherwise.
+        states: Number of states explored, 0 if undecided.
+        draws: For ``part``, the shortest sequence of draws after which the target is out of reach.
+        lost_after: For ``part``, the number of steps that this takes.
     """
 
     chance: str
@@ -60,7 +58,7 @@ class Chance:
     lost_after: int = 0
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON; without what does not belong to the answer."""
+        """Return the result for JSON, without the fields that do not apply to it."""
         own: dict[str, Any] = {"chance": self.chance}
         if self.chance == "undecided":
             return own | {"reason": self.reason}
@@ -75,18 +73,18 @@ class Chance:
 def chance_of(
     world: World, controller: str, options: RunOptions, *, most: int = MOST_STATES
 ) -> Chance:
-    """The exact answer for a run with chance, or why there is none.
+    """Return the exact outcome of a randomised run, or the reason why it cannot be computed.
 
-    The states are explored by :mod:`sim.chance`; the answer is checked apart from that.
+    :mod:`sim.chance` explores the states; independent code then checks its answer.
 
     Args:
-        world: Where.
-        controller: Its name.
-        options: How; the seed and the budget have no part in the answer.
-        most: States to look at.
+        world: The world of the run.
+        controller: Name of the controller.
+        options: Options of the run; the seed and the budget do not affect the answer.
+        most: Most states to explore.
 
     Raises:
-        WorldgenError: If controller, options and world do not go together.
+        WorldgenError: If the controller does not fit the options or the world.
     """
     reason = why_not_explored(CONTROLLERS.get(controller), world, options)
     if reason:
@@ -97,6 +95,9 @@ def chance_of(
             "undecided",
             f"there are more than {most} states; take a coarser +lattice=N or a smaller +coin=N",
         )
+
+    # Distrust the exploration: check that the answer follows from its states, and that ordinary
+    # runs stay within them.
     chance = outcomes.chance
     runs = [
         simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True)
@@ -107,16 +108,16 @@ def chance_of(
     if wrong:
         return Chance(
             "undecided",
-            f"a fault of ours, please report it: the check of {chance!r} says that {wrong}",
+            f"internal error, please report it: the check of {chance!r} failed because {wrong}",
         )
     draws, steps = outcomes.way_to_loss() if chance == "part" else ((), 0)
     return Chance(chance, states=len(outcomes.states), draws=draws, lost_after=steps)
 
 
 def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
-    """What a failure's record says about chance.
+    """Return what a failure's record says about chance.
 
-    ``chance`` and ``states``, or :func:`seeds_that_fail`.
+    That is ``chance`` and ``states`` if the exact answer is known, else :func:`seeds_that_fail`.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if (
@@ -133,25 +134,25 @@ def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
 
 
 _WORDS = {
-    "sure": "sure: with probability one the robot arrives",
+    "sure": "sure: the robot arrives with probability one",
     "trap": "trap: the robot never arrives, whatever it draws",
-    "part": "part: the robot may arrive, and may be lost for ever",
+    "part": "part: the robot may arrive, or may become lost forever",
 }
 
 
 def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
-    """The answer in one sentence.
+    """Describe the outcome in one sentence.
 
     Args:
-        found: The answer.
-        seeds: Of :func:`share_that_fails`, where it is undecided.
+        found: The outcome.
+        seeds: The result of :func:`share_that_fails`, used if the outcome is undecided.
     """
     if found.chance == "undecided":
         failing = seeds.get("failing_seeds")
         if not isinstance(failing, list):
             return f"undecided: {found.reason}"
         share = (
-            f", so that the share of all is {seeds['failing_share_at_least']} at least, with "
+            f", so at least a share of {seeds['failing_share_at_least']} of all seeds fails, with "
             f"95 % confidence"
         )
         return (
@@ -161,18 +162,18 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
     lost = ""
     if found.chance == "part":
         drawn = f" with the draws {' '.join(map(str, found.draws))}" if found.draws else ""
-        lost = f", the soonest after {found.lost_after} steps{drawn}"
-    return f"{_WORDS[found.chance]}{lost} ({found.states} states looked at)"
+        lost = f", at the earliest after {found.lost_after} steps{drawn}"
+    return f"{_WORDS[found.chance]}{lost} ({found.states} states explored)"
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
-    """For a run with randomness: how many of ``count`` seeds do not arrive, and what that shows.
+    """Return how many of ``count`` seeds fail, for a run with randomness.
 
-    The controller may draw random numbers, or the simulator, for slip or a noisy sensor.
+    Either the controller draws random numbers, or the simulator does, for slip or sensor noise.
 
     Returns:
-        Of :func:`share_that_fails`; empty for a run without randomness, and for what is not
-        compiled.
+        The result of :func:`share_that_fails`; empty for a run without randomness or a controller
+        that is not compiled, which would be too slow.
     """
     controller = CONTROLLERS.get(scenario.controller)
     if not (
@@ -183,18 +184,16 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
 
 
 def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, Value]:
-    """How many of ``count`` seeds do not arrive, and what that shows.
+    """Return how many of ``count`` seeds fail to arrive, and what share of all seeds that implies.
 
-    Where the target is walled off, it is the seeds with which the robot does arrive, regardless of
-    walls.
+    If the target is walled off, arriving is the failure: seeds that get there through walls count.
 
     Returns:
-        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided
+        ``failing_seeds`` as [k, n], and ``failing_share_at_least``, the lower end of the two-sided
         95 % interval.
 
     Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated
-        in the
-    case of the binomial", Biometrika 1934.
+        in the case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
     options = scenario.options(world)

@@ -1,4 +1,4 @@
-"""Failures in words: what happened, the picture, the line that replays it."""
+"""Describe failures in text: what happened, the picture, and the command that replays it."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from worldgen.support.plain_text import counted, shown_lines
 _CHANCES = {
     "sure": ", arrives with probability one but not in time",
     "trap": ", never arrives whatever it draws",
-    "part": ", some draws are lost for ever",
+    "part": ", some draws make it lost forever",
 }
 
 __all__ = ["describe", "describe_seeds", "run_to_draw"]
 
 
 def describe_seeds(failure: Failure) -> str:
-    """For how many seeds a failure occurs: ``39 of 40 seeds fail``.
+    """Return for how many seeds a failure occurs, such as ``39 of 40 seeds fail``.
 
-    Empty where its record does not say it.
+    Empty if its record has no such count.
     """
     seeds = failure.record.details.get("failing_seeds")
     if not isinstance(seeds, list) or len(seeds) != 2:
@@ -38,7 +38,7 @@ def describe_seeds(failure: Failure) -> str:
 
 
 def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -> str:
-    """A failure for the terminal: what happened, the picture, the line that replays it."""
+    """Return a failure for the terminal: what happened, the picture, the command to replay it."""
     world = failure.world
     record = failure.record
     kind = failure.bucket
@@ -47,10 +47,13 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
         episode, words = run_to_draw(failure)
         trail = trail_of(episode, world)
         evidence = episode.evidence
-    except OutOfTime:  # the controller is slow, and its run no longer needed
+    except OutOfTime:
+        # The controller is slow. The picture is worth less than the wait, so it has no trail.
         words = ""
         trail = None
         evidence = failure.evidence
+
+    # Everything known about how often, from where and how reliably the failure occurs.
     often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
     seeds = describe_seeds(failure)
     chance = f", {seeds}" if seeds else ""
@@ -70,12 +73,13 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
 
 
 def run_to_draw(failure: Failure) -> tuple[Episode, str]:
-    """A failure's run, and what happened in words that start with a blank.
+    """Return the run to draw for a failure, and a description of what happened.
 
-    A breach is drawn up to the target.
+    The description begins with a space, to follow the verdict. The run of a breach continues
+    through the wall to the target.
 
     Raises:
-        InvalidParameter: If its controller cannot be found here.
+        InvalidParameter: If the failure's controller cannot be found.
     """
     episode = failure.run()
     words = describe_evidence(episode)

@@ -1,4 +1,4 @@
-"""Failures: a world, and the record of a run in it that went wrong."""
+"""Failures: a world, and the record of the run that went wrong in it."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from worldgen.world import Cut, FailureRecord, Value, World
 __all__ = ["ID_DIGITS", "Failure", "regardless_of_walls"]
 
 ID_DIGITS = 16
-"""Hex digits of a failure's id."""
+"""Number of hex digits in a failure's id."""
 
 
 @dataclass(frozen=True)
 class Failure:
     """A world, and what went wrong in it.
 
-    Its robot does not arrive, though the target can be reached; or an oracle objects to its run. A
-    *breach* is the other way around: the target is walled off, as a cut proves, the robot goes
-        through a wall (verdict ``tunnel``) and,
-    where walls end nothing, it arrives.
+    Usually the robot does not arrive although the target can be reached, or an oracle finds a
+    violation in its run. A *breach* is the opposite: a cut proves that the target is walled off,
+    but the robot goes through a wall (verdict ``tunnel``) and would arrive if walls did not end
+    the run.
 
     Args:
-        world: Where, with its certificate; the record is not in it.
-        record: What happened, as the file holds it.
+        world: The world, with its certificate and without the record.
+        record: What happened, as stored in the file.
     """
 
     world: World
@@ -44,24 +44,24 @@ class Failure:
 
     @classmethod
     def of(cls, world: World) -> Failure:
-        """Return the failure that a world's file holds.
+        """Return the failure stored in a world's file.
 
         Raises:
-            InvalidParameter: If it holds none.
+            InvalidParameter: If the world holds no failure.
         """
         found = cls.found_in(world)
         if found is None:
             raise InvalidParameter(
                 "no-failure",
                 "this world holds no failure",
-                "worldgen run simulates it",
+                "run it with worldgen run",
                 at_terminal=True,
             )
         return found
 
     @classmethod
     def found_in(cls, world: World) -> Failure | None:
-        """Return the failure that a world's file holds, if it holds one."""
+        """Return the failure stored in a world's file, or ``None`` if there isn't one."""
         return None if world.failure is None else cls(replace(world, failure=None), world.failure)
 
     @classmethod
@@ -78,13 +78,13 @@ class Failure:
         """Write the failure's file.
 
         Raises:
-            OutputError: If it cannot be written, or is there already and ``force`` is not set.
+            OutputError: If it cannot be written, or if it exists and ``force`` is not set.
         """
         write_world(self.stored, path, force=force)
 
     @property
     def stored(self) -> World:
-        """The world as its file holds it, with the record."""
+        """The world with the record, as stored in its file."""
         return replace(self.world, failure=self.record)
 
     def dumps(self) -> bytes:
@@ -95,37 +95,37 @@ class Failure:
     def id(self) -> str:
         """The first hex digits of the SHA-256 of its file.
 
-        The world's id would not do: one world may hold several failures, of other seeds for
-        example.
+        The world's id is not enough: one world may have several failures, for example with
+        different seeds.
         """
         return hashlib.sha256(self.dumps()).hexdigest()[:ID_DIGITS]
 
     @property
     def bucket(self) -> str:
-        """The name of failures of its form; the verdict if the record does not say."""
+        """The name shared by failures that look alike; the verdict if the record names none."""
         return str(self.record.details.get("class", self.record.verdict))
 
     @cached_property
     def size(self) -> tuple[int, ...]:
-        """How large it is, by :data:`fuzz.simplicity.ORDER`.
+        """How complex the failure is, by :data:`fuzz.simplicity.ORDER`; smaller is simpler.
 
-        Campaigns, corpora and shrinking keep the smallest.
+        Campaigns, corpora and shrinking keep the simplest failure of each bucket.
 
         Raises:
-            InvalidParameter: If the record names options that are unknown here.
+            InvalidParameter: If the record has options that this version does not know.
         """
         return simplicity(Case(self.world, self.scenario))
 
     @property
     def verdict(self) -> str:
-        """As the record has it: one of :class:`sim.verdict.Verdict`, unless a stranger wrote it."""
+        """The recorded verdict: one of :class:`sim.verdict.Verdict`, unless the file is foreign."""
         return self.record.verdict
 
     @property
     def evidence(self) -> Evidence | None:
-        """What the verdict rests on.
+        """The evidence for the verdict.
 
-        ``None`` if the record does not hold what such a verdict needs.
+        ``None`` if the record lacks the fields that this verdict requires.
         """
         if self.verdict not in set(Verdict):
             return None
@@ -133,16 +133,16 @@ class Failure:
 
     @property
     def oracle(self) -> str | None:
-        """The oracle that objects to the run, as ``--oracle`` takes it.
+        """The oracle that found the violation, as ``--oracle`` takes it.
 
-        ``None`` of a failure by its verdict.
+        ``None`` if the verdict itself is the failure.
         """
         named = self.record.evidence.get("oracle")
         return None if named is None else str(named)
 
     @property
     def violation(self) -> Violation:
-        """What is wrong with the run, as the record has it."""
+        """The violation, as recorded."""
         facts = self.record.evidence.get("objection")
         return Violation(
             self.bucket, self.evidence, self.oracle, facts if isinstance(facts, dict) else {}
@@ -150,53 +150,53 @@ class Failure:
 
     @property
     def is_breach(self) -> bool:
-        """Whether the target is walled off, so that it is a failure to get there."""
+        """True if the target is walled off, so that arriving there is the failure."""
         return isinstance(self.world.certificate, Cut)
 
     @property
     def is_shrunk(self) -> bool:
-        """Whether it was shrunk, and not only found."""
+        """True if the failure has been shrunk."""
         return "shrunk_from" in self.record.details
 
     @property
     def original(self) -> str | None:
-        """The id of the failure from which it was shrunk, if the record names one."""
+        """The id of the failure that this one was shrunk from, if recorded."""
         name = self.record.details.get("original")
         return name if isinstance(name, str) and name.isalnum() else None
 
     @cached_property
     def options(self) -> RunOptions:
-        """How the controller ran.
+        """The options of the run.
 
         Raises:
-            InvalidParameter: If the record names options that are unknown here.
+            InvalidParameter: If the record has options that this version does not know.
         """
         return RunOptions.of(self.record.motion, self.record.seed, self.record.parameters)
 
     @property
     def scenario(self) -> Scenario:
-        """What ran, without its budget."""
+        """The controller and its options, without a budget."""
         return Scenario.of(self.record.controller, self.options)
 
     @property
     def label(self) -> str:
         """The controller with its options, as commands take it.
 
-        Without motion model, time step and seed.
+        The motion model, the time step and the seed are not part of it.
         """
         return self.scenario.label(self.record.motion, self.options.time_step)
 
     @property
     def who(self) -> str:
-        """``turn-left under swept``, with the options that vary the run."""
+        """Controller and motion model in words: ``turn-left under swept``."""
         return f"{self.label} under {self.record.motion}"
 
     def replay_command(self, path: Path, controller: str | None = None) -> str:
-        """Return the command that shows the failure again.
+        """Return the command that replays the failure.
 
         Args:
             path: The failure's file.
-            controller: Instead of the one that the file names.
+            controller: A controller to use instead of the recorded one.
         """
         instead = "" if controller is None else f" --controller {shlex.quote(controller)}"
         return f"worldgen replay {shlex.quote(str(path))}{instead}"
@@ -205,17 +205,17 @@ class Failure:
         """Run the failure's controller in its world, recorded.
 
         Args:
-            through_walls: Whether walls that the robot enters neither end the run nor decide its
-                verdict.
+            through_walls: Ignore walls that the robot enters: they neither end the run nor decide
+                its verdict.
 
         Raises:
-            WorldgenError: If the controller or an option is unknown here.
+            WorldgenError: If the controller or one of its options is unknown.
         """
         options = regardless_of_walls(self.options) if through_walls else self.options
         return simulate(self.world, self.record.controller, options, record=True)
 
     def driven_by(self, controller: str | None) -> Failure:
-        """Return the failure with another name for its controller; itself for ``None``."""
+        """Return the failure with another controller name; unchanged for ``None``."""
         return (
             self
             if controller is None
@@ -223,12 +223,12 @@ class Failure:
         )
 
     def noting(self, **details: Value) -> Failure:
-        """Return the failure with more details in its record."""
+        """Return the failure with these details added to its record."""
         return replace(
             self, record=replace(self.record, details={**self.record.details, **details})
         )
 
 
 def regardless_of_walls(options: RunOptions) -> RunOptions:
-    """Return the same run, where walls that the robot enters neither end it nor decide its verdict."""
+    """Return options with which walls neither end the run nor decide its verdict."""
     return replace(options, thesis=replace(options.thesis, keep_going=True))

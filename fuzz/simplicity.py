@@ -1,7 +1,4 @@
-"""What "simpler" means.
-
-The order in which one failure is simpler than another, and what its numbers cost.
-"""
+"""Define "simpler": the order in which failures are compared, and the cost of their numbers."""
 
 from __future__ import annotations
 
@@ -17,25 +14,25 @@ from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 
 __all__ = ["ORDER", "Case", "Measure", "number_cost", "rounder", "simplicity", "turned"]
 
-_LEADING = {1: 1, 2: 2, 5: 3}  # cost of a number's first digit; 4 for the others
+_LEADING = {1: 1, 2: 2, 5: 3}  # cost of a number's only digit; other digits cost 4
 _EIGHTH = math.pi / 4
-_EQUAL = 1e-9  # of headings: a multiple of an eighth turn is no exact float
+_EQUAL = 1e-9  # tolerance for headings: multiples of pi/4 are not exact floats
 
 
 class Case(NamedTuple):
-    """What gets simpler: a world, and what runs in it."""
+    """The subject of shrinking: a world and the run in it."""
 
     world: World
     scenario: Scenario
 
 
 class Measure(NamedTuple):
-    """One thing of which less is simpler.
+    """A quantity that is lower for simpler failures.
 
     Args:
-        name: What is counted.
-        says: One line about it.
-        of: Counts it.
+        name: Short name.
+        says: One line that describes it.
+        of: Function that computes it.
     """
 
     name: str
@@ -44,9 +41,9 @@ class Measure(NamedTuple):
 
 
 def number_cost(value: float, usual: float = 0.0) -> int:
-    """How far a number is from simple: 0 for the usual one; 1, 2, 5 before other digits.
+    """Return how complicated a number is: 0 for the usual value, 1 to 4 for one digit.
 
-    Each more digit costs 10.
+    Among single digits, 1, 2 and 5 are the simplest. Each further digit costs 10.
     """
     if value == usual:
         return 0
@@ -55,25 +52,28 @@ def number_cost(value: float, usual: float = 0.0) -> int:
 
 
 def rounder(value: float, usual: float = 0.0, *, up: bool = True) -> Iterator[float]:
-    """Simpler numbers than a positive one, simplest first.
+    """Yield numbers that are simpler than the given one, simplest first.
 
     Args:
-        value: Above 0.
-        usual: The simplest of all.
-        up: Whether it may grow.
+        value: A positive number.
+        usual: The simplest number of all.
+        up: Allow numbers above ``value``.
     """
+    # Candidates: round numbers of the same magnitude, and the value rounded to a few digits.
     power = Decimal(1).scaleb(Decimal(repr(float(value))).adjusted())
     steps = (Decimal("0.5"), *map(Decimal, (1, 2, 5, 10)))
     near = [float(step * power) for step in steps]
     near += [float(f"{value:.{digits}g}") for digits in (1, 2, 3)]
     near += [math.floor(value / float(power)) * float(power)]
+
+    # Keep only those that really are simpler. Of equally simple ones, the nearest comes first.
     better = {number for number in near if number_cost(number, usual) < number_cost(value, usual)}
     kept = sorted(better, key=lambda number: (number_cost(number, usual), abs(number - value)))
     yield from (number for number in [usual, *kept] if number != value and (up or number <= value))
 
 
 def turned(heading: float) -> int:
-    """0 for a multiple of a quarter turn, 1 for one of an eighth, 2 for one of a sixteenth, else 3."""
+    """Return 0 for a multiple of a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3."""
     for cost, part in enumerate((2 * _EIGHTH, _EIGHTH, _EIGHTH / 2)):
         if abs(heading / part - round(heading / part)) < _EQUAL:
             return cost
@@ -123,25 +123,25 @@ ORDER: tuple[Measure, ...] = (
     Measure("distance", "cells from start to target, along both axes", _distance),
     Measure(
         "numbers",
-        "what radius, speed, target, time step and options cost: 0 for the usual number, 1 to 4 "
-        "for one digit (1 before 2, 2 before 5, 5 before others), 10 for each digit more",
+        "cost of radius, speed, target, time step and options: 0 for the usual number, 1 to 4 "
+        "for one digit (1 before 2, 2 before 5, 5 before others), 10 for each further digit",
         _numbers,
     ),
     Measure(
         "times",
-        "what the events' times cost, likewise; 0 is the usual one",
+        "cost of the events' times, computed in the same way; 0 s is the usual time",
         lambda case: sum(map(number_cost, case.world.timeline.times.tolist())),
     ),
 )
-"""By what two failures are compared, the weightiest first.
+"""The measures by which two failures are compared, most significant first.
 
-An edit is taken only if it makes this tuple less.
+Shrinking takes an edit only if it lowers the tuple of these measures.
 """
 
 
 def simplicity(case: Case) -> tuple[int, ...]:
-    """The measures in order; the less, the simpler.
+    """Return all measures in order; a smaller tuple is a simpler failure.
 
-    Whole numbers from 0 on, so shrinking comes to an end.
+    All of them are integers of at least 0, so shrinking always ends.
     """
     return tuple(measure.of(case) for measure in ORDER)

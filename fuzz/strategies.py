@@ -1,8 +1,8 @@
 """Hypothesis strategies for worlds, per family and combined, and for scenarios.
 
-A world and what runs in it. They draw structure, never raw cells: a family's parameters and seed,
-    or the bytes of a feature layout
-(:mod:`fuzz.search.features`). Everything shrinks towards small, empty, straight.
+A scenario is a world and the run in it. The strategies draw structure, never raw cells: a family's
+parameters and seed, or the bytes of a feature layout (:mod:`fuzz.search.features`). Everything
+shrinks towards small worlds with few, straight walls.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ __all__ = ["family_worlds", "feature_worlds", "layouts", "scenarios", "scenarios
 
 
 def layouts() -> st.SearchStrategy[bytes]:
-    """Byte strings that :func:`fuzz.search.features.decode_world` turns into worlds.
+    """Draw the byte strings that :func:`fuzz.search.features.decode_world` turns into worlds.
 
-    One choice, so it is fast.
+    Each is a single Hypothesis choice, which keeps drawing fast.
     """
     return st.binary(min_size=LAYOUT_BYTES, max_size=LAYOUT_BYTES)
 
 
 @st.composite
 def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
-    """Arenas with a few walls, cups, corners, gates, diagonals and combs.
+    """Draw arenas with a few walls, cups, corners, gates, diagonals and combs.
 
-    Reachable, with witness.
+    The target is reachable, and the world carries a witness of that.
     """
     world = decode_world(draw(layouts()), robot_radius=robot_radius)
     decision = decide(world)
@@ -50,11 +50,12 @@ def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
 
 @st.composite
 def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
-    """Worlds of one family over its shapes and sizes; parameters given by name stay fixed.
+    """Draw worlds of one family with varied parameters; parameters given by name stay fixed.
 
     Raises:
         InvalidParameter: If the family or a parameter is unknown.
     """
+    # Parameters that are neither fixed nor in the table below keep the family's defaults.
     made_by = FAMILIES.get(family)
     for name in sorted(fixed):
         find_parameter(name, made_by.parameters, family)
@@ -68,20 +69,19 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
             return generate(made_by, seed, **{**drawn, **fixed})
         except GenerationFailed:
             reject()
-        except InvalidParameter:  # they do not go together: the last drawn goes back to its default
+        except InvalidParameter:
+            # The drawn parameters contradict each other: reset the last one to its default.
             if not drawn:
                 reject()
             drawn.popitem()
 
 
 def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World]:
-    """Reachable worlds with a witness.
-
-    Of one family, or of feature layouts and all registered families.
+    """Draw reachable worlds with a witness.
 
     Args:
-        family: Name of a family; ``None`` for all.
-        **fixed: Parameters of that family that are not to be drawn.
+        family: Name of a family; ``None`` draws feature layouts and all registered families.
+        **fixed: Parameters of that family that should not be drawn.
     """
     if family is not None:
         return family_worlds(family, **fixed)
@@ -101,12 +101,12 @@ def scenarios(
     family: str | None = None,
     vary: Mapping[str, Sequence[Value]] | None = None,
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
-    """Whole scenarios: a reachable world with its witness, and what runs in it, down to the seed.
+    """Draw complete scenarios: a reachable world with its witness, and the run in it with its seed.
 
     Args:
-        controller: Name, with variations if wanted: ``bug1``, ``thesis-1+noise``.
+        controller: Name, optionally with variations: ``bug1``, ``thesis-1+noise``.
         motion: Motion model.
-        family: Of the worlds; feature layouts and all registered families where left out.
+        family: Family of the worlds; feature layouts and all registered families if omitted.
         vary: Values of ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s) and of the
             motion model's options, the simplest first: ``{"sensor_noise": [0.0, 0.1]}``.
 
@@ -134,13 +134,15 @@ def scenarios_in(
     time_steps: Sequence[float],
     vary: Sequence[Variation],
 ) -> st.SearchStrategy[tuple[World, Scenario]]:
-    """Scenarios in given worlds, whose certificate is gone where the robot's size or speed is drawn.
+    """Draw scenarios in given worlds.
+
+    A world whose robot's size or speed is drawn loses its certificate, which no longer applies.
 
     Args:
         where: The worlds.
-        base: What runs, but for seed, time step and what is varied.
-        time_steps: s.
-        vary: What else is drawn.
+        base: The scenario, except for its seed, its time step and whatever is varied.
+        time_steps: Time steps to draw from, s.
+        vary: Further options to draw.
     """
 
     def scenario(
@@ -149,7 +151,7 @@ def scenarios_in(
         drawn = {one.name: value for one, value in zip(vary, values, strict=True)}
         try:
             return applied(drawn, world, replace(base, seed=seed, time_step=time_step))
-        except InvalidWorld:  # the drawn robot does not fit
+        except InvalidWorld:  # the drawn robot does not fit at the start
             reject()
 
     values = (st.sampled_from(one.values) for one in vary)
@@ -174,7 +176,7 @@ def _written(value: Value) -> str:
 
 
 def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None:
-    """What a parameter is drawn from, the simplest first; None where it keeps its default."""
+    """Return values to draw a parameter from, simplest first; ``None`` keeps its default."""
     if parameter.choices:
         return st.sampled_from(parameter.choices)
     if parameter.name == "size":
@@ -183,6 +185,7 @@ def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None
     return None if varied is None else st.sampled_from(varied)
 
 
+# The grounds on which worlds that change over time are built.
 _STILL = (
     "maze",
     "corridor",
@@ -191,9 +194,9 @@ _STILL = (
     "cave",
     "forest",
     "rubble",
-)  # grounds of worlds that change
+)
 
-# What is drawn beside size, seed and words, the simplest first.
+# Parameters drawn in addition to the size, the seed and enumerated ones; simplest values first.
 _VARIED: dict[str, dict[str, tuple[Value, ...]]] = {
     "corridor": {"width": (2, 3, 4, 5), "wall": (1, 2), "necks": (0, 1, 3)},
     "fire": {"over": _STILL, "spread": (0.15, 0.3, 0.6), "monotone": (False, True)},

@@ -1,4 +1,4 @@
-"""Violations: what an oracle finds wrong with a run, fresh or as a failure's file holds it."""
+"""Violations: what an oracle finds wrong with a run, new or read from a failure's file."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ __all__ = ["Violation"]
 
 @dataclass(frozen=True)
 class Violation:
-    """What is wrong with a run.
+    """A problem that an oracle found in a run.
 
     Args:
-        bucket: The name of violations of its form, fit for a file name.
-        evidence: What the run's verdict rests on; ``None`` if a file does not hold what such a
-            verdict needs.
+        bucket: Name shared by violations that look alike, usable as a file name.
+        evidence: Evidence for the run's verdict; ``None`` if a file lacks fields that the verdict
+            requires.
         oracle: The oracle, as ``--oracle`` takes it; ``None`` if the verdict itself is the
             violation.
-        facts: What the oracle found; empty if the verdict itself is the violation.
+        facts: Facts that the oracle found; empty if the verdict itself is the violation.
     """
 
     bucket: str
@@ -31,12 +31,12 @@ class Violation:
 
     @property
     def is_repeatable(self) -> bool:
-        """Whether the run and the facts are the same to the byte when the scenario runs again."""
+        """True if running the scenario again gives the same run and facts, byte for byte."""
         return self.facts.get("repeatable") is not False
 
     @property
     def table(self) -> dict[str, Value]:
-        """The evidence as a failure's file holds it."""
+        """The evidence, as stored in a failure's file."""
         table = {} if self.evidence is None else evidence_table(self.evidence)
         if self.oracle is not None:
             table |= {"oracle": self.oracle, "objection": dict(self.facts)}
@@ -44,7 +44,7 @@ class Violation:
 
     @property
     def in_words(self) -> str:
-        """What the oracle found, to follow a run's verdict.
+        """The oracle's facts, as a clause to follow the run's verdict.
 
         Empty if the verdict itself is the violation.
         """

@@ -1,14 +1,14 @@
-"""Evidence checks: each confirms one verdict from a recorded trace, sharing no code with the simulator.
+"""Evidence checks: each confirms one verdict from a recorded trace.
 
-The simulator claims; a check looks at the positions that were recorded, with shapely and plain
-Python, and returns what is wrong with the claim, or nothing. A failure is stored only when its
-check finds nothing.
+They share no code with the simulator. A check looks at the recorded positions, with shapely and
+plain Python, and returns what is wrong with the simulator's claim, or an empty string. A failure
+is stored only if its check finds nothing wrong.
 
 Contents:
-    check_evidence: what is wrong with an episode's verdict, whatever it is.
-    check_breach: what is wrong with the claim that a walled-off target is reached.
-    EVIDENCE_CHECKS: the checks by verdict.
-    burned, loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
+    check_evidence: Finds errors in an episode's verdict, whichever it is.
+    check_breach: Finds errors in the claim that a walled-off target is reached.
+    EVIDENCE_CHECKS: The checks by verdict.
+    burned, loop, overlap, reached, stalled, timeout, tunnel: Modules, one for each verdict.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ def check_evidence(
 ) -> str:
     """Return why a verdict does not hold for a trace.
 
-    Empty if it does, or if there is no check for that verdict.
+    Empty if it does hold, or if there is no check for that verdict.
 
     Args:
         verdict: The claim.
-        world: Where the run was.
-        trace: The recording; for ``loop`` it goes on for a second period.
+        world: World of the run.
+        trace: The recording; for ``loop`` it includes a second period.
         evidence: The claim's evidence.
-        motion: The motion model, whose stated overlap tolerance counts.
+        motion: The motion model, which states how much overlap is tolerated.
     """
     check = EVIDENCE_CHECKS.get(verdict)
     return check(world, trace, evidence, motion) if check else ""

@@ -1,9 +1,9 @@
-"""The cause of an overlap with a wall, read off a recorded path: the thesis's motion has three.
+"""Find the cause of an overlap with a wall from a recorded path; the thesis's motion has three.
 
-In each step of the thesis's motion the disc goes ahead pixel by pixel along its heading, a tenth of
-a cell each. The first pixel's step that a wall stops becomes a *slide* (ahead on one axis, a
-pixel's part back on the other), or a *back-off* (a pixel back on both). Where only the corner of a
-cell is touched the disc goes on: a *corner*.
+In each step of the thesis's motion the disc moves along its heading pixel by pixel, each a tenth
+of a cell. The first pixel move that a wall stops becomes a *slide* (forward on one axis, part of a
+pixel back on the other) or a *back-off* (one pixel back on both). If the disc touches only the
+corner of a cell, it continues: a *corner*.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from worldgen.world import World
 
 __all__ = ["LEAST_OVERLAP", "check_cause"]
 
-LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less is rounding
+LEAST_OVERLAP = 1e-7  # cells, a millionth of a pixel: less than this is rounding
 _SLACK = 1e-10  # cells by which recorded metres may differ from the simulator's pixels
-_PIXELS = 10  # to a cell
-_SAME = 1e-6  # px by which a displacement may differ from the one that its cause makes
+_PIXELS = 10  # pixels per cell
+_SAME = 1e-6  # px by which a displacement may differ from what its cause predicts
 
 Floats = npt.NDArray[np.float64]
 
 
 def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
-    """Check that the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
+    """Check that the overlap lasts from step ``since`` to ``step`` and begins with move ``cause``.
 
-    The states before are clear of walls, and the displacement of step ``since`` is what the cause
-    makes. A move that a wall bent or stopped where the disc had already gone past a corner, and
-    into it, is a ``corner``.
+    Before step ``since`` the disc must be clear of walls, and the displacement of that step must
+    be what the cause predicts. If the disc had already entered a corner when a wall bent or
+    stopped its move, the cause is ``corner``.
 
     Args:
-        world: Where the run was.
-        trace: A recording up to ``step`` at least.
+        world: World of the run.
+        trace: A recording up to at least ``step``.
         evidence: ``step``, ``cause``, ``since``; without ``cause`` there is nothing to check.
     """
     cause = evidence.cause
@@ -47,21 +47,21 @@ def check_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     if cause is None:
         return ""
     if since is None or not 1 <= since <= step <= trace.steps:
-        return f"the overlap is said to begin in step {since}, and to end in a wall in step {step}"
+        return f"an overlap from step {since} to a wall in step {step} is not within the run"
+
+    # The disc is clear before step `since`, and in a wall after each step from there on.
     states = np.arange(since - 1, step + 1)
     depths = _depths(
         world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64)
     )
     if depths[0] > LEAST_OVERLAP + _SLACK:
-        return f"the disc overlaps a wall before step {since} already"
+        return f"the disc overlaps a wall even before step {since}"
     clear = np.flatnonzero(depths[1:] < LEAST_OVERLAP - _SLACK)
     if len(clear):
-        return (
-            f"after step {since + int(clear[0])} the disc is clear of walls, so that overlap "
-            f"has ended"
-        )
+        return f"after step {since + int(clear[0])} the disc is clear of walls again"
+
     moves = set(_moves(world, trace, since))
-    return "" if cause in moves else f"the move of step {since} is no {cause}" + _instead(moves)
+    return "" if cause in moves else f"the move of step {since} is not a {cause}" + _instead(moves)
 
 
 def _instead(moves: set[str]) -> str:
@@ -69,15 +69,17 @@ def _instead(moves: set[str]) -> str:
 
 
 def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
-    """How far the disc cuts into the deepest wall at each place and time, cells.
+    """Return how far the disc cuts into the deepest wall at each place and time, in cells.
 
-    The outside is solid.
+    Everything outside the grid is solid.
     """
     side = world.cell_size
     radius = world.robot_radius / side
     x = x / side
     y = y / side
     reach = math.ceil(radius) + 1
+
+    # Walls that never change: compare all places with the cells around each of them.
     steady = np.pad(world.still_walls, reach, constant_values=True)
     columns = np.floor(x).astype(np.int64)
     rows = np.floor(y).astype(np.int64)
@@ -90,6 +92,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
             inner_y = np.clip(iy + reach, 0, steady.shape[0] - 1)
             depth = radius - _gap(x, y, ix, iy)
             deepest = np.where(steady[inner_y, inner_x], np.maximum(deepest, depth), deepest)
+    # Cells of the timeline: only those that would be the deepest need their state at that time.
     for cell in {(event.ix, event.iy) for event in world.timeline}:
         depth = radius - _gap(x, y, np.full(len(x), cell[0]), np.full(len(x), cell[1]))
         for k in np.flatnonzero(depth > deepest):
@@ -100,7 +103,7 @@ def _depths(world: World, x: Floats, y: Floats, times: Floats) -> Floats:
 
 
 def _gap(x: Floats, y: Floats, ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64]) -> Floats:
-    """Distance from points to cells, cells; 0 inside."""
+    """Return distances from points to cells, in cells; 0 inside."""
     dx = np.maximum(np.maximum(ix - x, x - ix - 1), 0.0)
     dy = np.maximum(np.maximum(iy - y, y - iy - 1), 0.0)
     distance: Floats = np.sqrt(dx * dx + dy * dy)
@@ -108,7 +111,7 @@ def _gap(x: Floats, y: Floats, ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int
 
 
 def _moves(world: World, trace: Trace, step: int) -> Iterator[str]:
-    """Every cause whose move the displacement of a step could be."""
+    """Yield every cause that could explain the displacement of a step."""
     here = np.array([trace.x[step - 1], trace.y[step - 1]])
     end = np.array([trace.x[step], trace.y[step]])
     heading = float(trace.heading[step - 1])
@@ -116,10 +119,13 @@ def _moves(world: World, trace: Trace, step: int) -> Iterator[str]:
     pixel = world.cell_size / _PIXELS
     moved = (end - here) / pixel
     loose = _at_the_edge(world, end)
+
+    # Try each number of pixels that the disc may have moved before a wall stopped it.
     time = np.array([step * trace.time_step])
     for gone in range(math.ceil(float(np.hypot(*moved))) + 3):
         before = here + gone * pixel * unit
         inside = float(_depths(world, before[:1], before[1:], time)[0])
+        # Within the tolerance of the limit, a place counts as both free and caught.
         free = inside <= LEAST_OVERLAP + _SLACK
         caught = inside >= LEAST_OVERLAP - _SLACK
         stays = _same(moved, gone * unit, loose)
@@ -144,7 +150,10 @@ def _same(moved: Floats, wanted: Floats, loose: npt.NDArray[np.bool_]) -> bool:
 def _slides(
     moved: Floats, unit: Floats, gone: int, axis: int, loose: npt.NDArray[np.bool_]
 ) -> bool:
-    """Whether the move went ahead on the axis by the last pixel's part, with friction less, and back on the other."""
+    """Return True if the move went forward on the axis by part of a pixel, and back on the other.
+
+    Friction may shorten the forward part.
+    """
     other = 1 - axis
     back = loose[other] or abs(moved[other] - (gone - 1) * unit[other]) < _SAME
     low, high = sorted((gone * unit[axis], (gone + 1) * unit[axis]))
@@ -152,9 +161,9 @@ def _slides(
 
 
 def _at_the_edge(world: World, place: Floats) -> npt.NDArray[np.bool_]:
-    """By axis, whether the place is where the motion keeps the disc off the grid's edge.
+    """Return, per axis, whether the place is where the motion keeps the disc off the grid's edge.
 
-    There it may be cut short.
+    A move may be cut short there.
     """
     radius = world.robot_radius
     side = world.cell_size

@@ -1,4 +1,4 @@
-"""What evidence checks share: cells over time and pieces of a path, in plain Python."""
+"""Helpers of the evidence checks: cells over time and parts of a path, in plain Python."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ __all__ = [
 
 
 def cell_box(world: World, ix: int, iy: int) -> shapely.Polygon:
-    """A cell as a shapely box, m."""
+    """Return a cell as a shapely box, in metres."""
     side = world.cell_size
     return shapely.box(ix * side, iy * side, (ix + 1) * side, (iy + 1) * side)
 
 
 def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) -> bool:
-    """Whether a cell is solid at some time in [earliest, latest] s; outside the grid always."""
+    """Return True if a cell is solid at some time in [earliest, latest] s, or outside the grid."""
     if not (0 <= ix < world.width and 0 <= iy < world.height):
         return True
     state = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
@@ -47,9 +47,12 @@ def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) 
 
 
 def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString:
-    """The path of one step, m.
+    """Return the path of one step, in metres.
 
-    From the last point that was reached when its share ``since`` was over.
+    Args:
+        trace: The recording.
+        step: The step.
+        since: Share of the step to skip, 0 to 1; the path begins at the last point before its end.
     """
     first = int(np.searchsorted(trace.path_step, step, side="left"))
     last = int(np.searchsorted(trace.path_step, step, side="right"))
@@ -59,7 +62,7 @@ def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString
 
 
 def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int] | None:
-    """A cell (ix, iy) that a state of the second half enters and no state of the first half has seen."""
+    """Return a cell (ix, iy) that a state enters only in the second half, or ``None``."""
     columns = lattice_cell(trace.x / world.cell_size)
     rows = lattice_cell(trace.y / world.cell_size)
     cells = columns.astype(np.int64) + rows.astype(np.int64) * (world.width + 2)
@@ -73,7 +76,7 @@ def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int]
 
 
 def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
-    """Check that ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
+    """Check that the run took ``witness_multiple`` times as long as the witness, to thousandths."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
     spent = (
@@ -86,7 +89,7 @@ def check_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
 
 
 def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Cells of places in cells; what is a whole number but for rounding counts as one."""
+    """Return the cells of coordinates in cells, treating near-integers as integers."""
     places = np.asarray(places, np.float64)
     whole = np.rint(places)
     cells: npt.NDArray[np.float64] = np.where(
@@ -96,13 +99,13 @@ def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 
 def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
-    """Smallest distance, m, from a path to the target's disc; negative inside."""
+    """Return the smallest distance, m, from a path to the target's disc; negative inside."""
     points = np.stack([x, y], axis=1)
     path = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
     return float(path.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
 
 
 def places_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
-    """Smallest distance, m, from one of many places to the target's disc; negative inside."""
+    """Return the smallest distance, m, from any place to the target's disc; negative inside."""
     apart = shapely.distance(shapely.points(x, y), shapely.Point(world.target.x, world.target.y))
     return float(np.min(apart)) - world.target.radius

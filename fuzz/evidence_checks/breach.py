@@ -1,7 +1,4 @@
-"""A walled-off target that is reached.
-
-The run that went through the wall, had nobody stopped it.
-"""
+"""Check that a walled-off target is reached by the run that ignores the wall it goes through."""
 
 from __future__ import annotations
 
@@ -14,24 +11,22 @@ __all__ = ["check_breach"]
 
 
 def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidence) -> str:
-    """Check that the run, going on past the wall, enters the target's cell in step ``reached``, not before.
+    """Check that the run, continued past the wall, first enters the target in step ``reached``.
 
-    That the target is walled off is for the checker of the cut to say.
+    The checker of the cut decides whether the target is walled off.
 
     Args:
-        world: Where the run was.
+        world: World of the run.
         trace: The run that ended in the wall.
-        whole: The same run where walls end nothing.
+        whole: The same run with walls that end nothing.
         evidence: ``step`` and ``reached``.
     """
     step = evidence.step
     reached = evidence.reached
     if reached is None or not step < reached <= whole.steps:
-        return (
-            f"the target is said to be reached in step {reached}, the wall entered in step {step}"
-        )
+        return f"a wall in step {step} and the target in step {reached} are not within the run"
     if trace.steps != step or not (trace.states == whole.states[: step + 1]).all():
-        return "the run that goes on is another one before the wall"
+        return "the continued run differs before the wall"
     columns = lattice_cell(whole.x / world.cell_size)
     rows = lattice_cell(whole.y / world.cell_size)
     there = (

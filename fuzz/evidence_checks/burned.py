@@ -13,7 +13,7 @@ __all__ = ["check_burned"]
 
 
 def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
-    """Check that the named cell is in the named state by the end of the step, within the robot's radius."""
+    """Check that the named cell burns or is debris, within the robot's radius, by the step's end."""
     step = evidence.step
     cell = evidence.cell
     state = evidence.state
@@ -23,6 +23,7 @@ def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: M
     known = [event for event in changes if event.time <= step * trace.time_step + 1e-9]
     if not known or known[-1].state.word != state or known[-1].state == CellState.FREE:
         return f"cell {cell} is not {state} in step {step}"
+    # Some motion models move the robot exactly to the event; only the path after it counts.
     since = known[-1].time / trace.time_step - (step - 1) if motion.exact_events else 0.0
     gap = float(step_path(trace, step, max(since, 0.0)).distance(cell_box(world, *cell)))
     far = gap > world.robot_radius * (1 + 1e-9)

@@ -1,4 +1,4 @@
-"""``loop``: the complete state came back, so the run repeats for ever."""
+"""``loop``: the complete state recurred, so the run repeats forever."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["check_loop"]
 
 
 def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
-    """Check that two whole periods repeat, state by state, after the last event, away from the target.
+    """Check that two whole periods are equal, after the last event and away from the target.
 
     Args:
-        world: Where the run was.
+        world: World of the run.
         trace: A recording up to ``entry + 2 * period`` steps.
         evidence: ``entry``, ``period``, ``state_digest``.
         motion: The motion model.
@@ -29,30 +29,34 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
     if entry < 0 or period < 1:
         return f"a loop does not begin after step {entry} with a period of {period} steps"
     if not trace.complete:
-        return "the controller keeps memory that it does not declare, so equal states prove nothing"
+        return "the controller has memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
         return f"the trace ends at step {trace.steps}, before the second period does"
     if entry * _decimal(trace.time_step) < _decimal(world.timeline.last_time):
         return "the world still changes after the loop's entry"
+    # Equal complete states, step by step, in both periods.
     one = trace.states[entry : entry + period + 1]
     two = trace.states[entry + period : entry + 2 * period + 1]
     if not np.array_equal(one, two):
         return "the second period differs from the first"
     if evidence.state_digest != _digest(trace.states[entry].tolist()):
-        return "the state at the entry is not the one of the evidence"
+        return "the state at the entry differs from the evidence"
+
+    # `swept` looks for the target along the path; other models look only where a step ends.
     x = trace.x[entry : entry + period + 1]
     y = trace.y[entry : entry + period + 1]
     gap = places_gap(world, x, y)
-    if motion.name == "swept":  # it looks along the path; the other models look where a step ends
+    if motion.name == "swept":
         first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
-        x = np.concatenate([x[:1], trace.path_x[first:last]])  # who stands still has no path
+        # A robot that stands still has no path, so begin with its place.
+        x = np.concatenate([x[:1], trace.path_x[first:last]])
         y = np.concatenate([y[:1], trace.path_y[first:last]])
         gap = target_gap(world, x, y)
     return "the loop passes through the target" if gap < -world.cell_size / 1024 else ""
 
 
 def _decimal(value: float) -> Fraction:
-    """The number as its shortest decimal says it."""
+    """Return the number that the shortest decimal notation of a float denotes."""
     return Fraction(repr(value))
 
 

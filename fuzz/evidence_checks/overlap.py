@@ -13,9 +13,9 @@ __all__ = ["check_overlap"]
 
 
 def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
-    """Check that the disc, along the path of the named step, cuts the named solid cell deeply enough.
+    """Check that the disc, on the path of the named step, cuts the named solid cell deeply enough.
 
-    Where the evidence names the move that let the robot into the wall, that is judged too.
+    If the evidence names the move that let the robot into the wall, check that too.
     """
     step = evidence.step
     cell = evidence.cell
@@ -26,5 +26,5 @@ def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Mo
     depth = world.robot_radius - float(step_path(trace, step).distance(cell_box(world, *cell)))
     allowed = motion.overlap_tolerance * world.cell_size
     if depth <= allowed - 1e-9:
-        return f"the disc cuts cell {cell} by {depth:g} m, allowed are {allowed:g} m"
+        return f"the disc cuts cell {cell} by {depth:g} m, but up to {allowed:g} m is allowed"
     return check_cause(world, trace, evidence)

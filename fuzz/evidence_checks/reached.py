@@ -15,9 +15,9 @@ __all__ = ["check_reached"]
 
 
 def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
-    """Check that the last step meets the target's disc, or for the thesis's robot its cell.
+    """Check that the last step touches the target's disc or, for the thesis's robot, its cell.
 
-    The pose lattice rounds start and target by half of 1/1024 of a cell, which is allowed for.
+    The tolerance is 1/1024 of a cell, because the pose lattice rounds both start and target.
     """
     side = world.cell_size
     if motion.kernel == THESIS:
@@ -28,4 +28,4 @@ def check_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion:
         return "" if here == there else f"the run ends in cell {here}, the target is in {there}"
     last = step_path(trace, trace.steps)
     gap = float(last.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
-    return "" if gap <= side / 1024 else f"the last step stays {gap:g} m away from the target"
+    return "" if gap <= side / 1024 else f"the last step ends {gap:g} m away from the target"

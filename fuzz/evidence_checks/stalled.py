@@ -15,18 +15,20 @@ __all__ = ["check_stalled"]
 
 _SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
 _SAME_HEADING = 1e-6  # rad
-_ROUNDING = 1e-9  # share by which what was measured in pixels may differ in metres
+_ROUNDING = 1e-9  # relative difference between what was measured in pixels and in metres
 _PERIODS = 4  # periods that a drifting run must show
 
 
 def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
-    """Check that each state of the second half is in a cell that a state of the first half has seen.
+    """Check that the second half of the run enters no cell that the first half has not entered.
 
-    That the budget is the stated multiple of the witness's time is judged too; and, where the
-    evidence says it, in what manner the run stalls. ``drifting``: poses come back after ``period``
-        steps, from ``entry`` to the end, four times
-    at least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of
-        the second half.
+    Also check that the budget is the stated multiple of the witness's time and, if the evidence
+    says so, how the run stalls:
+
+    - ``drifting``: from ``entry`` to the end, poses recur after ``period`` steps at least four
+      times, but not in every bit.
+    - ``confined``: they do not.
+    - ``box``: columns and rows of cells that the second half covers.
     """
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
@@ -39,7 +41,7 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
         wrong = _check_drift(world, trace, evidence.entry or 0, evidence.period or 0)
     else:
         period = _period(world, trace, half)
-        wrong = f"poses come back every {period} steps, so the run drifts" if period else ""
+        wrong = f"poses recur every {period} steps, so the run drifts" if period else ""
     wrong = wrong or _check_box(world, trace, half, evidence.box)
     return wrong or check_budget(world, trace, evidence)
 
@@ -48,20 +50,20 @@ def _check_drift(world: World, trace: Trace, entry: int, period: int) -> str:
     if period < 1 or not trace.steps // 2 <= entry <= trace.steps - _PERIODS * period:
         return f"a period of {period} steps is not shown {_PERIODS} times after step {entry}"
     if not _comes_back(world, trace, entry, period):
-        return f"after step {entry} poses do not come back every {period} steps"
+        return f"after step {entry} poses do not recur every {period} steps"
     states = trace.states[entry:]
     if trace.complete and np.array_equal(states[period:], states[:-period]):
-        return f"the complete state comes back every {period} steps, which is a loop"
+        return f"the complete state recurs every {period} steps, which is a loop"
     return ""
 
 
 def _comes_back(world: World, trace: Trace, entry: int, period: int) -> bool:
-    """Whether poses from ``entry`` on come back after ``period`` steps but for rounding."""
+    """Return True if poses from ``entry`` on recur after ``period`` steps, except for rounding."""
     return bool(_near(world, trace, slice(entry, -period), slice(entry + period, None)).all())
 
 
 def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt.NDArray[np.bool_]:
-    """Which poses of ``one`` are those of ``two`` but for rounding."""
+    """Return which poses of ``one`` equal those of ``two``, except for rounding."""
     apart = (
         np.maximum(np.abs(trace.x[one] - trace.x[two]), np.abs(trace.y[one] - trace.y[two]))
         / world.cell_size
@@ -74,10 +76,11 @@ def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt
 
 
 def _period(world: World, trace: Trace, half: int) -> int:
-    """A period in which the last poses come back, shown from a quarter of the second half at most on; 0 if none."""
+    """Return a period in which the last poses recur over most of the second half; 0 if none."""
     last = trace.steps
     for state in np.flatnonzero(_near(world, trace, slice(half, last), last))[::-1]:
         period = last - half - int(state)
+        # A longer period could not be shown often enough.
         if _PERIODS * period > (last - half) // 2:
             break
         if _comes_back(world, trace, last - _PERIODS * period - (last - half) // 4, period):
@@ -86,7 +89,10 @@ def _period(world: World, trace: Trace, half: int) -> int:
 
 
 def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | None) -> str:
-    """A place on the line between two cells counts for either, since it was measured in pixels."""
+    """Check the size of the box that the second half covers, in cells.
+
+    A place on the line between two cells may count for either, since it was measured in pixels.
+    """
     if box is None:
         return "the evidence has no box of columns and rows"
     for places, claimed in zip((trace.x, trace.y), box, strict=True):

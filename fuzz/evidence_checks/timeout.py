@@ -1,4 +1,4 @@
-"""``timeout``: the budget is spent, and the robot was still getting to new cells."""
+"""``timeout``: the budget is spent while the robot was still entering new cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["check_timeout"]
 
 
 def check_timeout(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
-    """Check that the second half has a new cell, else it is ``stalled``, and that the budget's multiple is right."""
+    """Check that the second half has a new cell (else it is ``stalled``), and the budget."""
     if not first_new_cell_of_second_half(world, trace):
         return "the second half has no new cell"
     return check_budget(world, trace, evidence)

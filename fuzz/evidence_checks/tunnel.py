@@ -13,9 +13,9 @@ __all__ = ["check_tunnel"]
 
 
 def check_tunnel(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
-    """Check that the path of the named step meets the inside of the named cell, and that is solid then.
+    """Check that the path of the named step enters the named cell while that is solid.
 
-    Where the evidence names the move that let the robot into the wall, that is judged too.
+    If the evidence names the move that let the robot into the wall, check that too.
     """
     step = evidence.step
     cell = evidence.cell

@@ -1,18 +1,18 @@
-"""Oracles: each looks at a trial, a run in a proved world, and returns a violation or nothing.
+"""Oracles: each judges a trial, which is a run in a proved world, and may return a violation.
 
-Every run meets the oracle of its verdict. A user asks for others by name (``--oracle``): a function
-    ``oracle(trial)``,
-or ``oracle(trial, number)``, that returns what it finds, a table of facts, or ``None``. It is found
-by its entry point in ``worldgen.oracles``, as ``package.module:name``, or as ``./file.py:name``.
+The oracle of the verdict judges every run. Users add others by name (``--oracle``): a function
+``oracle(trial)`` or ``oracle(trial, number)`` that returns ``None``, or a table of the facts that
+it found. It is looked up as an entry point in ``worldgen.oracles``, as ``package.module:name`` or
+as ``./file.py:name``.
 
 Contents:
-    Trial: what an oracle judges: a world, a run in it, and the means to run it again.
-    Violation: what an oracle finds.
-    Oracle: the interface, ``check(trial) -> Violation | None``.
-    VERDICT, BREACH: the oracles that every run meets.
-    verdict_oracle: which of the two judges runs in a world.
-    NamedOracle: an oracle as ``--oracle NAME`` or ``--oracle NAME=NUMBER`` asks for it.
-    ORACLES: finds such functions by name.
+    Trial: The subject of an oracle: a world, a run in it, and the means to run it again.
+    Violation: The result if an oracle finds something wrong.
+    Oracle: The interface, ``check(trial) -> Violation | None``.
+    VERDICT, BREACH: The two oracles that judge every run.
+    verdict_oracle: Chooses between these two for a world.
+    NamedOracle: An oracle requested by ``--oracle NAME`` or ``--oracle NAME=NUMBER``.
+    ORACLES: The registry that finds such functions by name.
 """
 
 from fuzz.oracles.by_verdict import BREACH, VERDICT, verdict_oracle

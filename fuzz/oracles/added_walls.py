@@ -1,6 +1,6 @@
-"""Worlds with more wall than another one, where nothing needs the room.
+"""Add walls to a world where neither its witness nor, as far as possible, a given run needs space.
 
-Which cells hangs on the world and the run.
+The metamorphic oracles ``wall`` and ``block`` compare the run with one in the resulting world.
 """
 
 from __future__ import annotations
@@ -21,45 +21,48 @@ from worldgen.errors import InvalidParameter
 from worldgen.reach import check_certificate
 from worldgen.world import World
 
-__all__ = ["walled_where_unnoticed", "with_a_block_beside_the_way"]
+__all__ = ["walled_where_unnoticed", "with_a_block_near_the_path"]
 
 Cells = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-_SPARE = (
-    2  # cells more than a step and the disc reach: a slide or a back-off may begin at a step's end
-)
-_FILTER_REACH = 2  # cells round a wall in which the thesis's noise filter changes the signal
+# Cells beyond what a step and the disc reach: a slide or a back-off may begin at the step's end.
+_SPARE = 2
+# Cells around a wall in which the thesis's noise filter changes the signal.
+_FILTER_REACH = 2
+# States whose senses are computed together, to bound memory.
 _STATES_AT_ONCE = 256
 
 
 def walled_where_unnoticed(trial: Trial) -> World | None:
-    """The world with as much wall more as the robot, in its run, can neither have touched nor sensed.
+    """Return the world with as many walls as possible that the robot can neither touch nor sense.
 
-    Cells stay free that come as near to the run as a step, the disc and the signal sensor's cells
-    reach together, or through which the witness's disc passes. For senses that look further, beams
-    and a signal that walls hold up, each state of the run is sensed again between the new walls:
-        where that gives anything else, the nearer half goes.
+    A cell stays free if the witness's disc passes through it, or if it is so near the run that a
+    step, the disc and the signal sensor could reach it. Beams, and a signal that walls block, can
+    reach further. For these, each state of the run is sensed again among the new walls; if any
+    reading changes, the nearer half of the new walls is dropped and the rest is tried again.
 
     Returns:
-        ``None`` if no cell is left, for a world that changes, and for a run too long to be
+        ``None`` if no cell remains, if the world changes over time, or if the run is too long to be
         recorded.
 
     Raises:
-        InvalidParameter: If walls hold up the signal under ``stepped``, where all of them may
-            count.
+        InvalidParameter: If walls block the signal under ``stepped``, where every wall may affect
+            it.
     """
     world = trial.world
     trace = trial.trace
     if trace is None or len(world.timeline):
         return None
+    # Candidate cells, nearest to the run first.
     away = _distance(world, trace.x, trace.y)
     unneeded = _unneeded(trial) & (away > _reach(trial))
     places = np.argwhere(unneeded)
     places = places[np.argsort(away[unneeded], kind="stable")]
     if trial.options.motion_model().kernel == THESIS:
         return _with_walls(trial, places)
+    # Under `stepped` the distance alone is enough; otherwise compare what the robot senses.
     run = _far_sighted(trial, world)
     states = np.unique(trace.states[1:, :3].view(np.int64), axis=0)
     while len(places):
@@ -70,28 +73,26 @@ def walled_where_unnoticed(trial: Trial) -> World | None:
     return None
 
 
-def with_a_block_beside_the_way(trial: Trial) -> World | None:
-    """The world with one cell of wall more, beside a wall.
-
-    As near to the robot's run as the witness allows.
+def with_a_block_near_the_path(trial: Trial) -> World | None:
+    """Return the world with one more wall cell, next to a wall and as near to the run as possible.
 
     Returns:
-        ``None`` if there is no such cell, and for a world that changes.
+        ``None`` if the witness leaves no such cell, or if the world changes over time.
     """
     world = trial.world
     trace = trial.trace
     if trace is None or len(world.timeline):
         return None
-    beside = ndimage.binary_dilation(world.walls) & _unneeded(trial)
-    places = np.argwhere(beside)
-    away = _distance(world, trace.x, trace.y)[beside]
+    next_to_wall = ndimage.binary_dilation(world.walls) & _unneeded(trial)
+    places = np.argwhere(next_to_wall)
+    away = _distance(world, trace.x, trace.y)[next_to_wall]
     return _with_walls(trial, places[np.argsort(away, kind="stable")][:1])
 
 
 def _with_walls(trial: Trial, places: Ints) -> World | None:
-    """The world with walls at these (iy, ix).
+    """Return the world with walls at these (iy, ix).
 
-    ``None`` if there are none, or the witness does not hold among them.
+    ``None`` if there are none, or if the witness no longer holds.
     """
     walls = trial.world.walls.copy()
     walls[places[:, 0], places[:, 1]] = True
@@ -100,16 +101,15 @@ def _with_walls(trial: Trial, places: Ints) -> World | None:
 
 
 def _unneeded(trial: Trial) -> Cells:
-    """Free cells but for the border, the target's, those near the start, and those that the witness's disc passes."""
+    """Return the free cells that neither the border, start, target nor the witness's disc needs."""
     world = trial.world
     witness = trial.witness
     free = ~world.walls
     free[[0, -1], :] = free[:, [0, -1]] = False
     if witness is None:
         return np.zeros_like(free)
-    pause = (
-        0.5 * world.cell_size / world.robot_speed
-    )  # s, in which nobody leaves a cell and its neighbours
+    # Sample the witness finely enough, in s, that no sample skips a cell and its neighbours.
+    pause = 0.5 * world.cell_size / world.robot_speed
     times = np.append(np.arange(0.0, witness.times[-1], pause), witness.times[-1])
     x = np.interp(times, witness.times, witness.x)
     y = np.interp(times, witness.times, witness.y)
@@ -119,7 +119,7 @@ def _unneeded(trial: Trial) -> Cells:
 
 
 def _distance(world: World, x: Floats, y: Floats) -> Ints:
-    """(height, width) cells between each cell and the nearest of the places, straight and diagonal alike."""
+    """Return (height, width) chessboard distances, in cells, to the nearest of the places."""
     elsewhere = np.ones(world.walls.shape, bool)
     ix = (x // world.cell_size).astype(np.int64)
     iy = (y // world.cell_size).astype(np.int64)
@@ -129,7 +129,7 @@ def _distance(world: World, x: Floats, y: Floats) -> Ints:
 
 
 def _reach(trial: Trial) -> int:
-    """Cells from the robot's own beyond which no wall matters to its next step, nor to the signal around it."""
+    """Return how many cells from its own the robot can be affected by a wall in its next step."""
     world = trial.world
     options = trial.options
     touch = math.ceil(
@@ -142,7 +142,7 @@ def _reach(trial: Trial) -> int:
             "signal-everywhere",
             "oracle wall: under stepped, signal={signal} is sensed through the whole world, so no "
             "wall is far enough",
-            "ask it without, or with --motion swept",
+            "run it without that signal, or with --motion swept",
             at_terminal=True,
             signal=options.thesis.signal,
         )
@@ -152,13 +152,13 @@ def _reach(trial: Trial) -> int:
 
 
 def _far_sighted(trial: Trial, world: World) -> LatticeRun:
-    """The run, to sense with: whatever noise hides, a wall must not be seen."""
+    """Return the run to sense with, without noise, which could hide that a wall was seen."""
     clear = replace(trial.options.robot, sensor_noise=0.0, beam_noise=0.0, beam_dropout=0.0)
     return LatticeRun(world, CONTROLLERS.get(trial.controller), replace(trial.options, robot=clear))
 
 
 def _senses_alike(one: LatticeRun, other: LatticeRun, states: Ints) -> bool:
-    """Whether walls give the robot the same to sense in every state."""
+    """Return True if the robot senses the same walls in every state."""
     parts: Iterator[Ints] = (
         states[k : k + _STATES_AT_ONCE] for k in range(0, len(states), _STATES_AT_ONCE)
     )

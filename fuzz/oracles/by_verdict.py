@@ -1,6 +1,6 @@
-"""The oracles that every run meets.
+"""The oracles that judge every run by its verdict.
 
-A robot arrives where it can, and stays out where its target is walled off.
+A robot should arrive if it can, and should stay out if its target is walled off.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["BREACH", "VERDICT", "BreachOracle", "VerdictOracle", "verdict_oracle
 
 @dataclass(frozen=True)
 class VerdictOracle(Oracle):
-    """Objects to a run that does not end ``reached``, though the target can be reached."""
+    """Finds a run that does not end ``reached`` although the target can be reached."""
 
     def check(self, trial: Trial) -> Violation | None:
         """Return the verdict as a violation, if it is one."""
@@ -35,17 +35,17 @@ class VerdictOracle(Oracle):
 
 @dataclass(frozen=True)
 class BreachOracle(Oracle):
-    """Objects to a robot that goes through a wall and, where walls end nothing, on to its walled-off target."""
+    """Finds a robot that goes through a wall and could continue to its walled-off target."""
 
     def prove(self, world: World) -> World | None:
         """Return the world with a cut around its target.
 
-        ``None`` if it is not provably walled off.
+        ``None`` if the target is not provably walled off.
         """
         return walled_off(world)
 
     def check(self, trial: Trial) -> Violation | None:
-        """Return the breach; its evidence names the step in which the robot arrives if walls end nothing."""
+        """Return the breach; its evidence names the step in which the robot would arrive."""
         wall = trial.episode.evidence
         is_through_a_wall = trial.episode.verdict == Verdict.TUNNEL and isinstance(
             trial.world.certificate, Cut
@@ -54,6 +54,7 @@ class BreachOracle(Oracle):
             return None
         if trial.options.motion_model().kernel != THESIS:
             return None
+        # Run it again with walls that end nothing, to see whether the robot gets to the target.
         whole = trial.again(record=True, thesis=replace(trial.options.thesis, keep_going=True))
         if whole.verdict != Verdict.REACHED or whole.trace is None:
             return None
@@ -71,6 +72,6 @@ BREACH = BreachOracle()
 def verdict_oracle(world: World) -> Oracle:
     """Return the oracle that judges runs in a world by their verdict.
 
-    As its certificate says what is right there.
+    The world's certificate decides whether arriving is right or wrong.
     """
     return BREACH if isinstance(world.certificate, Cut) else VERDICT

@@ -1,12 +1,11 @@
 """Metamorphic oracles: in a world that corresponds to another one, the outcome corresponds too.
 
-Each runs the controller once more where it ought to fare alike, and objects if the robot arrives in
-one of the two runs and not in the other; with a number, also if one run takes more than that many
-times the other's steps. ``wall`` asks for the very same run.
+Each runs the controller once more in a related world where it should do equally well. It reports a
+violation if the robot arrives in only one of the two runs or, given a number, if one run takes
+more than that many times the other's steps. ``wall`` requires exactly the same run.
 
 Source: Tsong Yueh Chen, Shing-Chi Cheung and Siu-Ming Yiu, "Metamorphic testing: a new approach for
-    generating next
-test cases", Hong Kong University of Science and Technology, 1998.
+    generating next test cases", Hong Kong University of Science and Technology, 1998.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
+from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.trial import Trial
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
 from sim.options.run import MAX_STEPS
@@ -24,57 +23,57 @@ from worldgen.world import Value, World
 
 __all__ = ["block", "finer", "mirror", "scale", "shift", "turn", "wall"]
 
-_SHORTEST_STEP = 0.001  # s: what the simulator takes
+_SHORTEST_STEP = 0.001  # s: the simulator's minimum
 
 
 def turn(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """The world turned by a quarter, counter-clockwise.
+    """Compare with the world turned counter-clockwise by a quarter turn.
 
-    Exact for who steers by angles to its heading or the target.
+    The run should be equivalent for a controller that steers relative to its heading or the target.
     """
     return _objection(trial, factor, turned(trial.world))
 
 
 def shift(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Three more columns and five more rows of wall on the left and below.
-
-    The same place, elsewhere.
-    """
+    """Compare with the world moved by three more wall columns on the left and five rows below."""
     return _objection(trial, factor, shifted(trial.world))
 
 
 def scale(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Every length and the top speed doubled. Exact for who has no length of its own in metres."""
+    """Compare with the world in which every length and the top speed are doubled.
+
+    The run should be equivalent for a controller without built-in lengths in metres.
+    """
     return _objection(trial, factor, scaled(trial.world))
 
 
 def mirror(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Left and right swapped, for who has no side of preference."""
+    """Compare with the mirrored world, for a controller that prefers neither left nor right."""
     return _objection(trial, factor, mirrored(trial.world))
 
 
 def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """Steps of half the duration, of which two count as one."""
+    """Compare with a run in steps of half the duration, two of which count as one."""
     step = trial.options.time_step / 2
     steps = min(2 * trial.options.steps, MAX_STEPS)
     if step < _SHORTEST_STEP:
         raise InvalidParameter(
             "below-minimum",
             "oracle finer: half of time_step={time_step:g} s is below 0.001 s",
-            "give a longer one",
+            "choose a longer time step",
             time_step=trial.options.time_step,
         )
     return _objection(trial, factor, trial.world, each=0.5, time_step=step, steps=steps)
 
 
 def wall(trial: Trial) -> dict[str, Value] | None:
-    """Walls where neither the witness passes nor the robot, in its run, could touch or sense them.
+    """Compare with the world that has walls wherever the robot could neither touch nor sense them.
 
-    The same run. What a controller does hangs on what it senses; who objects to this one has seen
-    it look elsewhere.
+    The run must stay exactly the same. A controller acts on what it senses, so one that acts
+    differently here gets information from elsewhere.
 
     Returns:
-        ``kind``; ``walls``: how many cells were added; ``verdicts`` and ``steps`` of both runs.
+        ``kind``; ``walls``: number of cells added; ``verdicts`` and ``steps`` of both runs.
     """
     walled = walled_where_unnoticed(trial)
     if walled is None:
@@ -96,36 +95,37 @@ def wall(trial: Trial) -> dict[str, Value] | None:
 
 
 def block(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
-    """One cell of wall more, beside a wall and the robot's way, that the witness does not need.
+    """Compare with the world that has one more wall cell, next to a wall and near the robot's path.
 
-    Perhaps another way.
+    The witness does not need that cell, so the robot should still arrive, perhaps by another path.
     """
-    blocked = with_a_block_beside_the_way(trial)
+    blocked = with_a_block_near_the_path(trial)
     return None if blocked is None else _objection(trial, factor, blocked)
 
 
 def _objection(
     trial: Trial, factor: float, world: World, *, each: float = 1.0, **changes: Any
 ) -> dict[str, Value] | None:
-    """The objection to a run whose counterpart fares otherwise.
+    """Return what differs if the two runs do not correspond, else ``None``.
 
     Args:
         trial: The run.
-        factor: Greatest ratio of the two numbers of steps that is no failure, at least 1.
-        world: Of the counterpart.
-        each: Steps of the run that a step of the counterpart is worth.
-        **changes: Options of the counterpart.
+        factor: Greatest acceptable ratio between the two step counts, at least 1.
+        world: World of the other run.
+        each: How many steps of this run one step of the other run counts for.
+        **changes: Options of the other run that differ.
     """
     if factor < 1.0:
         raise InvalidParameter(
             "below-minimum",
-            "a factor of {factor:g} is below 1, and equal runs have 1",
-            "give 1 or more",
+            "a factor of {factor:g} is below 1, but even equal runs have a factor of 1",
+            "choose 1 or more",
             factor=factor,
         )
     try:
         there = trial.again(world, **changes)
-    except InvalidWorld:  # a start between two poses of the lattice was rounded into a wall
+    except InvalidWorld:
+        # A start between two poses of the lattice was rounded into a wall.
         return None
     here = trial.episode
     arrived = (here.verdict == Verdict.REACHED, there.verdict == Verdict.REACHED)

@@ -1,4 +1,4 @@
-"""``detour``: the robot arrives, by a way that is too long."""
+"""``detour``: the robot arrives, but by too long a path."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from worldgen.world import Value
 
 __all__ = ["detour"]
 
-_DIGITS = 9  # of lengths in evidence, m
-_RELATIVE = (
-    1e-6  # by which the recorded path may differ from the length that the simulator summed up
-)
+_DIGITS = 9  # decimal places of lengths in evidence, m
+# Relative difference allowed between the recorded path and the length that the simulator summed up.
+_RELATIVE = 1e-6
 
 
 def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
-    """Objects to a run that arrives after more than ``bound`` times the witness's way.
+    """Report a run that arrives by a path longer than ``bound`` times the witness.
 
-    A witness shorter than a cell counts as one cell long, for there one step too many is no detour.
+    A witness shorter than one cell counts as one cell; otherwise a single extra step would be a
+    detour.
 
     Args:
         trial: The run.
-        bound: Greatest ratio of the two lengths that is no failure, at least 1.
+        bound: Greatest acceptable ratio of the two lengths, at least 1.
 
     Returns:
         ``path`` and ``witness``, m, and ``ratio``; measured on the recorded path.
@@ -35,8 +35,8 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
     if bound < 1.0:
         raise InvalidParameter(
             "below-minimum",
-            "detour={bound:g} is below 1, and no way is shorter than the shortest",
-            "give 1 or more",
+            "detour={bound:g} is below 1, but no path is shorter than the shortest",
+            "choose 1 or more",
             bound=bound,
         )
     if trial.episode.verdict != Verdict.REACHED or trial.witness is None:
@@ -44,6 +44,7 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
     shortest = max(trial.witness.length, trial.world.cell_size)
     if trial.episode.path_length <= bound * shortest or trial.trace is None:
         return None
+    # The simulator's sum is only a quick filter; the recorded path decides.
     path = _length(trial.trace.path_x, trial.trace.path_y)
     if path <= bound * shortest or abs(path - trial.episode.path_length) > _RELATIVE * path:
         return None
@@ -55,6 +56,6 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
 
 
 def _length(x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
-    """Length of a polyline, correctly rounded, so the same everywhere."""
+    """Return the length of a polyline, correctly rounded and therefore the same everywhere."""
     pieces = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
     return math.fsum(pieces.tolist())

@@ -1,7 +1,4 @@
-"""Oracles that ``--oracle`` names.
-
-A function, perhaps its number, and the check of what it returns.
-"""
+"""Oracles chosen by ``--oracle``: a function, an optional number, and a check of its answers."""
 
 from __future__ import annotations
 
@@ -27,21 +24,21 @@ __all__ = ["ORACLES", "NamedOracle", "OracleFunction"]
 
 OracleFunction = Callable[..., Any]
 
-_DEEPEST = 16  # tables and lists in one another
+_DEEPEST = 16  # levels of nested tables and lists
 _WRITTEN = re.compile(r"(?P<name>.+?)(?:=(?P<number>[^=:/\\]*))?", re.DOTALL)
 _TAKEN = (*Verdict, "breach")
 
 
 def _accept(name: str, thing: Any) -> OracleFunction:
-    """Return whatever can be called with a trial, or with a trial and a number.
+    """Return a function that can be called with a trial, or with a trial and a number.
 
     Raises:
-        InvalidParameter: If it cannot be called so.
+        InvalidParameter: If it cannot be called that way.
     """
     if not callable(thing):
         raise InvalidParameter(
             "not-a-function",
-            "oracle {name!r} is no function but {kind}",
+            "oracle {name!r} is not a function but {kind}",
             _HOW,
             name=name,
             kind=type(thing).__name__,
@@ -49,7 +46,7 @@ def _accept(name: str, thing: Any) -> OracleFunction:
     if not 1 <= len(_places(thing)) <= 2:
         raise InvalidParameter(
             "wrong-signature",
-            "oracle {name!r} takes {signature}",
+            "oracle {name!r} has the signature {signature}",
             _HOW,
             name=name,
             signature=inspect.signature(thing),
@@ -58,25 +55,25 @@ def _accept(name: str, thing: Any) -> OracleFunction:
     return found
 
 
-_HOW = "write a function of a trial, or of a trial and a number; docs/reference/oracles.md has one"
+_HOW = "write a function of a trial, or of a trial and a number; docs/reference/oracles.md shows one"
 
 ORACLES: Registry[OracleFunction] = Registry("worldgen.oracles", "oracle", _accept)
 
 
 def _places(function: OracleFunction) -> list[inspect.Parameter]:
-    """Return the parameters that may be given by place."""
+    """Return the parameters that can be passed by position."""
     kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return [one for one in inspect.signature(function).parameters.values() if one.kind in kinds]
 
 
 @dataclass(frozen=True)
 class NamedOracle(Oracle):
-    """An oracle that a user asks for: a function, and perhaps a number.
+    """An oracle that a user chose: a function, and possibly a number.
 
     Args:
-        text: As it was written: ``detour=5``.
-        function: Called with the trial and the numbers; it returns what it finds, or ``None``.
-        numbers: Nothing, or one number.
+        text: The option as written: ``detour=5``.
+        function: Called with the trial and the numbers; returns what it finds, or ``None``.
+        numbers: Empty, or one number.
     """
 
     by_verdict = False
@@ -90,13 +87,13 @@ class NamedOracle(Oracle):
         """Read ``NAME`` or ``NAME=NUMBER``.
 
         Raises:
-            InvalidParameter: If there is no such oracle, or it wants a number, or none.
+            InvalidParameter: If there is no such oracle, or if a number is missing or not allowed.
         """
         parts = _WRITTEN.fullmatch(text.strip())
         if parts is None:
             raise InvalidParameter(
                 "empty-name",
-                "an empty text names no oracle",
+                "an empty text does not name an oracle",
                 "give one of {oracles!l}",
                 oracles=list(ORACLES),
             )
@@ -106,7 +103,7 @@ class NamedOracle(Oracle):
         if _plain(name) in _TAKEN:
             raise InvalidParameter(
                 "name-is-a-verdict",
-                "oracle {name!r} is called like a verdict",
+                "oracle {name!r} has the name of a verdict",
                 "give it another name",
                 name=name,
             )
@@ -133,13 +130,13 @@ class NamedOracle(Oracle):
 
     @property
     def name(self) -> str:
-        """What it was written with, without its number."""
+        """The option as written, without the number."""
         return self.text.rpartition("=")[0] if self.numbers else self.text
 
     def bucket_of(self, facts: Mapping[str, Value]) -> str:
-        """Return the bucket of what it found.
+        """Return the bucket of a violation, usable as a file name.
 
-        Its name, and the ``kind`` among the facts, fit for a file name.
+        It consists of the oracle's name and, if present, the fact ``kind``.
         """
         own_name = self.text.partition("=")[0] if ":" not in self.text else self.text
         words = [own_name, str(facts.get("kind", ""))]
@@ -149,8 +146,8 @@ class NamedOracle(Oracle):
         """Return what the function finds in a run; ``None`` if nothing.
 
         Raises:
-            InvalidParameter: If the function fails, or returns what is not a table that a file
-                could hold.
+            InvalidParameter: If the function fails, or returns something other than ``None`` or a
+                table that a file can hold.
         """
         facts = self._facts(trial)
         if facts is None:
@@ -162,7 +159,7 @@ class NamedOracle(Oracle):
             with user_code(f"oracle {self.text!r}"):
                 answer = self.function(trial, *self.numbers)
         except InvalidParameter as error:
-            # What the oracle itself refuses, such as its number, is not a failure of its code.
+            # If the oracle itself refuses, for example its number, its code has not failed.
             if isinstance(error.__cause__, WorldgenError):
                 raise error.__cause__ from None
             raise
@@ -171,9 +168,9 @@ class NamedOracle(Oracle):
         if not isinstance(answer, Mapping) or not answer or not _fits(answer):
             raise InvalidParameter(
                 "wrong-oracle-answer",
-                "oracle {text!r} answers {answer}",
+                "oracle {text!r} returned {answer}",
                 "return None, or a table of evidence: names with booleans, finite numbers, "
-                "texts, lists and tables, at most {most} in one another",
+                "texts, lists and tables, nested at most {most} deep",
                 text=self.text,
                 answer=quote(answer),
                 most=_DEEPEST,
@@ -182,7 +179,7 @@ class NamedOracle(Oracle):
 
 
 def _plain(name: str) -> str:
-    """Return a name without its place and number, of letters, digits, ``_`` and ``-``."""
+    """Return the last part of a name, without its path and number, with ``-`` for other signs."""
     last = name.rpartition(":")[2].partition("=")[0]
     return re.sub(r"[^A-Za-z0-9_]+", "-", last).strip("-")
 
@@ -195,8 +192,8 @@ def _number(text: str, number: str) -> float:
     if not math.isfinite(value):
         raise InvalidParameter(
             "not-a-number",
-            "oracle {text!r}: {number!r} is no number",
-            "write one, such as 5 or 1.5",
+            "oracle {text!r}: {number!r} is not a number",
+            "write a number, such as 5 or 1.5",
             text=text,
             number=number,
         )
@@ -204,7 +201,7 @@ def _number(text: str, number: str) -> float:
 
 
 def _fits(value: object, depth: int = 0) -> bool:
-    """Return True if a `.grid` file can hold it."""
+    """Return True if a `.grid` file can hold this value."""
     if isinstance(value, Mapping | list | tuple):
         parts = value.values() if isinstance(value, Mapping) else value
         named = not isinstance(value, Mapping) or all(isinstance(name, str) for name in value)
@@ -215,7 +212,7 @@ def _fits(value: object, depth: int = 0) -> bool:
 
 
 def _plain_value(value: Any) -> Any:
-    """Return tables as dicts, lists and tuples as lists, NumPy's numbers as Python's."""
+    """Return tables as dicts, lists and tuples as lists, NumPy numbers as Python numbers."""
     if isinstance(value, Mapping):
         return {name: _plain_value(one) for name, one in value.items()}
     if isinstance(value, list | tuple):

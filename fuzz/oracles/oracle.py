@@ -1,4 +1,4 @@
-"""What an oracle is: it looks at a trial and returns a violation, or nothing."""
+"""The interface of an oracle: look at a trial and return a violation, or nothing."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ __all__ = ["Oracle"]
 
 
 class Oracle(ABC):
-    """Judges runs. It returns what it finds.
+    """Judges runs and returns what it finds.
 
-    It raises only if it is misused, or is itself at fault.
+    It raises only if it is misused or fails itself.
     """
 
     by_verdict: ClassVar[bool] = True
-    """Whether the run's verdict itself is the violation."""
+    """True if the run's verdict itself is the violation."""
 
     def prove(self, world: World) -> World | None:
-        """Return the world with the certificate that a violation needs, here a witness.
+        """Return the world with the certificate that a violation requires, here a witness.
 
-        ``None`` if it has none.
+        ``None`` if there isn't one.
         """
         return certified(world)
 

@@ -15,24 +15,23 @@ _MOST = 1000
 
 
 def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
-    """Objects if the same scenario, run again, goes another way.
+    """Report a scenario that takes a different course when it runs again.
 
-    Hidden memory, or chance without a seed.
+    The cause is hidden memory, or randomness without a seed.
 
     Args:
         trial: The run.
-        times: How often to run it again at most, 1 to 1,000.
+        times: Most repetitions, 1 to 1,000.
 
     Returns:
-        ``step``: the first that ends in another pose; ``poses``: x m, y m and heading rad after it
-            in both runs,
-        empty for a run that is over; ``verdicts``; and that none of it is ``repeatable``.
+        ``step``: the first that ends in another pose. ``poses``: x m, y m and heading rad after it
+        in both runs; empty for a run that has ended by then. ``verdicts``. ``repeatable``: False.
     """
     if not 1 <= times <= _MOST or times % 1:
         raise InvalidParameter(
             "out-of-range",
-            "repeat={times:g} is no whole number from 1 to {most}",
-            "give one",
+            "repeat={times:g} is not an integer from 1 to {most}",
+            "choose one in that range",
             times=times,
             most=_MOST,
         )
@@ -52,7 +51,7 @@ def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
 
 
 def _first_difference(one: Trace | None, other: Trace | None) -> int:
-    """First step that ends in another pose, or after which only one run goes on.
+    """Return the first step that ends in another pose, or after which only one run continues.
 
     -1 if there is none.
     """

@@ -1,4 +1,4 @@
-"""Trials: what an oracle judges. A run in a world, and the means to run it again, or elsewhere."""
+"""Trials: what an oracle judges, a run in a world and the means to run it again or elsewhere."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["Trial"]
 
 @dataclass(frozen=True)
 class Trial:
-    """One run of a controller, for an oracle to judge. It runs when it is first needed.
+    """One run of a controller, for an oracle to judge. It runs on first use.
 
     Args:
-        world: Where; it carries a certificate.
+        world: The world, with its certificate.
         controller: Name, as the command line takes it.
-        options: How: motion model, budget, time step, seed, switches.
-        known: The run, recorded, if it was done already.
+        options: Options of the run: motion model, budget, time step, seed and others.
+        known: The recorded run, if it has already been done.
     """
 
     world: World
@@ -53,6 +53,7 @@ class Trial:
         if self.known is not None:
             return self.known
         found = _begun(self.controller)
+        # A compiled run is cheap to repeat, so it is recorded only if its trace is needed.
         at_once = not isinstance(found, CompiledController) and self.options.steps <= MAX_RECORDED
         return simulate(self.world, found, self.options, record=at_once)
 
@@ -60,7 +61,7 @@ class Trial:
     def trace(self) -> Trace | None:
         """Every state of the run.
 
-        ``None`` of one that failed before its first step, or is too long to be recorded.
+        ``None`` if the run failed before its first step, or is too long to be recorded.
         """
         is_final = self.known is not None or self.episode.steps > MAX_RECORDED
         if is_final or self.episode.trace is not None:
@@ -69,19 +70,19 @@ class Trial:
 
     @property
     def witness(self) -> Witness | None:
-        """The path that proves that the target can be reached."""
+        """The path that proves that the target can be reached; ``None`` if there isn't one."""
         return self.world.certificate if isinstance(self.world.certificate, Witness) else None
 
     @cached_property
     def flaw(self) -> str:
-        """Why the evidence for the run's verdict does not hold, by what was recorded.
+        """Why the recorded run does not support the evidence for its verdict.
 
-        Empty if it holds.
+        Empty if it does.
         """
         episode = self.episode
         trace = self.trace
         if isinstance(episode.evidence, LoopEvidence):
-            # A loop shows itself only in a second period, where the episode has ended.
+            # Only a second period shows a loop, and the episode has already ended by then.
             longer = episode.steps + episode.evidence.period
             run = prepare(self.world, self.controller, self.options)
             trace = run.run(longer, find_loop=False, record=True).trace
@@ -95,8 +96,8 @@ class Trial:
         """Run the same controller once more.
 
         Args:
-            world: Elsewhere, instead of in the same world.
-            record: Whether to keep every state (``trace``).
+            world: Another world to run it in.
+            record: Keep every state (``trace``).
             **changes: Options that differ, fields of :class:`RunOptions`: ``time_step=0.0075``.
 
         Raises:
@@ -108,9 +109,9 @@ class Trial:
 
 
 def _begun(controller: str) -> Controller:
-    """Return the controller.
+    """Return the controller, ready for a new run.
 
-    A program is started anew, so that a run does not depend on what no file holds.
+    A program is restarted, so that a run does not depend on memory that no file records.
     """
     found = CONTROLLERS.get(controller)
     if isinstance(found, ProcessController):

@@ -1,6 +1,6 @@
-"""Worlds that correspond to another one: turned, shifted, scaled, mirrored.
+"""Build worlds that correspond to another one: turned, shifted, scaled, mirrored.
 
-Exact; without certificate.
+The coordinates are exact. The new worlds have no certificate.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["mirrored", "scaled", "shifted", "turned"]
 
-# of a shift: unlike, so that no mix-up of the axes goes unseen
+# The shift differs along the two axes, so that mixing them up shows.
 _COLUMNS = 3
 _ROWS = 5
 
 
 def turned(world: World) -> World:
-    """Turned by a quarter, counter-clockwise."""
+    """Return the world turned counter-clockwise by a quarter turn."""
     start = world.start
     target = world.target
     line = world.timeline
@@ -35,7 +35,7 @@ def turned(world: World) -> World:
 
 
 def mirrored(world: World) -> World:
-    """Left and right swapped."""
+    """Return the world with left and right swapped."""
     start = world.start
     target = world.target
     line = world.timeline
@@ -49,7 +49,7 @@ def mirrored(world: World) -> World:
 
 
 def shifted(world: World) -> World:
-    """With three solid columns more on the left and five solid rows more below."""
+    """Return the world with three more solid columns on the left and five more solid rows below."""
     side = exact(world.cell_size)
     start = world.start
     target = world.target
@@ -66,7 +66,7 @@ def shifted(world: World) -> World:
 
 
 def scaled(world: World) -> World:
-    """Every length and the top speed doubled, times as they are."""
+    """Return the world with every length and the top speed doubled; times stay the same."""
     start = world.start
     target = world.target
     return replace(
@@ -84,5 +84,5 @@ def _bare(world: World) -> World:
 
 
 def _across(world: World, cells: int, metres: float) -> float:
-    """A coordinate counted from the other side."""
+    """Return a coordinate measured from the opposite side."""
     return float(cells * exact(world.cell_size) - exact(metres))

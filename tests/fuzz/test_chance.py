@@ -160,7 +160,7 @@ def test_the_answer_is_the_known_one(controller, target, chance):
 def test_the_draws_that_lose_all_are_named(controller):
     found = answer(controller, hall())
     assert (found.draws, found.lost_after) == ((1,), 1)
-    assert "lost for ever, the soonest after 1 steps with the draws 1 (" in in_words(found, {})
+    assert "lost forever, at the earliest after 1 steps with the draws 1 (" in in_words(found, {})
 
 
 @pytest.mark.parametrize(("controller", "faces"), [(peek, {0, 1}), (waver, {0})])

@@ -9,7 +9,7 @@ import pytest
 
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Trial, Violation
-from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
+from fuzz.oracles.added_walls import walled_where_unnoticed, with_a_block_near_the_path
 from fuzz.oracles.worlds import mirrored, scaled, shifted, turned
 from fuzz.replay.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
@@ -309,7 +309,7 @@ def test_walls_that_beams_or_a_signal_would_notice_are_not_added(controller):
 
 
 def test_a_witness_holds_between_the_walls_that_are_added():
-    for add in (walled_where_unnoticed, with_a_block_beside_the_way):
+    for add in (walled_where_unnoticed, with_a_block_near_the_path):
         world = add(Trial(HALL, "bug1", RunOptions(steps=4000)))
         assert check_certificate(world).valid and (world.walls >= HALL.walls).all()
 
