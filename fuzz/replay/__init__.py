@@ -1,1 +1,1 @@
-"""Stored failures run again: does each still fail, how, or does the robot arrive now."""
+"""Run stored failures again: does each still fail, and how, or does the robot arrive now?"""

@@ -1,4 +1,4 @@
-"""What a replay answers: does a stored failure still fail, how, or does the robot arrive now."""
+"""Answer what has become of a stored failure: does it still fail, and how, or is it fixed?"""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ __all__ = ["ReplayAnswer", "State", "answer", "describe_summary"]
 
 
 class State(StrEnum):
-    """How a stored failure stands today."""
+    """What has become of a stored failure."""
 
     SAME = "same"
-    """It is as it was stored: verdict, evidence, trace digest and certificate."""
+    """Unchanged: verdict, evidence, trace digest and certificate are as stored."""
 
     FAILS = "fails"
-    """It fails, but not as it was stored."""
+    """It fails, but not as stored."""
 
     ARRIVES = "arrives"
-    """It fails no more."""
+    """It no longer fails."""
 
     UNPROVED = "unproved"
-    """It cannot be run here, or the file's certificate does not hold."""
+    """It cannot be run, or the file's certificate does not hold."""
 
 
 @dataclass(frozen=True)
 class ReplayAnswer:
-    """The answer to "what about this failure now?".
+    """The result of replaying a stored failure.
 
     Args:
         state: See :class:`State`.
-        words: The answer, without the file's name.
-        replay: What was compared, bit by bit.
-        episode: The run that shows it, recorded; ``None`` if there is none.
+        words: The answer in words, without the file's name.
+        replay: The exact comparison.
+        episode: The recorded run that shows it; ``None`` if there isn't one.
     """
 
     state: State
@@ -51,19 +51,19 @@ class ReplayAnswer:
 
 
 def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
-    """Run a stored failure again and say how it stands.
+    """Run a stored failure again and report what has become of it.
 
-    A run that is not as it was stored gets the budget of the failure or that of the witness,
-        whichever is longer: a
-    robot that is merely late with the stored steps arrives.
+    If the run differs from the stored one, it gets the failure's budget or the witness's,
+    whichever is longer. A robot that merely needs more than the stored steps therefore arrives.
 
     Args:
-        failure: From its file.
-        controller: Instead of the one that the file names.
+        failure: The stored failure.
+        controller: A controller to use instead of the recorded one.
 
     Raises:
-        InvalidParameter: If its record names options that are unknown here.
+        InvalidParameter: If its record has options that this version does not know.
     """
+    # First the exact comparison.
     outcome = replay(failure, controller)
     record = failure.record
     if outcome.episode is None:
@@ -73,9 +73,11 @@ def answer(failure: Failure, controller: str | None = None) -> ReplayAnswer:
         same = (
             "the same, bit for bit"
             if outcome.episode.trace_digest == record.trace_digest
-            else "still fails alike"
+            else "still fails in the same manner"
         )
         return ReplayAnswer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
+
+    # Without a valid certificate nothing can be concluded; otherwise see whether it is fixed.
     fault = certificate_fault(failure.world)
     if fault:
         return ReplayAnswer(
@@ -122,8 +124,8 @@ def _mended(failure: Failure, episode: Episode) -> str:
 
 
 def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
-    """Return how a failure fails now, and how it did."""
-    if episode.verdict == Verdict.REACHED:  # an oracle still objects
+    """Describe how a failure fails now and how it failed before."""
+    if episode.verdict == Verdict.REACHED:  # the oracle still finds a violation
         return wrong
     now = _in_short(episode.verdict, episode.evidence)
     if now == was:
@@ -134,7 +136,7 @@ def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Repl
 
 
 def _in_short(verdict: str, evidence: Evidence | None) -> str:
-    """Return a verdict with the fact that tells two of its kind apart at a glance."""
+    """Return a verdict with the one fact that best distinguishes two of its kind."""
     match evidence:
         case LoopEvidence(period=period):
             return f"loop, period {period}"

@@ -1,4 +1,4 @@
-"""Whether a stored failure is fixed: the robot arrives now, or stays where it should."""
+"""Check whether a stored failure is fixed: the robot arrives now, or stays out as it should."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ __all__ = ["Checked", "RegressionRun", "arrives", "is_fixed", "who_drives"]
 
 @dataclass(frozen=True)
 class RegressionRun:
-    """What a test looked at.
+    """The run on which a regression test was decided.
 
     Args:
-        world: The world, without a record of an older failure.
-        scenario: What ran in it; ``None`` if nothing did.
-        options: How it ran.
-        episode: How it ended, recorded.
-        stored: The file, if it shows the same again.
+        world: The world, without the record of an older failure.
+        scenario: The scenario that ran; ``None`` if nothing ran.
+        options: Options of the run.
+        episode: The recorded run.
+        stored: The command that replays the stored file, if it shows the same.
     """
 
     world: World
@@ -41,11 +41,11 @@ class RegressionRun:
 
 @dataclass(frozen=True)
 class Checked:
-    """Whether a stored failure is as expected.
+    """The result of checking a stored failure.
 
     Args:
-        reason: Why it is not; empty if it is.
-        seen: What was looked at.
+        reason: Why it is not as expected; empty if it is.
+        seen: The run that was checked.
     """
 
     reason: str
@@ -53,11 +53,11 @@ class Checked:
 
 
 def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
-    """Run a stored failure's world again and say why it is not fixed, if it is not.
+    """Run a stored failure's world again and report why it is not fixed, if it isn't.
 
     Args:
-        failure: From its file.
-        controller: Instead of the one that the record names.
+        failure: The stored failure.
+        controller: A controller to use instead of the recorded one.
 
     Raises:
         InvalidParameter: If a name is unknown.
@@ -70,7 +70,7 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
 
 
 def arrives(world: World, controller: str) -> Checked:
-    """Run a controller in a world without a failure, and say why it does not arrive, if it does not.
+    """Run a controller in a world without a failure and report why it does not arrive, if so.
 
     Raises:
         InvalidParameter: If a name is unknown.
@@ -80,8 +80,8 @@ def arrives(world: World, controller: str) -> Checked:
     if proved is None:
         raise InvalidWorld(
             "not-proved-reachable",
-            "it is not proved that this world's target can be reached",
-            "worldgen verify says more",
+            "this world's target is not proved to be reachable",
+            "see worldgen verify",
             at_terminal=True,
         )
     scenario = Scenario.parse(controller)
@@ -89,11 +89,11 @@ def arrives(world: World, controller: str) -> Checked:
 
 
 def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Oracle) -> Checked:
-    """Run a scenario, and hold its verdict and what the oracle finds against what is right in such a world."""
+    """Run a scenario and compare its verdict and the oracle's findings with what is right."""
     fault = certificate_fault(world)
     if fault:
         return Checked(
-            f"the file proves nothing: {fault}; make the failure again", RegressionRun(world)
+            f"the file proves nothing: {fault}; create the failure again", RegressionRun(world)
         )
     trial = Trial.recorded(world, scenario.controller, options)
     episode = trial.episode
@@ -104,9 +104,9 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
     # Where the target is walled off, the robot only has to stay out.
     if isinstance(world.certificate, Cut):
         stays_out = episode.verdict in UNENDED
-        return Checked("" if stays_out else f"{ended}, where the target is walled off", seen)
+        return Checked("" if stays_out else f"{ended}, but the target is walled off", seen)
     if episode.verdict != Verdict.REACHED:
-        return Checked(f"{ended}, though the target can be reached", seen)
+        return Checked(f"{ended}, but the target can be reached", seen)
     if trial.flaw:
         return Checked(f"{ended}, but {trial.flaw}", seen)
     found = violation_in(trial, oracle)
@@ -114,5 +114,5 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
 
 
 def who_drives(scenario: Scenario) -> str:
-    """Return ``turn-left under swept``, with the options that vary the run."""
+    """Return controller and motion model in words: ``turn-left under swept``."""
     return f"{scenario.label(scenario.motion, scenario.time_step)} under {scenario.motion}"

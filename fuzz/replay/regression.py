@@ -1,6 +1,6 @@
-"""Worlds as regression tests: is a stored failure fixed, or still as it was.
+"""Worlds as regression tests: check that a stored failure is fixed, or unchanged.
 
-What to show and keep if not.
+If the check fails, show the world and save it.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ CONFIRMED = "confirmed"
 
 @dataclass(frozen=True)
 class FailingWorld:
-    """A failing test's world, for a report.
+    """The world of a failing test, for a report.
 
     Args:
         text: Picture, file and command.
-        properties: ``artifact`` and ``replay``, as far as there are any.
+        properties: ``artifact`` and ``replay``, if they exist.
     """
 
     text: str
@@ -56,22 +56,22 @@ class FailingWorld:
 
 
 def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Checked:
-    """Runs a stored failure, or a world, and holds the outcome against what is expected.
+    """Run a stored failure, or a world, and compare the outcome with the expected one.
 
     Args:
         path: A ``.grid`` file.
         expect: ``fixed``: the robot now arrives, within the failure's budget or the witness's,
-            whichever is longer; where the target is walled off, it goes through no wall; and the
-            oracle that the failure names, if it names one, does not object. ``confirmed``: verdict,
-                evidence, digest and
-            certificate are as stored.
-        controller: Instead of the one that the file names; a world without a failure needs one.
+            whichever is longer; if the target is walled off, it goes through no wall; and the
+            oracle that the failure names, if any, finds nothing wrong. ``confirmed``: verdict,
+            evidence, digest and certificate are as stored.
+        controller: A controller to use instead of the recorded one; required for a world without a
+            failure.
 
     Raises:
         FormatError: If the file cannot be read.
-        InvalidParameter: If a name is unknown, or the file holds no failure and no controller is
-            named.
-        InvalidWorld: If it holds no failure and its target cannot be reached.
+        InvalidParameter: If a name is unknown, or if the file holds no failure and no controller
+            is given.
+        InvalidWorld: If the file holds no failure and its target cannot be reached.
     """
     world = read_world(path)
     if expect == CONFIRMED:
@@ -89,16 +89,17 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
 
 
 def fixed(world: World, controller: str | None = None) -> Checked:
-    """Run a world, or that of a stored failure, and say why it is not fixed, if it is not.
+    """Run a world, or a stored failure's world, and report why it is not fixed, if it isn't.
 
     Args:
-        world: From its file, with a failure's record or without.
-        controller: Instead of the one that the record names; a world without a failure needs one.
+        world: The world, with or without a failure's record.
+        controller: A controller to use instead of the recorded one; required for a world without a
+            failure.
 
     Raises:
-        InvalidParameter: If a name is unknown, or the world holds no failure and no controller is
-            named.
-        InvalidWorld: If it holds no failure and its target cannot be reached.
+        InvalidParameter: If a name is unknown, or if the world holds no failure and no controller
+            is given.
+        InvalidWorld: If the world holds no failure and its target cannot be reached.
     """
     failure = Failure.found_in(world)
     if failure is not None:
@@ -106,7 +107,7 @@ def fixed(world: World, controller: str | None = None) -> Checked:
     if controller is None:
         raise InvalidParameter(
             "no-failure",
-            "this world holds no failure, so it names no controller",
+            "this world holds no failure, so it does not name a controller",
             "give --worldgen-controller",
             at_terminal=True,
         )
@@ -120,13 +121,13 @@ def _confirmed(path: Path, failure: Failure, controller: str | None) -> Checked:
     seen = RegressionRun(failure.world, driven.scenario, failure.options, now.episode, again)
     if now.state is State.SAME:
         return Checked("", seen)
-    hint = "; expect it to be fixed" if now.state is State.ARRIVES else ""
+    hint = "; the test should now expect it to be fixed" if now.state is State.ARRIVES else ""
     name = driven.record.controller
     return Checked(f"{name} under {failure.record.motion}: not confirmed: {now.words}{hint}", seen)
 
 
 def run(world: World, controller: str, seed: int = 0) -> tuple[RegressionRun, Episode]:
-    """Runs a controller, with variations as the command line takes them, and records it.
+    """Run a controller, with variations as on the command line, and record it.
 
     Raises:
         InvalidParameter: If a name or an option is unknown.
@@ -140,12 +141,13 @@ def run(world: World, controller: str, seed: int = 0) -> tuple[RegressionRun, Ep
 
 
 def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
-    """Draws a failing test's world in plain text, and keeps it.
+    """Draw a failing test's world in plain text, and save it.
 
     Args:
-        seen: What the test looked at.
-        path: The file to keep it in, overwritten; ``None`` to keep nothing.
+        seen: The run that was checked.
+        path: The file to save the world to, overwriting it; ``None`` to save nothing.
     """
+    # What happened, and the picture.
     lines = []
     properties = {}
     if seen.scenario is not None and seen.episode is not None:
@@ -154,6 +156,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
         )
     trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
+    # The command to replay it: the stored file's if that shows the same, else a newly saved one's.
     replayed_by = seen.stored
     if not replayed_by and path is not None:
         try:
@@ -161,7 +164,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
             properties["artifact"] = _near(path)
             lines.append(f"world:  {_near(path)}")
         except (WorldgenError, OSError) as error:
-            lines.append(f"the world could not be kept: {error}")
+            lines.append(f"the world could not be saved: {error}")
     if replayed_by:
         properties["replay"] = replayed_by
         lines.append(f"replay: {replayed_by}")
@@ -169,7 +172,7 @@ def tell(seen: RegressionRun, path: Path | None) -> FailingWorld:
 
 
 def _keep(seen: RegressionRun, path: Path) -> str:
-    """Writes the world, as a failure if it is one; returns the command that shows it."""
+    """Save the world, as a failure if it is one; return the command that shows it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     file = shlex.quote(_near(path))
     if seen.scenario is None or seen.options is None:
@@ -187,7 +190,7 @@ def _keep(seen: RegressionRun, path: Path) -> str:
 
 
 def _near(path: Path) -> str:
-    """The path as seen from here, if it is below."""
+    """Return the path relative to the current folder, if it is below it."""
     try:
         return str(path.resolve().relative_to(Path.cwd()))
     except ValueError:

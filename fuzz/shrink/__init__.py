@@ -1,14 +1,14 @@
-"""Shrinking: makes a failure's world as small as it can be, and checks that it is.
+"""Shrinking: make a failure's world as small as possible, and check that it is.
 
 Contents:
-    shrink: runs every pass until none makes the failure simpler.
-    shrink_class: the simplest result over several failures.
-    Shrunk: what they return.
-    snippet: a failure as a test module that carries its world.
-    KEEP: what a shrunk failure can keep of the one that it came from.
-    PASSES: the ways to get simpler, as a list.
-    ORDER: what "simpler" means, as a list.
-    removable: what could still be taken away; empty for a 1-minimal world.
+    shrink: Runs every pass until none makes the failure simpler.
+    shrink_class: Returns the simplest result over several failures.
+    Shrunk: The result of both.
+    snippet: Writes a failure as a test module that contains its world.
+    KEEP: What a shrunk failure may have in common with the original.
+    PASSES: The list of simplifications.
+    ORDER: The measures that define "simpler".
+    removable: Lists what could still be removed; empty for a 1-minimal world.
 """
 
 from fuzz.shrink.minimal import removable

@@ -1,6 +1,6 @@
-"""Single edits of a world: free cells, drop rows and columns, move the start, round a number.
+"""Edits of a world's geometry: free cells, drop rows and columns, move the start, round a number.
 
-Pure geometry.
+None of them knows anything about the run.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ _SMALLEST_SIDE = 1  # cells
 
 
 def bare(world: World) -> World:
-    """The world without certificate, provenance and failure: what edits work on."""
+    """Return the world without certificate, provenance and failure, ready for edits."""
     return replace(world, certificate=None, provenance=None, failure=None)
 
 
 def free_cells(world: World, cells: Iterable[tuple[int, int]]) -> World | None:
-    """The world with the cells (ix, iy) freed; ``None`` if none of them was solid."""
+    """Return the world with the cells (ix, iy) freed; ``None`` if none of them was solid."""
     walls = world.walls.copy()
     for ix, iy in cells:
         walls[iy, ix] = False
@@ -44,7 +44,7 @@ def free_cells(world: World, cells: Iterable[tuple[int, int]]) -> World | None:
 
 
 def drop_rows(world: World, first: int, count: int) -> World | None:
-    """The world without ``count`` rows from ``first`` up; what lies above moves down."""
+    """Return the world without ``count`` rows from ``first`` up; the rows above move down."""
     if world.height - count < _SMALLEST_SIDE:
         return None
     top = first + count
@@ -59,7 +59,7 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
 
 
 def drop_columns(world: World, first: int, count: int) -> World | None:
-    """The world without ``count`` columns from ``first`` on; what lies right of them moves left."""
+    """Return the world without ``count`` columns from ``first`` on; the rest moves left."""
     if world.width - count < _SMALLEST_SIDE:
         return None
     right = first + count
@@ -74,7 +74,7 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
 
 
 def drop_events(world: World, first: int, count: int) -> World | None:
-    """The world without ``count`` events from ``first`` on."""
+    """Return the world without ``count`` events from ``first`` on."""
     line = world.timeline
     if first >= len(line):
         return None
@@ -84,9 +84,9 @@ def drop_events(world: World, first: int, count: int) -> World | None:
 
 
 def with_time(world: World, event: int, time: float) -> World | None:
-    """The world in which an event happens at another time, s.
+    """Return the world in which an event happens at another time, s.
 
-    ``None`` if it would then not keep its place in line.
+    ``None`` if the events would then no longer be in order.
     """
     times = world.timeline.times.copy()
     times[event] = time
@@ -97,21 +97,22 @@ def with_time(world: World, event: int, time: float) -> World | None:
 
 
 def changed(world: World, **parts: Any) -> World | None:
-    """The world with other parts; ``None`` if such a world cannot be, or it is the same."""
+    """Return the world with other parts; ``None`` if that is invalid or changes nothing."""
     if "walls" not in parts and all(getattr(world, name) == part for name, part in parts.items()):
         return None
     try:
         return replace(world, **parts)
-    except InvalidWorld:  # a point fell off the grid
+    except InvalidWorld:  # a point is off the grid
         return None
 
 
 def edited(world: World, edit: CellEdit) -> World | None:
-    """The world after an edit of its cells; ``None`` if that leaves no grid, or changes nothing."""
+    """Return the world after an edit of its cells; ``None`` if no grid is left, or no change."""
     if edit.kind == EditKind.DROP_ROWS:
         return drop_rows(world, edit.a, edit.b)
     if edit.kind == EditKind.DROP_COLUMNS:
         return drop_columns(world, edit.a, edit.b)
+    # The remaining edits free solid cells: those in a box, in a run, or else on the rim.
     solid = np.argwhere(world.walls)
     iy, ix = solid.T
     if edit.kind == EditKind.FREE_BOX:
@@ -126,9 +127,9 @@ def edited(world: World, edit: CellEdit) -> World | None:
 
 
 def _moved(world: World, metres: float, edge: int, count: int) -> float:
-    """A coordinate after ``count`` cells below ``edge`` are gone.
+    """Return a coordinate after ``count`` cells below ``edge`` were removed.
 
-    One among those stays where it is.
+    A coordinate within the removed cells stays where it is.
     """
     side = exact(world.cell_size)
     return float(exact(metres) - count * side) if exact(metres) >= edge * side else metres

@@ -1,7 +1,4 @@
-"""The independent check that a shrunk world is 1-minimal.
-
-Its own loops, no pass of the shrinker.
-"""
+"""Check independently that a shrunk world is 1-minimal, with plain loops and no shrinking pass."""
 
 from __future__ import annotations
 
@@ -16,14 +13,14 @@ __all__ = ["removable", "removed"]
 
 
 def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
-    """Everything that could still go: solid cells one by one, rows, columns.
+    """Return everything that could still be removed: single solid cells, rows, columns.
 
     Args:
         world: A shrunk world.
-        still_fails: Returns the candidate, certified, if it fails with the same verdict.
+        still_fails: Returns the candidate with a certificate if it fails with the same verdict.
 
     Returns:
-        What can be removed, in words; empty for a 1-minimal world.
+        A description of each part that can be removed; empty for a 1-minimal world.
     """
     return [name for name, _ in removed(world, still_fails)]
 
@@ -31,7 +28,7 @@ def removable(world: World, still_fails: Callable[[World], World | None]) -> lis
 def removed(
     world: World, still_fails: Callable[[World], World | None]
 ) -> Iterator[tuple[str, World]]:
-    """What :func:`removable` lists, one after the other, with the world that is left, certified."""
+    """Yield each part that could still be removed, with the certified world that is left."""
     for name, candidate in _neighbours(bare(world)):
         left = None if candidate is None else still_fails(candidate)
         if left is not None:

@@ -1,7 +1,4 @@
-"""The ways in which a failure can get simpler, as a list.
-
-Each proposes edits, most daring first.
-"""
+"""Shrinking passes: each proposes edits that make a failure simpler, the boldest first."""
 
 from __future__ import annotations
 
@@ -23,18 +20,18 @@ from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
 __all__ = ["PASSES", "Change", "Edit", "Pass"]
 
 Change = Callable[[], "Case | None"]
-"""Makes one simpler case, or ``None`` where there is nothing to do."""
+"""Makes one simpler case, or ``None`` if there is nothing to do."""
 
 Edit = CellEdit | Change
 
 
 class Pass(NamedTuple):
-    """One way to get simpler.
+    """One kind of simplification.
 
     Args:
-        name: As ``worldgen shrink --passes`` lists it.
-        says: What it does, in one line.
-        propose: Edits of a case; asked again whenever one is taken.
+        name: Name in the list of ``worldgen shrink --passes``.
+        says: One line that describes it.
+        propose: Yields the edits of a case; called again whenever one is taken.
     """
 
     name: str
@@ -61,9 +58,9 @@ def _drop_columns(case: Case) -> Iterator[Edit]:
 
 
 def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tuple[int, int]]:
-    """All that lies beyond or between start and target, each at once.
+    """Yield runs of rows or columns: first everything beyond or between start and target.
 
-    Then halves of the grid, quarters, ... one.
+    Then halves of the grid, quarters, and so on down to single ones.
     """
     low, high = sorted(math.floor(in_cells(place, world.cell_size)) for place in places)
     spans = ((high + 1, size), (low + 1, high), (0, low))
@@ -130,8 +127,9 @@ def _approach(case: Case) -> Iterator[Edit]:
         math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
         for a, b in ((start.x, target.x), (start.y, target.y))
     )
-    ways = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
-    for dx, dy in dict.fromkeys(way for way in ways if way != (0, 0)):
+    # Bold moves first: half of the way, then all along one axis, then a single cell.
+    moves = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
+    for dx, dy in dict.fromkeys(move for move in moves if move != (0, 0)):
         x = _shifted(start.x, dx, side)
         y = _shifted(start.y, dy, side)
         yield partial(_part, case, start=replace(start, x=x, y=y))
@@ -160,7 +158,8 @@ def _simplify_run(case: Case) -> Iterator[Edit]:
         for option, value in options.changed().items():
             if isinstance(value, float):
                 for number in rounder(value):
-                    if number != 0.0:  # 0 switches the option off, which makes another robot
+                    # 0 switches an option off, which makes it a different robot.
+                    if number != 0.0:
                         yield partial(_option, case, name, option, number)
 
 
@@ -178,11 +177,11 @@ PASSES: tuple[Pass, ...] = (
         "one",
         _drop_rows,
     ),
-    Pass("drop-columns", "drop columns, likewise", _drop_columns),
+    Pass("drop-columns", "drop columns, in the same order", _drop_columns),
     Pass("free-all", "free every solid cell", _free_all),
     Pass(
         "free-rim",
-        "free the outermost ring of cells: what lies outside the grid is solid anyway",
+        "free the outermost ring of cells: everything outside the grid is solid anyway",
         _free_rim,
     ),
     Pass("free-blocks", "free square blocks of cells, from the largest to 2 x 2", _free_blocks),
@@ -197,18 +196,20 @@ PASSES: tuple[Pass, ...] = (
     Pass("approach", "move the start nearer to the target", _approach),
     Pass(
         "simplify-robot",
-        "give the robot the usual radius and speed, or ones of few digits",
+        "give the robot the usual radius and speed, or ones with few digits",
         _simplify_robot,
     ),
     Pass(
         "simplify-target",
-        "give the target half a cell as radius, or one of few digits",
+        "give the target a radius of half a cell, or one with few digits",
         _simplify_target,
     ),
-    Pass("simplify-run", "give the time step and the options numbers of few digits", _simplify_run),
-    Pass("round-times", "move events to earlier times of few digits, 0 at best", _round_times),
+    Pass(
+        "simplify-run", "give the time step and the options numbers with few digits", _simplify_run
+    ),
+    Pass("round-times", "move events to earlier times with few digits, at best to 0", _round_times),
 )
-"""In the order in which they run; once more from the first, until a whole round changes nothing."""
+"""The passes in order; all are repeated until a whole round changes nothing."""
 
 
 def _halves(count: int) -> list[int]:
@@ -224,7 +225,7 @@ def _one(cells: int) -> int:
 
 
 def _middle(place: float, side: float) -> float:
-    """The middle of the cell in which a coordinate lies, m."""
+    """Return the middle of the cell that contains a coordinate, m."""
     return lattice_to_metres(math.floor(in_cells(place, side)) * UNIT + UNIT // 2, side)
 
 

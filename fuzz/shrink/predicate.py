@@ -1,4 +1,4 @@
-"""Whether a simpler world still fails in the same manner, and still carries a certificate."""
+"""Decide whether a simpler world still fails in the same manner and still has a certificate."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNEN
 
 
 def _manner_of(evidence: Evidence | None) -> str:
-    """What a shrunk failure keeps beside its verdict; empty where anything will do."""
+    """Return what a shrunk failure keeps in addition to its verdict; empty if anything will do."""
     match evidence:
         case WallEvidence(cause=cause):
             return cause or ""
@@ -39,18 +39,18 @@ def _manner_of(evidence: Evidence | None) -> str:
 
 @dataclass
 class StillFails:
-    """Judges candidates; counts the simulations that it cost.
+    """Judges candidates, and counts the simulations that this takes.
 
     Args:
-        scenario: What runs.
+        scenario: The scenario to run.
         verdict: The verdict to keep.
-        budget: Steps for verdicts that the run itself proves; others get the budget of their own
-            witness.
-        oracle: The oracle that is to object still.
+        budget: Steps for verdicts that the run itself proves; others get the budget of their
+            candidate's witness.
+        oracle: The oracle that must still find a violation.
         manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind
             of a stalled run, the bucket of a crash; empty for any.
-        bucket: The bucket to keep, if that is to stay as well, as it always is if a user's oracle
-            objects; empty for any.
+        bucket: The bucket to keep as well; empty for any. A violation of a user's oracle always
+            keeps its bucket.
     """
 
     scenario: Scenario
@@ -65,12 +65,12 @@ class StillFails:
     def of(
         cls, failure: Failure, budget: int | None = None, *, bucket: str | None = None
     ) -> StillFails:
-        """Return the predicate that keeps what a failure's record says.
+        """Return the predicate that keeps what a failure's record states.
 
         Args:
-            failure: What is shrunk.
-            budget: See above; if omitted, the record's own.
-            bucket: See above; if omitted, the record's if the record says that it was kept.
+            failure: The failure to shrink.
+            budget: See the class; the recorded budget if omitted.
+            bucket: See the class; if omitted, the recorded bucket, provided that shrinking kept it.
         """
         oracle = oracle_of(failure)
         if isinstance(oracle, NamedOracle):
@@ -89,35 +89,35 @@ class StillFails:
 
     @property
     def breach(self) -> bool:
-        """Whether the target is to stay walled off, and to be reached regardless of walls."""
+        """True if the target must stay walled off, but be reached when walls are ignored."""
         return self.oracle == BREACH
 
     @property
     def is_proved_by_the_run(self) -> bool:
-        """Whether the run itself proves the verdict, within any budget."""
+        """True if the run itself proves the verdict, within any budget."""
         return self.verdict in _PROVED_BY_THE_RUN
 
     @property
     def proof_budget(self) -> int | None:
-        """Budget that the final failure must have; ``None`` where its witness decides."""
+        """Budget that the final failure must have; ``None`` if its witness decides."""
         return self.budget if self.is_proved_by_the_run else None
 
     @property
     def least_budget(self) -> int:
-        """Steps that every candidate gets at least."""
+        """Smallest budget of any candidate, in steps."""
         return self.budget if self.is_proved_by_the_run else FEWEST_STEPS
 
     @functools.cached_property
     def controller(self) -> Controller:
-        """What runs."""
+        """The controller that runs."""
         return CONTROLLERS.get(self.scenario.controller)
 
     def __call__(self, candidate: World, scenario: Scenario | None = None) -> World | None:
-        """The candidate with a fresh certificate if it still fails the same way, else ``None``.
+        """Return the candidate with a new certificate if it still fails the same way, else ``None``.
 
         Args:
             candidate: A simpler world.
-            scenario: What runs in it, if that got simpler too.
+            scenario: The scenario, if that was simplified too.
         """
         scenario = scenario or self.scenario
         try:
@@ -126,9 +126,9 @@ class StillFails:
             return None
 
     def seems_to_fail(self, candidate: World, scenario: Scenario) -> bool:
-        """Whether one unrecorded run of the least budget ends as it should.
+        """Return True if one unrecorded run with the smallest budget ends as it should.
 
-        Without proof, and without certificate.
+        This is neither a proof, nor does it need a certificate.
         """
         try:
             self.simulations += 1
@@ -139,6 +139,7 @@ class StillFails:
             return False
 
     def _failing(self, candidate: World, scenario: Scenario) -> World | None:
+        # Run first and prove later where possible: a run costs less than a certificate.
         if not self.oracle.by_verdict:
             return self._objected_to(candidate, scenario)
         if self.is_proved_by_the_run:
@@ -162,7 +163,7 @@ class StillFails:
         )
 
     def _objected_to(self, candidate: World, scenario: Scenario) -> World | None:
-        """Return the candidate with a fresh witness if a user's oracle objects in the same manner."""
+        """Return the candidate with a new witness if the user's oracle finds the same bucket."""
         proved = self.oracle.prove(candidate)
         if proved is None:
             return None
@@ -184,12 +185,12 @@ class StillFails:
             return True
         episode = simulate(world, self.controller, options)
         manner = episode.evidence.kind if isinstance(episode.evidence, BudgetEvidence) else None
-        return episode.verdict == self.verdict and self._likewise(manner)
+        return episode.verdict == self.verdict and self._is_same_manner(manner)
 
     def _ends_so(self, outcome: Outcome) -> bool:
-        """Whether a run ends as the verdict says, as far as its end shows it."""
+        """Return True if a run ends as the verdict requires, as far as its end shows that."""
         if self.verdict == Verdict.TUNNEL:
-            return outcome.ending == Verdict.TUNNEL and self._likewise(outcome.cause)
+            return outcome.ending == Verdict.TUNNEL and self._is_same_manner(outcome.cause)
         if self.verdict == Verdict.CRASH:
             return outcome.ending == Verdict.CRASH and self._is_same_crash(outcome)
         if self.verdict in (Verdict.BURNED, *BY_THE_CONTROLLER):
@@ -197,7 +198,7 @@ class StillFails:
         if outcome.ending in AT_ONCE:
             return False
         if self.verdict == Verdict.OVERLAP:
-            return outcome.overlap_step >= 0 and self._likewise(outcome.cause)
+            return outcome.overlap_step >= 0 and self._is_same_manner(outcome.cause)
         if outcome.overlap_step >= 0 or outcome.ending == Verdict.REACHED:
             return False
         return outcome.ending == Verdict.LOOP or self.verdict != Verdict.LOOP
@@ -213,11 +214,11 @@ class StillFails:
         fault = replace(outcome.fault or FaultEvidence(), step=outcome.steps)
         return crash_bucket(fault) == self.manner
 
-    def _likewise(self, manner: object) -> bool:
+    def _is_same_manner(self, manner: object) -> bool:
         return self.manner in ("", manner)
 
     def _arrives(self, world: World, options: RunOptions) -> bool:
-        """For a breach, whether the robot arrives regardless of walls; else nothing is asked."""
+        """Return True if the robot of a breach arrives when walls are ignored; True otherwise."""
         return (
             not self.breach
             or self._run(world, regardless_of_walls(options)).ending == Verdict.REACHED

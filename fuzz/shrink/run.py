@@ -1,4 +1,4 @@
-"""Runs the passes until a whole round changes nothing, within a budget of time."""
+"""Run the passes until a whole round changes nothing, within a time budget."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from worldgen.world import Value, World
 __all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]
 
 KEEP = ("verdict", "class")
-"""What a shrunk failure has in common with the one that it came from."""
+"""What a shrunk failure can be required to have in common with the original."""
 
-# A simpler world may need longer until it fails than the one that it came from.
+# A simpler world may need more steps than the original until it fails.
 _MORE_STEPS = 4
 _FEWEST_STEPS = 2_000
-# Details that do not hold of the new world.
+# Details that do not apply to the new world.
 _OF_THE_OLD_WORLD = (
     "boundaries",
     "chance",
@@ -54,14 +54,14 @@ class Shrunk:
     """The result of shrinking.
 
     Args:
-        failure: With fresh certificate, evidence and digest.
+        failure: The shrunk failure, with new certificate, evidence and digest.
         before: Solid cells before.
         after: Solid cells now.
-        simulations: Runs that it took.
+        simulations: Number of runs that it took.
         left: What could still be removed; empty if the world is 1-minimal.
-        complete: Whether every pass ended by itself, not by the clock.
-        kept: What it has in common with the failure that it came from, one of :data:`KEEP`.
-        interrupted: Whether Ctrl-C ended it.
+        complete: True if every pass finished before the time was up.
+        kept: What it has in common with the original, one of :data:`KEEP`.
+        interrupted: True if Ctrl-C ended it.
     """
 
     failure: Failure
@@ -87,27 +87,29 @@ def shrink(
     keep_on_interrupt: bool = False,
     keep: str = "verdict",
 ) -> Shrunk:
-    """Makes a failure's world as small as it can be, keeping its certificate.
+    """Make a failure's world as small as possible, keeping its certificate.
 
     Args:
-        failure: What is shrunk.
-        seconds: Stop after this time with the best so far; a fixed amount of work without it.
+        failure: The failure to shrink.
+        seconds: Stop after this time with the best result so far. If omitted, the amount of work
+            does not depend on the clock.
         progress: Called with each simpler world.
-        keep_on_interrupt: Let Ctrl-C end shrinking with the best so far, instead of raising.
-        keep: ``verdict``: the verdict, and the cause of a tunnel or overlap, the kind of a stalled
-            run or of an oracle's objection. ``class``: the whole class of the failure as well.
+        keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
+        keep: ``verdict`` keeps the verdict, and also the cause of a tunnel or overlap, the kind of
+            a stalled run or the bucket of an oracle's violation. ``class`` keeps the failure's
+            bucket as well.
 
     Returns:
         The shrunk failure.
 
     Raises:
-        InvalidParameter: If it does not fail (any more), or ``keep`` is no such word.
+        InvalidParameter: If it does not fail (any more), or ``keep`` is unknown.
     """
     if keep not in KEEP:
         raise InvalidParameter(
             "unknown-name",
             "keep={keep!r} is not one of {known!l}",
-            "give one",
+            "give one of them",
             keep=keep,
             known=list(KEEP),
         )
@@ -131,24 +133,24 @@ def shrink_class(
     keep_on_interrupt: bool = False,
     keep: str = "verdict",
 ) -> Shrunk:
-    """The simplest world that shrinking any of several failures leads to.
+    """Return the simplest world that shrinking any of several failures leads to.
 
-    Minima differ, and starts find them.
+    Shrinking ends in a local minimum, and different originals lead to different ones.
 
     Args:
-        failures: At least one; the smallest are shrunk first.
-        seconds: For all of them together; each gets its share of what is left.
+        failures: At least one; the simplest are shrunk first.
+        seconds: Time for all of them together; each gets an equal share of the remaining time.
         progress: Called with each simpler world.
-        keep_on_interrupt: Let Ctrl-C end it with the best so far, instead of raising.
+        keep_on_interrupt: On Ctrl-C, return the best result so far instead of raising.
         keep: As for :func:`shrink`.
 
     Raises:
-        InvalidParameter: If there is none, or as :func:`shrink` says.
+        InvalidParameter: If there are no failures, or as for :func:`shrink`.
     """
     waiting = sorted(failures, key=lambda one: (one.size, world_digest(one.world)))
     if not waiting:
         raise InvalidParameter(
-            "nothing-given", "no failure was given, so there is none to shrink", "give at least one"
+            "nothing-given", "there is no failure to shrink", "give at least one"
         )
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []
@@ -171,7 +173,7 @@ def shrink_class(
 
 
 class _Reducer:
-    """Holds the simplest case so far, so that the clock or Ctrl-C can stop it at any time."""
+    """Holds the simplest case so far, so that the deadline or Ctrl-C can stop it at any time."""
 
     def __init__(
         self, failure: Failure, keep: str, deadline: float | None, progress: Progress | None
@@ -183,16 +185,15 @@ class _Reducer:
         self._still_fails = _judge(failure, keep)
         self._best = self._begin = Case(bare(failure.world), self._still_fails.scenario)
         self._trying = Trying(self._still_fails, deadline)
-        self._made: tuple[Case, Failure] | None = (
-            None  # the last case that was found to hold, and its failure
-        )
+        # The last case that was confirmed, and its failure.
+        self._made: tuple[Case, Failure] | None = None
         self._left = _NOT_CHECKED
         self._complete = False
 
     def run(self) -> None:
-        """Passes, and the check of what they left.
+        """Run the passes, then check what they left.
 
-        Once more with care, should what was judged quickly not hold.
+        If the quick judgement turns out to be wrong in the end, run once more with exact judgement.
         """
         with contextlib.suppress(TimeoutError, OutOfTime), self._stopping():
             for careful in (False, True):
@@ -205,10 +206,7 @@ class _Reducer:
                 self._best = self._begin
 
     def _stopping(self) -> contextlib.AbstractContextManager[None]:
-        """Let the clock end even the trial under way.
-
-        It may take long where the controller is slow.
-        """
+        """Let the deadline end even the current trial, which takes long with a slow controller."""
         end = self._deadline
         return (
             contextlib.nullcontext()
@@ -217,7 +215,7 @@ class _Reducer:
         )
 
     def _reduce(self) -> None:
-        """Passes until none makes the failure simpler, nor the check finds what could go."""
+        """Run passes until none makes the failure simpler and the check finds nothing removable."""
         while True:
             self._exhaust_all()
             found = next(removed(self._best.world, self._judged_in_time), None)
@@ -226,10 +224,10 @@ class _Reducer:
             self._take(self._best._replace(world=bare(found[1])))
 
     def result(self) -> Shrunk:
-        """The simplest case that holds, with its record.
+        """Return the simplest case that is confirmed, with its record.
 
         Raises:
-            InvalidParameter: If the oracle objects to all of them.
+            InvalidParameter: If the oracle confirms none of them.
         """
         if not self._holds():
             self._best = self._begin
@@ -239,7 +237,7 @@ class _Reducer:
             raise InvalidParameter(
                 "not-confirmed",
                 "the shrunk world of {verdict!r} was not confirmed by its oracle",
-                "replay the file that it came from: worldgen replay",
+                "replay the original file: worldgen replay",
                 at_terminal=True,
                 verdict=self._still_fails.verdict,
             )
@@ -255,7 +253,7 @@ class _Reducer:
         )
 
     def _with_details(self, made: Failure, scenario: Scenario) -> Failure:
-        """The failure with what is worth knowing of it, of the failure that it came from, and of shrinking it."""
+        """Return the failure with details of the original, the new world and the shrinking."""
         came = self._failure.record.details
         details: dict[str, Value] = {"original": self._failure.id}
         details |= {name: value for name, value in came.items() if name not in _OF_THE_OLD_WORLD}
@@ -276,7 +274,7 @@ class _Reducer:
         return self._still_fails(candidate, self._best.scenario)
 
     def _exhaust_all(self) -> None:
-        """Every pass, until a whole round changes nothing."""
+        """Run every pass until a whole round changes nothing."""
         before = None
         while before is not self._best:
             before = self._best
@@ -284,9 +282,9 @@ class _Reducer:
                 self._exhaust(simplify)
 
     def _exhaust(self, simplify: Pass) -> None:
-        """Takes every edit that still fails.
+        """Take every edit of a pass that still fails.
 
-        After one is taken the pass goes on from there, not afresh.
+        After taking one, continue with the edits that follow it instead of starting over.
         """
         taken = self._trying.first(self._best, [*simplify.propose(self._best)], 0)
         while taken is not None:
@@ -300,9 +298,9 @@ class _Reducer:
             self._progress(simpler.world)
 
     def _holds(self) -> bool:
-        """Whether the exact judge and the oracle agree to the simplest case so far.
+        """Return True if the exact judge and the oracle confirm the simplest case so far.
 
-        Then its failure is kept.
+        Its failure is then kept.
         """
         if self._made is not None and self._made[0] is self._best:
             return True
@@ -313,14 +311,14 @@ class _Reducer:
         return made is not None
 
     def _recorded(self, proved: World) -> Failure | None:
-        """The failure with its record, or ``None`` if its oracle objects."""
+        """Return the failure with its record, or ``None`` if its oracle does not confirm it."""
         oracle = self._still_fails.oracle
         budget = self._still_fails.proof_budget
         return failure_of(proved, self._best.scenario, oracle, steps=budget)
 
 
 def _judge(failure: Failure, keep: str) -> StillFails:
-    """The judge of a failure, once it has judged the failure itself.
+    """Return a judge that agrees that the original fails.
 
     Raises:
         InvalidParameter: If it does not fail.
@@ -331,15 +329,14 @@ def _judge(failure: Failure, keep: str) -> StillFails:
     if keep == "class":
         found = oracle_of(failure).check(Trial.recorded(failure.world, record.controller, options))
         bucket = "" if found is None else found.bucket
+    # Try a generous budget first. With more steps an overlap may end as a tunnel; then use the
+    # recorded budget.
     more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
-    for budget in (
-        min(more, MAX_STEPS),
-        options.steps,
-    ):  # with more steps, what overlaps may tunnel in the end
+    for budget in (min(more, MAX_STEPS), options.steps):
         still_fails = StillFails.of(failure, budget, bucket=bucket)
         if still_fails(bare(failure.world)) is not None:
             return still_fails
-    by = "" if failure.oracle is None else f" with an objection of oracle {failure.oracle}"
+    by = "" if failure.oracle is None else f" with a violation of oracle {failure.oracle}"
     raise InvalidParameter(
         "does-not-fail-so",
         "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target "
@@ -355,7 +352,7 @@ def _judge(failure: Failure, keep: str) -> StillFails:
 
 
 def _steps_to_fail(failure: Failure) -> int:
-    """Steps after which the failure is decided."""
+    """Return the number of steps after which the failure is certain."""
     evidence = failure.evidence
     if isinstance(evidence, WallEvidence) and evidence.reached is not None:
         return evidence.reached

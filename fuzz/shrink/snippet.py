@@ -1,4 +1,4 @@
-"""A failure as a test that carries its world in its own text, ready to be pasted into a suite."""
+"""Write a failure as a test that contains its world, ready to paste into a test suite."""
 
 from __future__ import annotations
 
@@ -47,20 +47,19 @@ def test_{name}_arrives(world):
     episode = {call}
     assert episode.verdict == "reached"
 """
-_RELATIVE = "# {controller} is looked for from the folder in which pytest is started.\n"
-_WIDTH = 88  # columns, the usual of formatters; a wider one leaves what is written so as it is
-_LONGEST = 40  # characters of a test's name that come from the controller's
+_RELATIVE = "# {controller} is relative to the folder in which pytest is started.\n"
+_WIDTH = 88  # columns, the default of formatters; they leave lines of this width unchanged
+_LONGEST = 40  # characters of a test's name that are taken from the controller's name
 
 
 def snippet(failure: Failure) -> str:
-    """A module with a test that fails until the failure is fixed, and one for Hypothesis with the world as example.
+    """Return a module with a test that fails until the failure is fixed.
 
-    The second is left out where not to arrive is not the failure: where an oracle objects, and
-        where the target is
-    walled off.
+    A second test, for Hypothesis, uses the world as an example. It is omitted if arriving is not
+    what matters: if an oracle found the failure, or if the target is walled off.
 
     Args:
-        failure: What the test is about.
+        failure: The failure to test.
     """
     record = failure.record
     options = failure.options
@@ -78,20 +77,20 @@ def snippet(failure: Failure) -> str:
         if _is_relative(record.controller)
         else ""
     )
-    said = {
+    parts = {
         "title": _quoted(shown(title)),
         "imports": imports,
         "comment": comment,
         "text": _quoted(text),
         "name": name,
     }
-    return _MODULE.format(**said) + (
+    return _MODULE.format(**parts) + (
         _EXAMPLE.format(name=name, call=_call(record, options)) if has_example else ""
     )
 
 
 def _is_relative(controller: str) -> bool:
-    """Whether it depends on the current folder which file a controller's name means."""
+    """Return True if a controller's name depends on the current folder."""
     if is_process_name(controller):
         return re.search(r"(?<![^\s:])\./", controller) is not None
     if is_library_name(controller):
@@ -101,30 +100,27 @@ def _is_relative(controller: str) -> bool:
 
 
 def _call(record: FailureRecord, options: RunOptions) -> str:
-    """The call of ``simulate``, as formatters leave it.
+    """Return the call of ``simulate`` as formatters write it.
 
-    In one line, or with one argument a line.
+    It takes one line, or one line for each argument.
     """
     settings = {"motion": record.motion, "seed": record.seed, **options.parameters()}
     del settings["steps"]  # each world has its own
     if settings["time_step"] == RunOptions.time_step:
         del settings["time_step"]
-    said = [
+    arguments = [
         "world",
         _literal(record.controller),
         *(f"{name}={_literal(value)}" for name, value in settings.items()),
     ]
-    line = f"simulate({', '.join(said)})"
+    line = f"simulate({', '.join(arguments)})"
     if len(f"    episode = {line}") <= _WIDTH:
         return line
-    return "\n".join(["simulate(", *(f"        {one}," for one in said), "    )"])
+    return "\n".join(["simulate(", *(f"        {one}," for one in arguments), "    )"])
 
 
 def _literal(value: object) -> str:
-    """A value in Python's words.
-
-    A text between double quotation marks, unless it has some itself.
-    """
+    """Return a value as a Python literal, with double quotes unless the text contains them."""
     text = repr(value)
     if not isinstance(value, str) or text.startswith('"') or '"' in value:
         return text
@@ -132,5 +128,5 @@ def _literal(value: object) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Text as it stands between three quotation marks."""
+    """Return text escaped for use between triple quotes."""
     return text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')

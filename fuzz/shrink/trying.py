@@ -1,4 +1,4 @@
-"""Tries edits of a failure, the cheapest judgement first: which is the first that still fails?"""
+"""Find the first edit of a failure after which it still fails, using the cheapest judgement first."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ _WANTED = {
     Verdict.TIMEOUT: Wanted(lib.WG_LIMIT, overlap=False),
 }
 
-_AT_ONCE = 256  # edits that are handed to the core in one call
-_MOST_CELLS = 1_000_000  # of a world with a quick look: the flood takes 36 bytes a cell
+_AT_ONCE = 256  # edits in one call of the core
+_MOST_CELLS = 1_000_000  # of a world that is screened: the flood takes 36 bytes per cell
 
 
 class Trying:
     """Tries edits.
 
-    A compiled controller on the pose lattice is run in compiled code, with a flood that finds most
-    ways to the target; other controllers are run one by one, unrecorded. What may be wrong so is
-    what the flood misses, and a loop that the kernel claims: so what comes out in the end is to be
-        judged by ``still_fails``, and to be shrunk
-    once more with ``careful``, where it does not hold.
+    A compiled controller on the pose lattice runs in compiled code, together with a flood that
+    finds most paths to the target; other controllers run one at a time, unrecorded. Both are
+    quick but inexact: the flood may miss a path, and a loop claimed by the kernel is not proved.
+    So the final result must be judged by ``still_fails`` and, if it is not confirmed, be shrunk
+    again with ``careful``.
 
     Args:
         still_fails: The exact judge.
-        deadline: By ``time.monotonic``, s; ``None`` for none.
+        deadline: Time by ``time.monotonic``, s; ``None`` for none.
 
     Attributes:
-        careful: Whether every candidate is judged by ``still_fails`` alone.
+        careful: Judge every candidate by ``still_fails`` alone.
     """
 
     def __init__(self, still_fails: StillFails, deadline: float | None) -> None:
@@ -62,14 +62,15 @@ class Trying:
         self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
-        """The first edit from ``begin`` on after which the case still fails, and that case without certificate.
+        """Return the first edit from ``begin`` on that keeps the failure, and the edited case.
+
+        The case has no certificate.
 
         Raises:
-            TimeoutError: If the deadline is over.
+            TimeoutError: If the deadline has passed.
         """
-        cells = [
-            edit for edit in edits if isinstance(edit, CellEdit)
-        ]  # a pass proposes nothing else, or none
+        # A pass proposes either edits of cells only, or none.
+        cells = [edit for edit in edits if isinstance(edit, CellEdit)]
         runs = self._edited_runs(case) if cells else None
         at = begin
         while at < len(edits):
@@ -92,7 +93,7 @@ class Trying:
         return None
 
     def _edited_runs(self, case: Case) -> EditedRuns | None:
-        """What runs edits in compiled code, if they may be run so."""
+        """Return the compiled runner for edits, or ``None`` if this case does not allow it."""
         controller = self._still_fails.controller
         budget = self._still_fails.least_budget
         if not (self._screens_quickly(case) and self._on_lattice):
@@ -109,13 +110,13 @@ class Trying:
         )
 
     def _settled(self, case: Case, edit: Edit, *, looked: bool) -> Case | None:
-        """The case after an edit if it is simpler and still fails.
+        """Return the case after an edit, if it is simpler and still fails.
 
         Args:
             case: The case before.
             edit: The edit.
-            looked: Whether compiled code has seen it fail, and the target in reach where the world
-                does not change.
+            looked: True if compiled code has already seen it fail and, in a world without events,
+                found the target reachable.
         """
         candidate = _after(case, edit)
         if candidate is None:
@@ -130,19 +131,20 @@ class Trying:
         return None if self._still_fails(*candidate) is None else candidate
 
     def _has_way(self, candidate: Case, edit: Edit, *, looked: bool) -> bool:
-        """Whether the target can be reached; ``False`` may be wrong."""
+        """Return True if the target can be reached; False may be wrong."""
         world = candidate.world
         if isinstance(edit, CellEdit) and edit.frees:
-            return True  # as before: a cell less in the way
+            return True  # reachable before, and now with one more free cell
         if not world.is_dynamic:
             return looked or has_sure_path(world)
+        # Ignoring time is cheaper and rules out most worlds.
         if not has_sure_path(world, regardless_of_time=True):
             return False
         return not self._quick_is_enough or has_sure_path(world) or certified(world) is not None
 
 
 def _after(case: Case, edit: Edit) -> Case | None:
-    """The case after an edit; ``None`` if there is none, or it is not simpler."""
+    """Return the case after an edit; ``None`` if it is invalid or not simpler."""
     if isinstance(edit, CellEdit):
         world = edited(case.world, edit)
         return None if world is None else case._replace(world=world)

@@ -1,1 +1,1 @@
-"""From a run that did not arrive to a classified failure: certified, judged, put into a bucket."""
+"""Turn a run that did not arrive into a failure: certified, judged and sorted into a bucket."""

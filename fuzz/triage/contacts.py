@@ -1,8 +1,8 @@
-"""What kinds of wall a robot touches, goes round or is shut in by.
+"""Describe the walls that a robot touches, goes around or is enclosed by.
 
-Facts that no mirror, turn or shift changes. Everything is worked out in cells, from the recorded
-path alone. What lies outside the grid is solid, so that a world within a thicker border has the
-same contacts.
+These facts do not change if the world is mirrored, turned or shifted. Everything is computed in
+cells, from the recorded path alone. Everything outside the grid is solid, so a world with a thicker
+border has the same contacts.
 """
 
 from __future__ import annotations
@@ -17,21 +17,22 @@ import numpy.typing as npt
 from sim.trace import Trace
 from worldgen.world import World
 
-__all__ = ["KINDS", "Contact", "contacts", "enclosure", "part_of", "times_round"]
+__all__ = ["KINDS", "Contact", "contacts", "enclosure", "part_of", "winding_number"]
 
 KINDS = ("nook", "end", "post", "corner", "wall")
-"""Kinds of contact, the one that says most first.
+"""Kinds of contact, the most specific first.
 
-Two walls at once, a wall's end, a cell that stands alone, a corner
-that sticks out, and the face of a wall."""
+Two walls at once, the end of a wall, a cell that stands alone, a corner that sticks out, and the
+face of a wall.
+"""
 
 _ENCLOSURES = ("open", "side", "bend", "passage", "pocket", "closed")
 
-_SLACK = 0.02  # cells: walls that are no further away than the nearest one and this are touched too
+_SLACK = 0.02  # cells: a wall at most this much further away than the nearest one is touched too
 _SAME_SIDE = 0.7  # least cosine between the normals of one wall; 45 degrees
 _ALONG = 0.08  # greatest sine between an axis and the normal of a face
-_LOOK = 4  # cells, in each of the four directions, in which a wall shuts a place in
-_ROUNDING = 1e-6  # cells: a place so near to a line between cells is in both
+_LOOK = 4  # cells within which a wall encloses a place, in each of the four directions
+_ROUNDING = 1e-6  # cells: a place this close to the line between two cells is in both
 
 Floats = npt.NDArray[np.float64]
 
@@ -42,7 +43,7 @@ class Contact:
 
     Args:
         kind: One of :data:`KINDS`.
-        cells: The solid cells touched, (ix, iy); they may lie outside the grid.
+        cells: The solid cells touched, (ix, iy); they may be outside the grid.
     """
 
     kind: str
@@ -50,18 +51,21 @@ class Contact:
 
 
 def contacts(world: World, trace: Trace, first: int, last: int) -> list[Contact]:
-    """Where the robot begins to touch a wall in the steps from ``first`` to ``last``, one for each beginning.
+    """Return one contact for each time that the robot begins to touch a wall in a range of steps.
 
-    A touch that goes on from step ``last`` to ``first`` begins once, as in a period that repeats.
+    The range is treated as a period that repeats: a touch that lasts from its end into its
+    beginning counts once.
 
     Args:
-        world: Where the run was; the walls count as they are when the world has come to rest.
+        world: World of the run; walls count as they are after the last event.
         trace: The recording.
-        first: Step.
-        last: Step.
+        first: First step of the range.
+        last: Last step of the range.
     """
+    # A touch begins in a step with a bump whose predecessor has none.
     bump = trace.bump[first : last + 1]
     begins = np.flatnonzero(bump & ~np.roll(bump, 1)) if not bump.all() else np.array([0], np.int64)
+    # Contacts at the same place are equal, so compute each only once.
     solid = _Solid(world)
     seen: dict[tuple[float, float], Contact] = {}
     found = []
@@ -73,15 +77,15 @@ def contacts(world: World, trace: Trace, first: int, last: int) -> list[Contact]
     return found
 
 
-def times_round(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> int:
-    """How often a closed path goes round the centre of one of the cells, the most often, without sign.
+def winding_number(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> int:
+    """Return the highest winding number, without sign, of a closed path around any of the cells.
 
     Args:
-        x: (n,) cells; the last place is the first again.
+        x: (n,) cells; the last place equals the first.
         y: (n,) cells.
-        cells: (ix, iy).
+        cells: (ix, iy); the path is counted around their centres.
 
-    Source: crossings of a half-line, signed; Dan Sunday, "Inclusion of a point in a polygon", 2001.
+    Source: signed crossings of a half-line; Dan Sunday, "Inclusion of a point in a polygon", 2001.
     """
     most = 0
     for ix, iy in cells:
@@ -95,15 +99,15 @@ def times_round(x: Floats, y: Floats, cells: Iterable[tuple[int, int]]) -> int:
 
 
 def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
-    """How a place is shut in: in how many of the four directions a wall stands within four cells.
+    """Return how enclosed a place is: in how many directions there is a wall within four cells.
 
     Args:
-        world: Where.
-        places: Of which the one counts that is shut in most; x and y, cells. What lies on the line
-            between cells is in both.
+        world: The world.
+        places: x and y, cells. Of several places, the most enclosed one counts. A place on the
+            line between cells is in both.
 
     Returns:
-        ``open``, ``side``, ``bend``, ``passage`` (two directions, opposite), ``pocket`` or
+        ``open``, ``side``, ``bend``, ``passage`` (two opposite directions), ``pocket`` or
         ``closed``.
     """
     cells = {
@@ -117,15 +121,15 @@ def enclosure(world: World, places: Iterable[tuple[float, float]]) -> str:
 
 
 def part_of(world: World, ix: int, iy: int) -> str:
-    """What a solid cell is part of, by its solid neighbours across edges.
+    """Return what a solid cell is part of, judging by its solid neighbours across edges.
 
-    ``post``, ``end``, ``wall`` or ``block``.
+    One of ``post``, ``end``, ``wall`` and ``block``.
     """
     return ("post", "end", "wall", "block", "block")[_Solid(world).neighbours(ix, iy)]
 
 
 def _first_place(world: World, trace: Trace, step: int) -> tuple[float, float]:
-    """Where the path of a step first ended or bent, cells; a wall that is touched is near there."""
+    """Return where the path of a step first ended or bent, in cells; a touched wall is near there."""
     point = int(np.searchsorted(trace.path_step, step))
     x = trace.x[step]
     y = trace.y[step]
@@ -136,7 +140,7 @@ def _first_place(world: World, trace: Trace, step: int) -> tuple[float, float]:
 
 
 class _Solid:
-    """A world's solid cells, those outside included."""
+    """A world's solid cells, including everything outside the grid."""
 
     def __init__(self, world: World) -> None:
         walls = world.walls.copy()
@@ -153,7 +157,7 @@ class _Solid:
         return sum(self(ix + dx, iy + dy) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)))
 
     def enclosure(self, ix: int, iy: int) -> str:
-        """How a cell is shut in, one of ``_ENCLOSURES``."""
+        """Return how enclosed a cell is, one of ``_ENCLOSURES``."""
         east, north, west, south = (
             any(self(ix + k * dx, iy + k * dy) for k in range(_LOOK + 1))
             for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -164,9 +168,10 @@ class _Solid:
         return {0: "open", 1: "side", 3: "pocket", 4: "closed"}[count]
 
     def contact(self, x: float, y: float) -> Contact:
-        """The contact of a robot at a place, with the walls nearest to it."""
+        """Return the contact of a robot at a place with the walls nearest to it."""
         near = self._near(x, y)
         gap = min(near)[0]
+        # Nearly equal distances count as one touch, so that a mirrored run gives the same kind.
         touched = [entry for entry in near if entry[0] <= gap + _SLACK]
         nearest = [cell for distance, cell, _ in touched if distance <= gap + 1e-6]
         kind = _kind(
@@ -175,10 +180,11 @@ class _Solid:
         return Contact(kind, frozenset(cell for _, cell, _ in touched))
 
     def _near(self, x: float, y: float) -> list[tuple[float, tuple[int, int], tuple[float, float]]]:
-        """Solid cells within reach of a place: distance, cell, normal; the nearest at least."""
+        """Return distance, cell and normal of solid cells around a place, at least the nearest."""
         reach = self._reach
         column = math.floor(x)
         row = math.floor(y)
+        # Widen the search until the nearest solid cell is certainly among those found.
         while True:
             found = []
             for iy in range(row - reach, row + reach + 1):
@@ -195,7 +201,7 @@ class _Solid:
 
 
 def _kind(normals: list[tuple[float, float]], neighbours: int) -> str:
-    """The kind of a contact with such normals, where the nearest cell has so many solid neighbours."""
+    """Return the kind of a contact from its normals and the nearest cell's solid neighbours."""
     pairs = ((one, two) for k, one in enumerate(normals) for two in normals[:k])
     if any(one[0] * two[0] + one[1] * two[1] < _SAME_SIDE for one, two in pairs):
         return "nook"

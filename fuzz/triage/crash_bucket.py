@@ -1,10 +1,10 @@
-"""Buckets of crashes: which two crashes are one and the same.
+"""Buckets of crashes: decide which crashes are the same.
 
-Two crashes are one if the same statement of the user's code raised the same type of exception,
-called from the same function. Line numbers do not count, because they move with every edit above
-them; the text of the statement does, so that two faults in one function stay apart. Of a program,
-which shows us no frames, the report on its stderr says the same; of one that says nothing, only how
-it ended and where the run stood.
+Two crashes are the same if the same statement of the user's code raised the same type of exception
+and was called from the same function. Line numbers do not count, because they change with every
+edit above them. The text of the statement does count, so that two faults in one function stay
+separate. A program shows no frames, so its report on stderr is used instead. If a program reports
+nothing, only how it ended and where the run was are left to compare.
 """
 
 from __future__ import annotations
@@ -22,32 +22,33 @@ __all__ = ["FACTS", "crash_bucket", "has_facts"]
 FACTS = ("reason", "message", "frames", "bump")
 """Evidence that only buckets and people read.
 
-A replay does not compare it, and files from before have none.
+A replay does not compare it, and files written by older versions do not have it.
 """
 
-_FRAMES = 2  # the innermost ones: who raised, and who called it
+_FRAMES = 2  # the innermost frames: the function that raised, and its caller
 _LONGEST_WORD = 40
-_DIGITS = 4  # hex, of what was being done
+_DIGITS = 4  # hex digits that identify the statement
 _CHOSE_TO_END = re.compile(r"exit-|SIGABRT$|SIGTRAP$")
 
 
 def has_facts(evidence: FaultEvidence) -> bool:
-    """Return whether a crash's evidence is detailed enough to be compared with another's."""
+    """Return True if a crash's evidence is detailed enough to compare it with another's."""
     return any(getattr(evidence, name) is not None for name in FACTS)
 
 
 def crash_bucket(evidence: FaultEvidence) -> str:
-    """Return a readable name for what crashed, fit for a file name; equal for equal crashes.
+    """Return a readable name for a crash, usable as a file name; equal for equal crashes.
 
     Args:
-        evidence: Of a run with verdict ``crash``.
+        evidence: Evidence of a run with verdict ``crash``.
     """
     ended = _how_it_ended(evidence.error or "")
     frames = _frames(evidence)
     reason = evidence.reason or ""
     message = evidence.message or ""
     of_a_program = not ended.isidentifier() or ended.startswith("SIG")
-    if ended == "RecursionError":  # where the stack was full depends on who called first
+    # Which function meets the full stack depends on who called first, so ignore the order.
+    if ended == "RecursionError":
         return _joined(ended, *_names(sorted(frames, key=_name)))
     words = [ended, _word(_plain(reason).partition(": ")[0]), *_names(frames)]
     if of_a_program and not frames and not reason:
@@ -72,8 +73,8 @@ def _how_it_ended(error: str) -> str:
 def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
     """Return the words that a program ended with, if it chose to end.
 
-    A signal that it did not raise comes amid them. An exception's name in front is all that is
-    taken of such a line.
+    Otherwise a signal interrupted it, and its last line is arbitrary. If that line begins with the
+    name of an exception, only the name is used.
     """
     if not evidence.stderr or not _CHOSE_TO_END.match(ended):
         return []
@@ -83,7 +84,7 @@ def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
 
 
 def _where_it_stood(evidence: FaultEvidence) -> list[str]:
-    """Return whether a run ended in its first step, and whether the robot touched a wall then."""
+    """Return whether the run ended in its first step, and whether the robot touched a wall then."""
     first = ["first"] if evidence.step == 1 else []
     return first + (["bump"] if evidence.bump else [])
 
@@ -99,9 +100,9 @@ def _frames(evidence: FaultEvidence) -> list[Mapping[str, Value]]:
 
 
 def _name(frame: Mapping[str, Value]) -> str:
-    """Return ``mine.act``; where neither function nor statement is known the line has to do.
+    """Return a frame's name, such as ``mine.act``.
 
-    It moves with edits.
+    If neither function nor statement is known, the line is used, although edits change it.
     """
     file = PurePath(str(frame.get("file", ""))).stem
     inside = frame.get("function", "" if "code" in frame else frame.get("line", ""))
@@ -109,7 +110,7 @@ def _name(frame: Mapping[str, Value]) -> str:
 
 
 def _names(frames: list[Mapping[str, Value]]) -> list[str]:
-    """Return the frames' names, a file that is the same only once."""
+    """Return the frames' names, without repeating a file's name."""
     names: list[str] = []
     before = ""
     for frame in frames:
@@ -120,9 +121,9 @@ def _names(frames: list[Mapping[str, Value]]) -> list[str]:
 
 
 def _digest(reason: str, message: str, frames: list[Mapping[str, Value]]) -> str:
-    """Return a few digits that tell statements in one function apart.
+    """Return a few digits that distinguish statements in one function.
 
-    Empty where nothing is known of them.
+    Empty if nothing is known about them.
     """
     statement = (
         " ".join(str(frames[-1][key]) for key in ("code", "repeat") if key in frames[-1])
@@ -135,14 +136,14 @@ def _digest(reason: str, message: str, frames: list[Mapping[str, Value]]) -> str
 
 
 def _plain(text: str) -> str:
-    """Return a text without what differs from run to run: addresses, numbers, folders."""
+    """Return a text without the parts that differ between runs: addresses, numbers, folders."""
     text = re.sub(r"0x[0-9a-fA-F]+", "", text)
     text = re.sub(r"(?:/[^\s/:]+)+/", "", text)
     return re.sub(r"[-+]?(?:\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)", "", text)
 
 
 def _word(text: str) -> str:
-    """Return what of a text can be part of a file name."""
+    """Return the part of a text that can be used in a file name."""
     return re.sub(r"[^A-Za-z0-9_]+", "-", text)[:_LONGEST_WORD].strip("-_")
 
 

@@ -1,7 +1,4 @@
-"""Hazards that a controller cannot sense.
-
-A robot that burns there is no fault of its controller.
-"""
+"""Hazards that a controller cannot sense, so that burning there is not the controller's fault."""
 
 from __future__ import annotations
 
@@ -17,21 +14,21 @@ from worldgen.world import Value
 __all__ = ["HAZARD", "can_sense", "hazard_details", "is_unsensed"]
 
 HAZARD = "hazard"
-"""The detail of a failure's record that says ``unsensed``."""
+"""The detail of a failure's record that may be ``unsensed``."""
 
 _UNSENSED = "unsensed"
 _SMOKE_SENSES = ("signal", "signal_heading")
 
 
 def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str) -> bool:
-    """Return True if something that a controller is shown tells it of what burned the robot.
+    """Return True if any of a controller's senses could show it what burned the robot.
 
     Args:
-        controller: Whose ``senses`` and ``reset`` count, as it declares them.
-        robot: Its options in the run.
-        state: What the cell was: ``burning``, or ``solid`` for debris and moving walls.
-        how: ``entered`` where the cell was so before the step, ``caught`` where it became so in the
-            step.
+        controller: The controller, whose declared ``senses`` and ``reset`` count.
+        robot: Options of the robot in the run.
+        state: State of the cell: ``burning``, or ``solid`` for debris and moving walls.
+        how: ``entered`` if the cell was in that state before the step, ``caught`` if it changed
+            during the step.
     """
     if wants_world(controller):
         return True
@@ -44,12 +41,12 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
 
 
 def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
-    """Return what a failure's record says if the robot burned where its controller could not have known better.
+    """Return the record's details if the robot burned where its controller could not know better.
 
     Args:
-        verdict: Of the run.
-        kind: The failure's class, whose words say what burned the robot.
-        scenario: What ran.
+        verdict: Verdict of the run.
+        kind: The failure's bucket, whose words state what burned the robot.
+        scenario: The scenario that ran.
     """
     if verdict != Verdict.BURNED:
         return {}
@@ -59,5 +56,5 @@ def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Val
 
 
 def is_unsensed(failure: Failure) -> bool:
-    """Return True if a failure is one of a hazard that its controller cannot sense."""
+    """Return True if the failure is a hazard that its controller cannot sense."""
     return failure.record.details.get(HAZARD) == _UNSENSED

@@ -1,8 +1,8 @@
-"""Judging: from a run to a failure with evidence that holds, and back from a failure's file to the same run.
+"""Judge runs: turn a run into a failure with confirmed evidence, and replay a failure's file.
 
-Campaigns, shrinking, replays and regression tests all ask an oracle here (:func:`violation_in`)
-before a violation counts. If a user's oracle objects, the run's verdict stays what it is, mostly
-``reached``, and the failure's evidence names the oracle and what it found.
+Campaigns, shrinking, replays and regression tests all call :func:`violation_in` before a violation
+counts. If a user's oracle finds one, the run keeps its verdict, mostly ``reached``, and the
+failure's evidence names the oracle and the facts that it found.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = ["Replay", "failure_of", "oracle_of", "replay", "violation_in"]
 
 @dataclass(frozen=True)
 class Replay:
-    """What replaying a failure showed."""
+    """The result of replaying a failure."""
 
     verdict: str
     confirmed: bool
@@ -38,9 +38,9 @@ class Replay:
 
 
 def violation_in(trial: Trial, oracle: Oracle) -> Violation | None:
-    """Return what an oracle finds in a run, if the evidence for the run's own verdict holds.
+    """Return what an oracle finds in a run, provided the evidence for the run's verdict holds.
 
-    Searches and shrinking may ask an oracle directly, to look which runs are worth this.
+    Searches and shrinking may call an oracle directly, to decide which runs deserve this check.
 
     Raises:
         InvalidParameter: If the oracle does not fit the run, or fails.
@@ -52,10 +52,10 @@ def violation_in(trial: Trial, oracle: Oracle) -> Violation | None:
 
 
 def oracle_of(failure: Failure) -> Oracle:
-    """Return the oracle whose violation a failure is.
+    """Return the oracle that found a failure.
 
     Raises:
-        InvalidParameter: If it cannot be found here.
+        InvalidParameter: If there is no such oracle.
     """
     return (
         verdict_oracle(failure.world)
@@ -75,17 +75,16 @@ def failure_of(
 ) -> Failure | None:
     """Return the failure that an oracle finds in a scenario.
 
-    ``None`` if it finds none, or not the same one twice.
+    ``None`` if it finds none, or if a second run does not show the same.
 
     Args:
-        world: A world that carries a witness; or a cut, for a breach.
-        scenario: What runs in it.
-        oracle: What judges the run; if omitted, its verdict does.
-        fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled``
-            and ``timeout`` always speak of the witness's budget, also of a robot that arrives after
-            it.
-        steps: The budget itself, for verdicts that the run itself proves.
-        **details: What else to note.
+        world: A world with a witness or, for a breach, with a cut.
+        scenario: The scenario to run.
+        oracle: The oracle that judges the run; its verdict alone if omitted.
+        fewest_steps: Smallest budget for verdicts that the run itself proves. ``stalled`` and
+            ``timeout`` always refer to the witness's budget, even if the robot arrives after it.
+        steps: The exact budget for verdicts that the run itself proves.
+        **details: Further details to record.
     """
     oracle = oracle or verdict_oracle(world)
     options = scenario.options(world)
@@ -125,8 +124,8 @@ def failure_of(
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:
-    """Return True if a second run shows the same, for otherwise a file could not replay it."""
-    # A compiled controller cannot do otherwise.
+    """Return True if a second run shows the same, as it must for a file to replay."""
+    # A compiled controller is deterministic by construction.
     if not found.is_repeatable or isinstance(CONTROLLERS.get(trial.controller), CompiledController):
         return True
     if oracle.by_verdict:
@@ -145,20 +144,21 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
     """Run a failure again from its file and compare verdict, evidence, digest and certificate.
 
     Args:
-        failure: From its file.
-        controller: Another name for the controller, where the file's name cannot be found here.
+        failure: The stored failure.
+        controller: Another name for the controller, if the recorded one cannot be found.
 
     Raises:
-        InvalidParameter: If the record names options that are unknown here.
+        InvalidParameter: If the record has options that this version does not know.
     """
     failure = failure.driven_by(controller)
     record = failure.record
     options = failure.options
+    # Records that cannot be failures at all, such as ones edited by hand.
     if failure.oracle is not None and not failure.violation.facts:
-        return Replay("error", False, "the evidence names no oracle and objection")
+        return Replay("error", False, "the evidence does not name an oracle and what it found")
     if failure.oracle is None and record.verdict == Verdict.REACHED:
         return Replay(
-            "reached", False, "the file records that the robot arrived, which is no failure"
+            "reached", False, "the file records that the robot arrived, which is not a failure"
         )
     try:
         oracle = oracle_of(failure)
@@ -166,6 +166,7 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
         found = violation_in(trial, oracle)
     except WorldgenError as error:
         return Replay("error", False, str(error))
+    # The first difference explains why the failure is not confirmed.
     reason = _what_differs(failure, trial, found) or certificate_fault(failure.world)
     episode = trial.episode
     if found is not None and found.evidence is not None:
@@ -174,27 +175,27 @@ def replay(failure: Failure, controller: str | None = None) -> Replay:
 
 
 def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> str:
-    """Return what is not as it was recorded; empty if nothing."""
+    """Return what differs from the record; empty if nothing does."""
     if found is None and failure.oracle is not None:
-        return f"oracle {failure.oracle} does not object to the run"
+        return f"oracle {failure.oracle} finds nothing wrong with the run"
     if found is None:
         unchanged = Violation(failure.bucket, trial.episode.evidence)
         return (
             _difference(failure.record, trial.episode, unchanged.table)
             or trial.flaw
-            or "the run is no failure"
+            or "the run is not a failure"
         )
     if found.is_repeatable:
         return _difference(failure.record, trial.episode, found.table)
-    # Nothing else of such a run comes again.
+    # Of an unrepeatable run, only the kind of what was found can be expected again.
     is_alike = found.facts.get("kind") == failure.violation.facts.get("kind")
-    return "" if is_alike else f"oracle {found.oracle} objects otherwise: {dict(found.facts)}"
+    return "" if is_alike else f"oracle {found.oracle} finds something else: {dict(found.facts)}"
 
 
 def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, Value]) -> str:
-    """Return what a run, with this evidence for it, does otherwise than its record says.
+    """Return how a run and its evidence differ from the record.
 
-    Empty if nothing.
+    Empty if they do not.
     """
     made = record.details.get("motion_version")
     now = MOTIONS.get(record.motion).version
@@ -213,11 +214,11 @@ def _difference(record: FailureRecord, episode: Episode, evidence: Mapping[str, 
 
 
 def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
-    """Return the evidence without what may differ in a replay.
+    """Return the evidence without the parts that may differ in a replay.
 
-    A program's stderr and how far it came with an answer depend on the clock, the line in which a
-    class raised moves when its file is edited, and files from before buckets of crashes have no
-    facts for them.
+    A program's stderr, and how much of its answer had arrived, depend on the clock. The line in
+    which a class raised changes when its file is edited. Files written by older versions have no
+    facts for buckets of crashes.
     """
     unstable = ("stderr", "unfinished", "at", "remedy", *FACTS)
     return {name: value for name, value in evidence.items() if name not in unstable}

@@ -1,4 +1,4 @@
-"""Proofs that a target can be reached, or is walled off; and whether a file's proof holds."""
+"""Prove that a target is reachable or walled off, and check the proof stored in a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["certificate_fault", "certified", "walled_off"]
 
 
 def certified(world: World) -> World | None:
-    """The world with a fresh witness, or ``None`` if its target is not provably reachable."""
+    """Return the world with a new witness, or ``None`` if its target is not provably reachable."""
     decision = decide(world, cut=False)
     return (
         replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
@@ -21,12 +21,13 @@ def certified(world: World) -> World | None:
 
 
 def walled_off(world: World) -> World | None:
-    """The world with a fresh cut round its target's cell, or ``None`` if that is not provably walled off.
+    """Return the world with a new cut around its target's cell.
 
-    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from
-    all of it. A target where the robot has no room is not walled off but in a slot: that is not
-        what is looked for.
+    ``None`` if the target is not provably walled off. The thesis's robot arrives as soon as it
+    enters the target's cell, so the cut separates the start from the whole cell. A target where
+    the robot does not fit does not count as walled off: that is a slot, not a breach in the making.
     """
+    # Does the robot fit at the target at all?
     at_target = replace(
         world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None
     )
@@ -37,10 +38,7 @@ def walled_off(world: World) -> World | None:
 
 
 def _with_whole_cell(world: World) -> World:
-    """The world with the disc round the target's cell, or the target itself if that is larger.
-
-    As target.
-    """
+    """Return the world with a target that covers both the target and its whole cell."""
     side = world.cell_size
     target = world.target
     x, y = (float((math.floor(in_cells(v, side)) + 0.5) * side) for v in (target.x, target.y))
@@ -50,7 +48,7 @@ def _with_whole_cell(world: World) -> World:
 
 
 def certificate_fault(world: World) -> str:
-    """Why a world's certificate does not hold; empty if it does."""
+    """Return why a world's certificate does not hold; empty if it does."""
     if world.certificate is None:
         return "the file carries no witness that the target can be reached"
     if isinstance(world.certificate, Cut):
@@ -61,6 +59,6 @@ def certificate_fault(world: World) -> str:
 
 
 def _check_cut(world: World) -> CheckReport:
-    """Checks the cut for the target as it is, then for its whole cell."""
+    """Check the cut for the target itself, then for its whole cell."""
     report = check_certificate(world)
     return check_certificate(_with_whole_cell(world)) if report.valid else report

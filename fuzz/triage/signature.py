@@ -1,4 +1,4 @@
-"""Classes of failures: what two failures have in common, stable under mirror, rotation and shift."""
+"""Sort failures into buckets that do not change if a world is mirrored, rotated or shifted."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import re
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, times_round
+from fuzz.triage.contacts import KINDS, Contact, contacts, enclosure, part_of, winding_number
 from fuzz.triage.crash_bucket import crash_bucket
 from sim.episode import Episode
 from sim.evidence import BudgetEvidence, BurnedEvidence, FaultEvidence, LoopEvidence, WallEvidence
@@ -18,23 +18,23 @@ from worldgen.world import World
 
 __all__ = ["failure_class"]
 
-_ROUNDING = (
-    1e-6  # cells by which a limit may be passed, so that a mirrored run is on the same side of it
-)
+# Cells by which a limit may be exceeded, so that a mirrored run is on the same side of it.
+_ROUNDING = 1e-6
 
 
 def failure_class(world: World, episode: Episode) -> str:
-    """A short name for the kind of failure, fit for a file name.
+    """Return a short name for the kind of failure, usable as a file name.
 
-    docs/reference/failures.md says what its words mean.
+    docs/reference/failures.md explains its words.
 
     Args:
-        world: Where it happened.
+        world: World of the run.
         episode: The run, recorded.
     """
     verdict = episode.verdict
     trace = episode.trace
     evidence = episode.evidence
+    # Faults of the controller itself are described by what it did, not by where it was.
     if isinstance(evidence, FaultEvidence):
         if verdict == Verdict.CRASH:
             return _joined(verdict, crash_bucket(evidence))
@@ -58,13 +58,13 @@ def failure_class(world: World, episode: Episode) -> str:
 
 
 def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, ...]:
-    """Touches, their kind, what shape the path has, how far it gets, and whether that is nearer to the target."""
+    """Return touches, their kind, the path's shape and extent, and whether it gets closer."""
     last = entry + period
     touched = contacts(world, trace, entry + 1, last)
     cells = {cell for contact in touched for cell in contact.cells}
     side = world.cell_size
     path = slice(entry, last + 1)
-    rounds = times_round(trace.x[path] / side, trace.y[path] / side, cells)
+    rounds = winding_number(trace.x[path] / side, trace.y[path] / side, cells)
     shape = ("turn" if _turns(trace, entry, last) else "swing", "round", "rounds")[min(rounds, 2)]
     where = _where(world, trace, touched, entry, last)
     return (
@@ -77,7 +77,7 @@ def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, 
 
 
 def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
-    """What is touched in the second half of a run, or shuts it in, and how far it gets there."""
+    """Return what the robot touches or what encloses it in the second half, and its extent."""
     half = trace.steps // 2
     last = trace.steps
     touched = contacts(world, trace, half + 1, last)
@@ -86,7 +86,7 @@ def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
 
 
 def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str, ...]:
-    """In which state the cell is, and whether the robot drove into it or was caught by the change."""
+    """Return the cell's state, and whether the robot drove into it or was caught by the change."""
     begun = (evidence.step - 1) * trace.time_step + 1e-9
     changes = [
         event
@@ -106,9 +106,9 @@ def _touches(count: int) -> str:
 
 
 def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:
-    """Of the kinds of wall touched the one that says most.
+    """Return the most specific kind of wall touched.
 
-    Else what shuts in the place nearest to the target.
+    If none is, return what encloses the place nearest to the target.
     """
     if touched:
         return min((contact.kind for contact in touched), key=KINDS.index)
@@ -120,9 +120,9 @@ def _where(world: World, trace: Trace, touched: list[Contact], first: int, last:
 
 
 def _turns(trace: Trace, first: int, last: int) -> int:
-    """Whole turns of the heading, without sign, from one state to the same state again.
+    """Return the whole turns of the heading, without sign, over a period.
 
-    Half a turn has no side.
+    A change by exactly half a turn has no direction and counts as none.
     """
     change = np.diff(trace.heading[first : last + 1])
     wrapped = (change + math.pi) % (2 * math.pi) - math.pi
@@ -141,7 +141,7 @@ def _extent(world: World, trace: Trace, first: int, last: int) -> str:
 
 
 def _progress(world: World, trace: Trace, first: int, last: int) -> str:
-    """Whether these steps come nearer to the target than the start is."""
+    """Return ``closer`` if these steps get nearer to the target than the start, else ``away``."""
     apart = _apart(world, trace)
     return (
         "closer" if float(apart[first : last + 1].min()) < float(apart[0]) - _ROUNDING else "away"
@@ -149,7 +149,7 @@ def _progress(world: World, trace: Trace, first: int, last: int) -> str:
 
 
 def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
-    """Distance of each state from the target, cells."""
+    """Return the distance of each state from the target, in cells."""
     dx = (trace.x - world.target.x) / world.cell_size
     dy = (trace.y - world.target.y) / world.cell_size
     apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)

@@ -1,7 +1,4 @@
-"""The door through which failures of every lane come.
-
-Certified, run again, judged by oracles, classified.
-"""
+"""Triage: certify, repeat, judge and classify the failures of every search strategy."""
 
 from __future__ import annotations
 
@@ -28,18 +25,19 @@ from worldgen.world import World
 __all__ = ["Triage", "first_look"]
 
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
-# Failing runs of one verdict and cause that a unit proves and classifies; the rest it counts.
+# Failing runs with the same verdict and cause that a unit proves and classifies; it only counts
+# the rest.
 _PROVE_AT_MOST = 24
-_PROVE_HANGS_AT_MOST = 2  # likewise, for each run that hangs costs a whole deadline, several times
+_PROVE_HANGS_AT_MOST = 2  # far fewer, because each hang takes a whole deadline, several times
 
 
 class Triage:
-    """Turns runs that look like failures into failures, and keeps the smallest of each class in a unit's result.
+    """Turns runs that look like failures into failures, and keeps the simplest of each bucket.
 
     Args:
-        config: The campaign's.
-        result: Of the unit; runs are counted and failures kept there.
-        deadline: Of the unit.
+        config: The campaign's configuration.
+        result: The unit's result, in which runs are counted and failures kept.
+        deadline: The unit's deadline.
     """
 
     def __init__(
@@ -52,35 +50,36 @@ class Triage:
         self._failed: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
         self._proof_steps = _PROOF_STEPS // config.slower
-        if isinstance(controller, ProcessController):  # of which no loop can be proved
+        # The memory of a program is unknown, so that its loops cannot be proved.
+        if isinstance(controller, ProcessController):
             self._proof_steps = 0
 
     def stop(self) -> None:
-        """End the unit's time now, after Ctrl-C: what it met is still proved, but not for long."""
+        """End the unit after Ctrl-C: failures met so far may still be proved, but not for long."""
         self._deadline = self._deadline.stopped_now()
 
     def count(self, verdict: str, steps: int) -> None:
-        """Counts one run."""
+        """Count one run."""
         self.result.worlds += 1
         self.result.steps += steps
         self.result.verdicts[verdict] += 1
 
     def look(self, world: World, scenario: Scenario, outcome: Outcome) -> str:
-        """Counts a run at first look; if it does not arrive it is proved.
+        """Count a screening run; if it does not arrive, prove its failure.
 
-        Oracles that are asked for judge it.
+        The oracles that the user chose judge it too.
 
         Returns:
-            The class of a failure; empty if there is none.
+            The bucket of a failure; empty if there is none.
 
         Raises:
-            OutOfTime: If the unit's time is over, once the run is counted and, if it failed,
+            OutOfTime: If the unit's time is over. The run has then been counted and, if it failed,
                 proved.
         """
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
-        # Crashes are counted by bucket, or one that occurs in every run would keep all others from
-        # being proved.
+        # Count crashes by bucket. Otherwise one that occurs in every run would use up the limit
+        # and keep all others from being proved.
         cause = (
             crash_bucket(outcome.fault)
             if outcome.fault and verdict == Verdict.CRASH
@@ -93,33 +92,36 @@ class Triage:
     def enter(
         self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any
     ) -> str:
-        """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
+        """Prove, classify and keep a failed run, unless there were too many of its kind.
 
         Args:
-            world: Where, with or without certificate.
-            scenario: What ran.
-            verdict: At first look; ``breach`` for a robot that got to a walled-off target.
-            cause: Of the verdict, as far as the core knows it.
-            **details: What the failure's record is to say besides.
+            world: The world, with or without a certificate.
+            scenario: The scenario that ran.
+            verdict: Verdict of the screening run; ``breach`` if the robot got to a walled-off
+                target.
+            cause: Cause of the verdict, if the core knows it.
+            **details: Further details for the failure's record.
 
         Returns:
-            Its class; empty if it was not kept.
+            Its bucket; empty if it was not kept.
         """
         if not self._is_one_of_few(verdict, cause):
             return ""
-        if verdict == "undecided":  # perhaps no failure at all, and the dearest of all proofs
+        # An undecided run may not be a failure at all, and is the most expensive to prove.
+        if verdict == "undecided":
             with contextlib.suppress(OutOfTime):
                 check_time()
                 return self._proved(world, scenario, verdict, details)
             return ""
-        with stopping_when(self._deadline.to_prove_is_over):  # a failure counts when it is met
+        # A failure counts as soon as it is met, so its proof may exceed the unit's time.
+        with stopping_when(self._deadline.to_prove_is_over):
             check_time()
             return self._proved(world, scenario, verdict, details)
 
     def _proved(
         self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]
     ) -> str:
-        """Prove, classify and keep a run; return its class, or nothing if it is no failure."""
+        """Prove, classify and keep a run; return its bucket, or an empty string."""
         if verdict == "breach":
             steps = scenario.options(world).steps
             return self._judged(BREACH, BREACH.prove(world), scenario, steps=steps, **details)
@@ -128,9 +130,9 @@ class Triage:
         )
 
     def ask(self, world: World, scenario: Scenario) -> str:
-        """Let every oracle that was asked for judge the run, with its witness's budget.
+        """Let every oracle that the user chose judge the run, with its witness's budget.
 
-        Return the last one's class.
+        Return the bucket of the last violation.
         """
         proved = _with_witness(world) if self._oracles else None
         if proved is None:
@@ -148,10 +150,10 @@ class Triage:
     ) -> str:
         """Judge a run in a proved world and keep the failure.
 
-        Return its class, or nothing if there is none.
+        Return its bucket, or an empty string if there is none.
         """
         if world is not None:
-            # A run that is too long to be recorded is nothing that could be shown.
+            # A run that is too long to be recorded could not be shown, so it is dropped.
             with contextlib.suppress(InvalidParameter):
                 return self._keep(
                     failure_of(world, scenario, oracle, found_by=self.result.lane, **settings)
@@ -180,7 +182,7 @@ def _with_witness(world: World) -> World | None:
 
 
 def first_look(outcome: Outcome) -> str:
-    """The verdict of a run whose budget was short: ``undecided`` where it was spent."""
+    """Return the verdict of a run with a short budget; ``undecided`` if it used all of it."""
     if outcome.ending == LIMIT:
         return Verdict.OVERLAP if outcome.overlap_step >= 0 else "undecided"
     overlaps = outcome.overlap_step >= 0 and outcome.ending in (Verdict.REACHED, Verdict.LOOP)

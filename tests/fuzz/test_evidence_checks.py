@@ -71,7 +71,7 @@ def test_a_true_loop_holds(controller):
     [
         ({"entry": 0}, "second period differs"),
         ({"period": 0}, "does not begin after step"),
-        ({"state_digest": "0" * 16}, "not the one of the evidence"),
+        ({"state_digest": "0" * 16}, "differs from the evidence"),
         ({"period": 10**6}, "before the second period"),
     ],
 )

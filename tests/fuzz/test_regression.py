@@ -73,7 +73,7 @@ def test_a_failure_without_its_witness_is_never_fixed(failure, tmp_path):
 
 
 def test_where_the_target_is_walled_off_fixed_means_that_the_robot_stays_out(tmp_path):
-    assert "where the target is walled off" in check(BREACH).reason
+    assert "but the target is walled off" in check(BREACH).reason
     breach = read_world(BREACH)
     write_world(
         replace(breach, failure=replace(breach.failure, motion="swept", parameters={})),
@@ -86,7 +86,7 @@ def test_a_world_without_a_failure_is_a_test_for_the_controller_that_is_named(tr
     write_world(trap, tmp_path / "w.grid")
     assert check(tmp_path / "w.grid", controller="bug2").reason == ""
     assert (
-        "though the target can be reached"
+        "but the target can be reached"
         in check(tmp_path / "w.grid", controller="turn-right").reason
     )
     with raises(InvalidParameter, "no-failure"):
@@ -125,7 +125,7 @@ def test_a_world_in_which_nothing_ran_is_kept_with_the_command_that_draws_it(tra
 def test_a_world_that_cannot_be_kept_is_shown_all_the_same(trap, tmp_path):
     (tmp_path / "file").write_text("")
     told = tell(run(trap, "turn-right")[0], tmp_path / "file" / "w.grid")
-    assert "the world could not be kept" in told.text and "S start  G target" in told.text
+    assert "the world could not be saved" in told.text and "S start  G target" in told.text
     assert not told.properties
 
 

@@ -177,6 +177,4 @@ def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(
 def test_a_module_says_from_where_a_controller_s_file_is_looked_for(controller, says):
     made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
     text = snippet(replace(made, record=replace(made.record, controller=controller)))
-    assert (
-        f"# {controller} is looked for from the folder in which pytest is started." in text
-    ) == says
+    assert (f"# {controller} is relative to the folder in which pytest is started." in text) == says

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fuzz.oracles import worlds as corresponding
 from fuzz.search.features import LAYOUT_BYTES, decode_world
-from fuzz.triage.contacts import contacts, enclosure, part_of, times_round
+from fuzz.triage.contacts import contacts, enclosure, part_of, winding_number
 from fuzz.triage.proofs import certified
 from fuzz.triage.signature import failure_class
 from sim.episode import Episode, simulate
@@ -165,8 +165,8 @@ def test_a_touch_that_goes_on_is_one_and_so_is_one_across_the_end_of_a_period():
 
 def test_a_path_round_a_cell_is_told_from_one_beside_it():
     x, y = np.array([0.0, 2.0, 2.0, 0.0, 0.0]), np.array([0.0, 0.0, 2.0, 2.0, 0.0])
-    assert times_round(x, y, {(0, 0)}) == 1 and times_round(x, y, {(2, 0)}) == 0
-    assert times_round(np.append(x, x[1:]), np.append(y, y[1:]), {(5, 5), (0, 0)}) == 2
+    assert winding_number(x, y, {(0, 0)}) == 1 and winding_number(x, y, {(2, 0)}) == 0
+    assert winding_number(np.append(x, x[1:]), np.append(y, y[1:]), {(5, 5), (0, 0)}) == 2
 
 
 @pytest.mark.parametrize(

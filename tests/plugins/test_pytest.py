@@ -46,7 +46,7 @@ def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, c
     done.assert_outcomes(failed=1)
     done.stdout.fnmatch_lines([
         "worldgen: *failures, expected: fixed",
-        "turn-right under swept: loop forever (*), though the target can be reached",
+        "turn-right under swept: loop forever (*), but the target can be reached",
         "*- worldgen -*",
         "##############*",
         "S start  G target*",
