@@ -1,13 +1,13 @@
-"""Failures for the programs that run tests for a team: JUnit, SARIF and a summary in Markdown.
+"""Report failures to CI services: JUnit, SARIF and a summary in Markdown.
 
 Contents:
-    Finding, State, Report: what a command found, and what it did for it.
-    Outputs, NO_OUTPUTS: the files that a user asks for, checked before the work and written after
-        it.
-    junit, sarif, markdown: a report as text.
-    place_of, repository: where in the repository a controller's source stands.
+    Finding, State, Report: The results of a command.
+    Outputs, NO_OUTPUTS: The report files that a user requests, checked before the work starts and
+        written after it.
+    junit, sarif, markdown: Convert a report to text.
+    place_of, repository: Locate a controller's source in the repository.
 
-``docs/tutorials/ci.md`` is the description.
+``docs/tutorials/ci.md`` describes these reports for users.
 """
 
 from fuzz.ci.finding import CiFinding, Report, State
@@ -18,5 +18,14 @@ from fuzz.ci.place import place_of, repository
 from fuzz.ci.sarif import sarif
 
 __all__ = [
-    "NO_OUTPUTS", "CiFinding", "Outputs", "Report", "State", "junit", "markdown", "place_of", "repository", "sarif",
-]  # fmt: skip
+    "NO_OUTPUTS",
+    "CiFinding",
+    "Outputs",
+    "Report",
+    "State",
+    "junit",
+    "markdown",
+    "place_of",
+    "repository",
+    "sarif",
+]

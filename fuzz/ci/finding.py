@@ -1,4 +1,4 @@
-"""What a command found, in plain text that no terminal, browser or parser would obey."""
+"""Results of a command, as plain text that is safe in terminals, browsers and parsers."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from worldgen.support.plain_text import counted, shown, shown_lines
 __all__ = ["CiFinding", "Report", "State"]
 
 State = Literal["new", "known", "hazard", "confirmed", "not confirmed"]
-_MOST_PICTURE = 20_000  # characters; a larger world is looked at in its file
+_MOST_PICTURE = 20_000  # characters; larger worlds are better viewed from their file
 
 
 @dataclass(frozen=True)
 class CiFinding:
-    """A failure and what is to be said of it.
+    """A failure and its description.
 
     Args:
-        state: ``new`` or ``known`` to a campaign, or a ``hazard`` that the controller cannot sense;
-            ``confirmed`` or ``not confirmed`` by a replay.
-        file: Where it lies.
-        controller: Its name in the file, without options.
+        state: From a campaign ``new``, ``known`` or a ``hazard`` that the controller cannot sense;
+            from a replay ``confirmed`` or ``not confirmed``.
+        file: The failure's file.
+        controller: The recorded controller, without options.
         who: Controller with options, and motion model.
-        verdict: One of the vocabulary's.
-        kind: The class.
-        what: What happened, in a sentence without its end.
-        size: Of the world, in words.
-        picture: The world as lines of text, with the robot's way if it could be run here.
+        verdict: Recorded verdict.
+        kind: The failure's bucket.
+        what: What happened, as a sentence without a full stop.
+        size: Size of the world, in words.
+        picture: The world as lines of text, with the robot's path if its controller can be run.
         world_id: SHA-256, in hex, of the world without its record.
-        seed: Of the run.
-        replay: The command that shows it again.
-        frames: Where the controller crashed, a line for each frame; empty if it did not.
+        seed: Seed of the run.
+        replay: The command that replays it.
+        frames: Where the controller crashed, one line per frame; empty if it did not crash.
     """
 
     state: State
@@ -67,19 +67,21 @@ class CiFinding:
         reason: str = "",
         controller: str | None = None,
     ) -> CiFinding:
-        """Describes a failure; its controller is run for the picture.
+        """Describe a failure; this runs its controller to draw the path.
 
         Args:
-            failure: From its file.
-            file: Where it lies.
-            state: See above.
+            failure: The stored failure.
+            file: Its file.
+            state: See the class.
             reason: Why it is not confirmed.
-            controller: Instead of the one that the file names.
+            controller: A controller to use instead of the recorded one.
         """
         replay = failure.replay_command(file, controller)
         failure = failure.driven_by(controller)
         world = failure.world
         record = failure.record
+
+        # Run the controller for the picture. If it cannot run, or is too slow, draw the world only.
         try:
             episode, words = run_to_draw(failure)
             trail = trail_of(episode, world)
@@ -88,11 +90,11 @@ class CiFinding:
             words = f", but it cannot be run here: {error}"
             trail = None
             frames = ""
-        except OutOfTime:  # its controller is slow, and the time for pictures over
+        except OutOfTime:
             words = ""
             trail = None
             frames = describe_frames(failure.evidence)
-        said = reason if state == "not confirmed" else f"{record.verdict}{words}"
+        what = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = (
@@ -105,7 +107,7 @@ class CiFinding:
             who=shown(failure.who),
             verdict=shown(record.verdict),
             kind=shown(failure.bucket),
-            what=shown(said),
+            what=shown(what),
             frames=shown_lines(frames),
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
             picture=shown_lines(picture),
@@ -116,34 +118,34 @@ class CiFinding:
 
     @property
     def fails(self) -> bool:
-        """Whether it makes the command end with 1."""
+        """True if this finding makes the command exit with code 1."""
         return self.state in ("new", "not confirmed")
 
     @property
     def place(self) -> str:
-        """The file, to be read."""
+        """The file's name in a printable form."""
         return shown(self.file)
 
     @property
     def headline(self) -> str:
-        """Who, and what happened."""
+        """The controller, and what happened."""
         return f"{self.who}: {self.what}"
 
     @property
     def text(self) -> str:
-        """All of it, as lines."""
+        """The complete finding, as lines of text."""
         about = f"{self.headline}\nclass {self.kind}; {self.size}"
         return f"{about}\n{self.frames}{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a command did.
+    """The results of a command.
 
     Args:
         command: ``fuzz`` or ``replay``.
-        findings: In the order in which they are to be shown.
-        facts: Numbers and names by their names, such as the seed.
+        findings: In the order in which to show them.
+        facts: Named values, such as the seed.
     """
 
     command: str
@@ -152,7 +154,7 @@ class Report:
 
     @property
     def failing(self) -> int:
-        """How many findings make the command end with 1."""
+        """Number of findings that make the command exit with code 1."""
         return sum(finding.fails for finding in self.findings)
 
     @property

@@ -1,4 +1,4 @@
-"""JUnit's XML: a test case for each class of failures, or for each file that was replayed."""
+"""JUnit XML: a test case for each class of failures, or for each file that was replayed."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ __all__ = ["junit"]
 
 _SKIPPED = {
     "known": "known: the baseline has this class",
-    "hazard": "hazard: no sense of the controller shows what burned the robot",
+    "hazard": "hazard: none of the controller's senses shows what burned the robot",
 }
 
 
 def junit(report: Report) -> bytes:
-    """A report as JUnit's XML; equal reports are equal bytes.
+    """Return a report as JUnit XML; equal reports give equal bytes.
 
-    What makes the command end with 1 is a failure, a known class or a hazard is skipped, a
-    confirmed file passes. A campaign that finds nothing new has one test case more, which passes: a
-        report without any would read as if nothing
-    had been done.
+    A finding that makes the command exit with code 1 is a failure. Known classes and hazards are
+    skipped, and confirmed files pass. A campaign that finds nothing new gets one additional test
+    case that passes, because a report without any would look as if nothing had run.
     """
     suites = Element("testsuites", name="worldgen")
     suite = SubElement(suites, "testsuite", name=f"worldgen {report.command}")

@@ -1,7 +1,4 @@
-"""A summary in Markdown.
-
-A table of classes, and the smallest world of each as a picture in a fold.
-"""
+"""A summary in Markdown: a table of classes, and foldable pictures of the smallest worlds."""
 
 from __future__ import annotations
 
@@ -12,12 +9,12 @@ from fuzz.ci.finding import CiFinding, Report
 
 __all__ = ["escaped", "markdown"]
 
-_MOST = 400_000  # characters of folds; GitHub drops a step's summary that is larger than 1 MiB
+_MOST = 400_000  # characters of pictures; GitHub drops step summaries larger than 1 MiB
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>#!|~&@$^]|(?<=:)//|(?<=www)\.")
 
 
 def markdown(report: Report) -> str:
-    """A report for people; ends with an empty line, so that another can follow it."""
+    """Return a report for people; it ends with an empty line, so that another can follow it."""
     mark = "❌" if report.failing else "✅"
     lines = [f"## {mark} worldgen {report.command}: {report.conclusion}", ""]
     if report.facts:
@@ -32,11 +29,12 @@ def markdown(report: Report) -> str:
         ]
         lines += [_row(finding) for finding in report.findings]
         lines.append("")
-    room = _MOST
+    # Pictures, until the size limit is reached.
+    remaining = _MOST
     for finding in report.findings:
         fold = _fold(finding)
-        room -= len(fold)
-        if room < 0:
+        remaining -= len(fold)
+        if remaining < 0:
             lines += ["More pictures would not fit; `worldgen corpus show` draws them.", ""]
             break
         lines += [fold, ""]
@@ -44,7 +42,7 @@ def markdown(report: Report) -> str:
 
 
 def escaped(text: str) -> str:
-    """A text in which nothing is markup, wherever in a line it stands but at its beginning."""
+    """Return a text without any markup, for use anywhere but at the beginning of a line."""
     return _MARKUP.sub(
         lambda found: "".join(f"&#{ord(character)};" for character in found[0]), text
     )
@@ -56,7 +54,8 @@ def _row(finding: CiFinding) -> str:
 
 
 def _fold(finding: CiFinding) -> str:
-    """All of a finding; open if it makes the command end with 1."""
+    """Return the complete finding in a fold, open if it makes the command exit with code 1."""
     title = html.escape(f"{finding.kind}, {finding.state}")
     fold = "<details open>" if finding.fails else "<details>"
-    return f"{fold}<summary>{title}</summary>\n\n<pre>\n{html.escape(finding.text)}\n</pre>\n\n</details>"
+    text = html.escape(finding.text)
+    return f"{fold}<summary>{title}</summary>\n\n<pre>\n{text}\n</pre>\n\n</details>"

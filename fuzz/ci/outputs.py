@@ -1,4 +1,4 @@
-"""The files with reports that a user asks a command for."""
+"""The report files that a user can request from a command."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ __all__ = ["NO_OUTPUTS", "Outputs"]
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where reports go; each may be left out.
+    """Destinations of reports; each is optional.
 
     Args:
-        junit: A file for JUnit's XML.
+        junit: A file for JUnit XML.
         sarif: A file for SARIF.
-        summary: A file to whose end a summary in Markdown is added.
-        force: Whether the first two may be overwritten.
+        summary: A file to which a summary in Markdown is appended.
+        force: Overwrite the first two if they exist.
     """
 
     junit: Path | None = None
@@ -36,14 +36,14 @@ class Outputs:
         return any((self.junit, self.sarif, self.summary))
 
     def check(self, page: Path | None = None, *, made: Path | None = None) -> None:
-        """Refuses before the work what could not be written after it.
+        """Check before the work starts that the reports can be written after it.
 
         Args:
-            page: The HTML page that is to be written as well.
-            made: A folder that the work makes if it is not there: what lies in it can be written.
+            page: The HTML page that will be written as well.
+            made: A folder that the work will create if missing; files in it can be written.
 
         Raises:
-            OutputError: If a file is there, cannot be made, or is named for two reports.
+            OutputError: If a file exists, cannot be created, or is named for two reports.
         """
         named: dict[Path, str] = {}
         options = {
@@ -62,14 +62,14 @@ class Outputs:
                 raise OutputError(
                     "same-output-twice",
                     "{path} is named for {other} and for {option}",
-                    "give each a file of its own",
+                    "give each its own file",
                     path=path,
                     other=other,
                     option=option,
                 )
 
     def write(self, report: Report) -> None:
-        """Writes what was asked for.
+        """Write the requested reports.
 
         Raises:
             OutputError: If a file cannot be written.

@@ -1,4 +1,4 @@
-"""Where in a repository a failure belongs: at the controller's source, if that is there."""
+"""Locate a failure in a repository: at the controller's source if that is part of it."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Place:
     """A line in a file.
 
     Args:
-        uri: Relative to the repository's root.
-        line: Counted from 1.
+        uri: Path relative to the repository's root, as a URI.
+        line: Line number, from 1.
     """
 
     uri: str
@@ -33,9 +33,9 @@ class Place:
 
 
 def repository(folder: Path | None = None) -> Path:
-    """The root of the repository.
+    """Return the root of the repository.
 
-    GitHub's workspace, else the nearest folder with ``.git``, else the folder itself.
+    That is GitHub's workspace, else the nearest folder with ``.git``, else the folder itself.
     """
     here = (folder or Path.cwd()).resolve()
     workspace = os.environ.get("GITHUB_WORKSPACE")
@@ -45,12 +45,12 @@ def repository(folder: Path | None = None) -> Path:
 
 
 def place_of(controller: str, root: Path) -> Place | None:
-    """Where a controller's source stands; ``None`` if it is not a file of the repository.
+    """Return where a controller's source is; ``None`` if it is not in the repository.
 
     Args:
         controller: Name, ``package.module:name``, ``./file.py:name``, ``lib:./file.so:name`` or
             ``cmd:program``.
-        root: Of the repository.
+        root: Root of the repository.
     """
     if is_process_name(controller):
         uris = (uri_of(file, root) for file in _files(controller.partition(":")[2]))
@@ -66,21 +66,21 @@ def place_of(controller: str, root: Path) -> Place | None:
 
 
 def uri_of(path: Path, root: Path) -> str | None:
-    """A path relative to the repository's root, as a URI; ``None`` if it lies elsewhere."""
+    """Return a path relative to the repository's root as a URI; ``None`` if it is outside."""
     with suppress(ValueError):
         return quote(path.resolve().relative_to(root).as_posix(), errors="replace")
     return None
 
 
 def _files(command: str) -> list[Path]:
-    """The words of a command that are files."""
-    with suppress(ValueError):  # quotes that are not closed
+    """Return the words of a command that are files."""
+    with suppress(ValueError):  # unbalanced quotes
         return [Path(word) for word in shlex.split(command) if Path(word).is_file()]
     return []
 
 
 def _source(module: str) -> Path | None:
-    """The file of a module, which is not executed; the packages around it are, if they were not."""
+    """Return the file of a module without running it; its packages may be imported."""
     with suppress(ImportError, ValueError, AttributeError):
         spec = importlib.util.find_spec(module)
         return Path(spec.origin) if spec is not None and spec.origin else None
@@ -88,16 +88,16 @@ def _source(module: str) -> Path | None:
 
 
 def _line(file: Path, name: str) -> int:
-    """The line in which a module gives something this name; 1 if it cannot be said."""
+    """Return the line of a module that defines a name; 1 if that cannot be determined."""
     try:
         statements = ast.parse(read_text(file)).body
-    except Exception:  # noqa: BLE001 - any file may be named; without its line a place is still good
+    except Exception:  # noqa: BLE001 - any file may be named; a place without a line is still useful
         return 1
     return next((one.lineno for one in statements if name in _names(one)), 1)
 
 
 def _names(statement: ast.stmt) -> list[str]:
-    """What a statement gives a name."""
+    """Return the names that a statement defines."""
     if isinstance(statement, ast.ClassDef | ast.FunctionDef):
         return [statement.name]
     targets = statement.targets if isinstance(statement, ast.Assign) else []

@@ -1,7 +1,4 @@
-"""Set up a project's CI.
-
-Configuration, a corpus of known failures, and a job that looks for new ones.
-"""
+"""Set up a project's CI: settings, a corpus of known failures, and a job that finds new ones."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ from worldgen.plugins.installation import origin, requirement
 __all__ = ["FIXED", "KNOWN", "SEED", "Project"]
 
 SEED = 1
-"""Of every pull request's search, so that the same change has the same result."""
+"""Seed of every pull request's search, so that the same change gives the same result."""
 
 CORPUS = Path("worldgen-corpus")
 KNOWN = CORPUS / "known"
@@ -33,25 +30,28 @@ _PLACEHOLDER = "worldgen @ git+https://YOUR-HOST/worldgen@COMMIT"
 _CORPUS_README = """\
 # Failures of {controller}
 
-Each `.grid` file is the smallest world found in which the robot fails in one way; the target can be reached in all.
+Each `.grid` file is the smallest world found in which the robot fails in one way. The target can
+be reached in all of them.
 
-- `known/`: open failures. A search with `--baseline {known}` counts them but does not report them as new.
+- `known/`: open failures. A search with `--baseline {known}` counts them but does not
+  report them as new.
 - `fixed/`: failures that no longer occur. `pytest` runs each one and fails if it comes back.
 
-`worldgen replay {known}` says what each failure does today. After a fix, move its file from `known/` to `fixed/`.
+`worldgen replay {known}` shows what each failure does today. After a fix, move its file
+from `known/` to `fixed/`.
 """
 
 
 @dataclass(frozen=True)
 class Project:
-    """What ``worldgen init`` writes, and where.
+    """The files that ``worldgen init`` writes.
 
     Args:
         folder: The project's root; must exist.
         controller: As ``worldgen fuzz --controller`` takes it.
         motion: Motion model.
-        families: Families that a pull request is tested with; all if empty.
-        units: Amount of work of a pull request's search.
+        families: Families to test a pull request with; all if empty.
+        units: Budget of a pull request's search, in units of work.
         ci: ``github``, ``gitlab`` or ``none``.
     """
 
@@ -73,18 +73,19 @@ class Project:
         return self.folder / KNOWN
 
     def check(self, *, force: bool) -> None:
-        """Refuse, before any search, what could not be written after it.
+        """Check, before any search, that all files can be written after it.
 
         Raises:
-            OutputError: If a file exists that ``force`` does not allow to be replaced.
+            OutputError: If a file exists and ``force`` is not set.
             FormatError: If ``pyproject.toml`` is not valid TOML.
             InvalidParameter: If the controller's name cannot be part of a CI file.
         """
+        # The controller's name must be safe in the files of a CI service.
         if not self.controller:
             raise InvalidParameter(
                 "empty-name",
                 "the controller has no name",
-                "give --controller ./file.py:name, for one",
+                "give one, such as --controller ./file.py:name",
                 at_terminal=True,
             )
         if "${{" in self.controller or not self.controller.isprintable():
@@ -92,9 +93,10 @@ class Project:
                 "not-for-a-ci-file",
                 "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an "
                 "expression",
-                "take a name without it",
+                "choose a name without it",
                 controller=self.controller,
             )
+        # Nothing that exists may be lost.
         if not self.folder.is_dir():
             raise OutputError(
                 "wrong-kind-of-file",
@@ -107,7 +109,7 @@ class Project:
         if taken and not force:
             raise OutputError(
                 "file-exists",
-                "{path} exists already",
+                "{path} already exists",
                 "give --force to replace it",
                 at_terminal=True,
                 path=taken[0],
@@ -115,16 +117,16 @@ class Project:
         if "worldgen" in self._settings().get("tool", {}):
             raise OutputError(
                 "already-set-up",
-                "{path} has a [tool.worldgen] table already, so this project is set up",
-                "edit that table, or remove it to begin again",
+                "{path} already has a [tool.worldgen] table, so this project is set up",
+                "edit that table, or remove it to start over",
                 path=self.settings,
             )
 
     def write(self, *, force: bool) -> list[Path]:
-        """Write all files but the failures themselves.
+        """Write all files except the failures themselves.
 
         Returns:
-            What was written, in order.
+            The paths of the written files, in order.
         """
         for folder in (KNOWN, FIXED):
             (self.folder / folder).mkdir(parents=True, exist_ok=True)
@@ -141,9 +143,9 @@ class Project:
 
     @property
     def runs_fixed_failures(self) -> bool:
-        """Whether pytest will run ``fixed/``.
+        """True if pytest will run ``fixed/``.
 
-        Not where the project keeps pytest's settings in another place.
+        It will not if the project's settings for pytest are elsewhere.
         """
         pytest: dict[str, Any] = self._settings().get("tool", {}).get("pytest", {})
         return not self._has_other_settings() and (
@@ -151,7 +153,7 @@ class Project:
         )
 
     def _has_other_settings(self) -> bool:
-        """Return True if a file that a table in ``pyproject.toml`` might disable holds pytest's settings."""
+        """Return True if settings for pytest exist that take precedence over ``pyproject.toml``."""
         if any(
             (self.folder / name).exists()
             for name in ("pytest.toml", ".pytest.toml", "pytest.ini", ".pytest.ini")
@@ -178,7 +180,7 @@ class Project:
             ) from error
 
     def _tables(self) -> str:
-        """The tables to add to ``pyproject.toml``."""
+        """Return the tables to add to ``pyproject.toml``."""
         lines = [
             "[tool.worldgen.fuzz]",
             f"controller = {json.dumps(self.controller, ensure_ascii=False)}",
@@ -197,7 +199,7 @@ class Project:
         return "\n".join(lines) + "\n"
 
     def _ci_files(self) -> Iterator[tuple[Path, str]]:
-        """The CI service's files, and what is to be in them."""
+        """Yield the CI service's files and their contents."""
         if self.ci == "github":
             yield self.folder / ".github" / "workflows" / "worldgen.yml", self._github()
         elif self.ci == "gitlab":
@@ -207,7 +209,7 @@ class Project:
                 yield main, "include:\n  - local: .gitlab/worldgen.yml\n"
 
     def _github(self) -> str:
-        """The workflow; where worldgen comes from is known if it was installed from GitHub, else it is a variable."""
+        """Return the workflow; it uses a variable if worldgen was not installed from GitHub."""
         source = origin()
         repository = source.github
         reference = source.commit
@@ -242,9 +244,9 @@ class Project:
 
     @property
     def must_be_told_where_worldgen_is(self) -> str:
-        """What a user still has to fill in, because this installation does not know.
+        """The settings that a user still has to fill in, because the installation lacks them.
 
-        Empty if nothing.
+        Empty if there are none.
         """
         source = origin()
         if self.ci == "github" and not source.github:
@@ -257,15 +259,15 @@ class Project:
         return ""
 
     def _own_requirements(self) -> list[str]:
-        """What pip needs for the project's own code."""
+        """Return the arguments with which pip installs the project's own code."""
         own = ["-r requirements.txt"] if (self.folder / "requirements.txt").is_file() else []
         return own + (["-e ."] if "build-system" in self._settings() else [])
 
 
 def _yaml(text: str) -> str:
-    """A text as a YAML scalar.
+    """Return a text as a YAML scalar.
 
-    As it is where that is safe, else in double quotes, whose rules are JSON's.
+    It stays as it is if that is safe; else it is put in double quotes, which follow JSON's rules.
     """
     plain = set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:+=")
     safe = (
@@ -275,7 +277,7 @@ def _yaml(text: str) -> str:
 
 
 def _filled(template: str, **values: str) -> str:
-    """A template with its ``@NAMES@`` filled in."""
+    """Return a template with its ``@NAMES@`` filled in."""
     text = (
         importlib.resources.files("fuzz.ci")
         .joinpath("templates", template)

@@ -1,6 +1,4 @@
-"""SARIF 2.1.0, as GitHub's code scanning reads it.
-
-A rule for each class of failures, a result for each failure.
+"""SARIF 2.1.0 for GitHub's code scanning: a rule for each class, a result for each failure.
 
 Source: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", 2020.
 """
@@ -26,28 +24,28 @@ _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )
 _ROOT = "%SRCROOT%"
-_LONGEST_ID = 200  # characters; GitHub takes 255
+_LONGEST_ID = 200  # characters; GitHub's limit is 255
 _MEANINGS: dict[str, str] = {
     **{verdict.value: meaning for verdict, meaning in MEANINGS.items()},
-    Verdict.REACHED.value: "The robot arrives, but an oracle that was asked for objects to how it "
-    "does.",
-    "not confirmed": "A stored failure does not replay as it is stored: the controller has "
-    "changed, or the file.",
+    Verdict.REACHED.value: "The robot arrives, but one of the chosen oracles finds a violation in "
+    "its run.",
+    "not confirmed": "A stored failure does not replay as stored: the controller has changed, or "
+    "the file.",
 }
 _OTHERWISE = "The robot fails, although its target can be reached."
 
 
 def sarif(report: Report, root: Path) -> bytes:
-    """A report as SARIF; equal reports in equal repositories are equal bytes.
+    """Return a report as SARIF; equal reports in equal repositories give equal bytes.
 
-    What makes the command end with 1 is an ``error``, what was known before a ``note``. A result
-    stands at the source of the controller, or at the failure's file if that is not in the
-    repository. Its fingerprint is made of controller, motion model and class, so it stays the same
-    when another world of the class is found.
+    A finding that makes the command exit with code 1 is an ``error``; known ones are a ``note``. A
+    result is located at the source of the controller, or at the failure's file if the source is
+    not in the repository. Its fingerprint consists of controller, motion model and class, so it
+    stays the same if another world of the class is found.
 
     Args:
-        report: What was found.
-        root: Of the repository.
+        report: The report.
+        root: Root of the repository.
     """
     rules = {_rule_id(finding): _rule(finding) for finding in report.findings}
     ids = list(rules)
@@ -71,9 +69,9 @@ def sarif(report: Report, root: Path) -> bytes:
 
 
 def _category(report: Report) -> str:
-    """Apart for each controller and motion model.
+    """Return a category for each controller and motion model.
 
-    So that one upload does not close the alerts of another.
+    Uploads with different categories do not close each other's alerts.
     """
     words = (report.command, report.facts.get("controller"), report.facts.get("motion"))
     return "worldgen/" + "/".join(word.replace("/", "-") for word in words if word) + "/"
@@ -87,7 +85,7 @@ def _rule(finding: CiFinding) -> dict[str, Any]:
     name = _rule_id(finding)
     verdict = finding.state if finding.state == "not confirmed" else finding.verdict
     meaning = _MEANINGS.get(verdict, _OTHERWISE)
-    how = "A proof lies in the world's file. The line that replays it stands in the result."
+    how = "The world's file contains a proof. The result states the command that replays it."
     return {
         "id": name,
         "name": "".join(word.capitalize() for word in name.split("-")),
@@ -141,5 +139,5 @@ def _location(place: Place) -> dict[str, Any]:
 
 
 def _message(text: str) -> str:
-    """A text in which nothing is a placeholder or a link."""
+    """Return a text without placeholders and links."""
     return text.replace("{", "{{").replace("}", "}}").replace("](", "] (")

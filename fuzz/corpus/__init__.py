@@ -1,15 +1,15 @@
-"""Corpora: folders and archives of failures, read, compared, merged, pruned, exported.
+"""Corpora: read, compare, merge, prune and export folders and archives of failures.
 
 Contents:
-    Corpus, Entry, Selection, read_corpus: what a folder or an archive holds, without its worlds.
-    Baseline: classes that are known.
-    differences, Difference: what one corpus has that another has not.
-    merge, smallest: the smallest failure of each class, in a folder.
-    judge_all, Judgement, remove: what may be dropped, and why.
-    export: one archive, or a table.
-    contact_sheet: a corpus as one picture.
+    Corpus, Entry, Selection, read_corpus: The contents of a folder or an archive, without worlds.
+    Baseline: Failures that are known.
+    differences, Difference: Compare two corpora.
+    merge, smallest: Collect the simplest failure of each class in a folder.
+    judge_all, Judgement, remove: Find failures that can be deleted, and why.
+    export: Write one archive, or a table.
+    contact_sheet: Draw a corpus as one picture.
 
-The files are the truth. ``docs/howto/corpus.md`` is the description.
+The files themselves are the only source of truth. ``docs/howto/corpus.md`` describes corpora for users.
 """
 
 from fuzz.corpus.baseline import Baseline

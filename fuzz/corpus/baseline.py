@@ -1,4 +1,4 @@
-"""Known failures: their classes are no news."""
+"""Known failures: a campaign does not report their classes as new."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from worldgen.support.plain_text import shown
 __all__ = ["Baseline"]
 
 _Key = tuple[str, str, str]
-_SHOWN = 3  # controllers that a message names
+_SHOWN = 3  # most controllers that a message names
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class Baseline:
     """Failures whose classes are known.
 
     Args:
-        failures: By controller, motion model and class: the first file of it, and the failure as it
-            is now.
+        failures: By controller, motion model and class: the first file with that class, and the
+            failure as it occurs today.
     """
 
     failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
@@ -39,15 +39,15 @@ class Baseline:
     def of(
         cls, entries: Iterable[CorpusEntry], scenario: Scenario, say: Callable[[str], None]
     ) -> Baseline:
-        """What a controller's failures are today.
+        """Return the classes of a controller's known failures as they occur today.
 
-        Each is run again, so that no old name hides a new class.
+        Each is run again, so that an outdated class name does not hide a new class.
 
         Args:
-            entries: Of a corpus; those of other controllers and motion models are passed over.
-            scenario: The campaign's.
-            say: Told of each failure that is none any more, or is of another class than its file
-                says; and if there are failures, but none is of this controller and motion model.
+            entries: Entries of a corpus; other controllers and motion models are ignored.
+            scenario: The campaign's scenario.
+            say: Called with a message for each entry that is no longer a failure or has changed
+                its class, and if no entry has this controller and motion model.
 
         Raises:
             FormatError: If a file can no longer be read.
@@ -56,12 +56,14 @@ class Baseline:
         others: set[str] = set()
         is_any_ours = False
         for entry in entries:
+            # Ignore the failures of other robots.
             failure = Failure.read(entry.path)
             record = failure.record
             if _who(record.controller, record.motion) != _who(scenario.controller, scenario.motion):
                 others.add(f"{record.controller} under {record.motion}")
                 continue
             is_any_ours = True
+            # Run it again, and report if it has changed.
             now, reason = _failure_now(failure)
             if now is None:
                 say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
@@ -76,6 +78,7 @@ class Baseline:
                 )
             if known:
                 failures.setdefault(_key(facts), (entry.path, now))
+        # A baseline for another controller is probably a mistake, such as a wrong path.
         if others and not is_any_ours:
             say(
                 f"the baseline has no failure of {scenario.controller} under {scenario.motion}, "
@@ -85,12 +88,12 @@ class Baseline:
         return cls(failures)
 
     def has(self, failure: Failure) -> bool:
-        """Whether a failure is of a class that is known."""
+        """Return True if a failure's class is known."""
         return _key(Facts.of(failure, "the failure")) in self.failures
 
 
 def _who(controller: str, motion: str) -> tuple[str, str]:
-    """Return what two records of the same robot share, wherever the controller's file was named from."""
+    """Return the controller and motion model, with the controller's file as an absolute path."""
     return in_plain_place(controller, resolve=True), motion
 
 
@@ -99,13 +102,12 @@ def _key(facts: Facts) -> _Key:
 
 
 def _is_known(stored: Failure, now: Failure) -> bool:
-    """Return whether a failure whose class is another today is still the one that was stored.
+    """Return True if a failure with a new class is still the stored one.
 
-    A robot that loops in another manner is. A controller that crashes, hangs or commands nonsense
-        is not: that is a
-    fault of its own, which may have come into the known world with yesterday's edit. Only files
-    from before classes of crashes named a place are taken at their word, if the run is the same up
-    to the same crash.
+    That is so for a robot that loops in another manner. It is not for a controller that crashes,
+    hangs or sends invalid commands: that may be a separate fault, introduced by yesterday's edit.
+    Files from before classes of crashes named a place are an exception: they are accepted if the
+    run is the same up to the same crash.
     """
     if now.verdict not in BY_THE_CONTROLLER:
         return True
@@ -122,7 +124,7 @@ def _crash_evidence(failure: Failure) -> FaultEvidence:
 
 
 def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
-    """The failure with a record of what happens today, or ``None`` and why there is none."""
+    """Return the failure as recorded today, or ``None`` and the reason why it no longer fails."""
     fault = certificate_fault(failure.world)
     if fault:
         return None, fault
@@ -132,4 +134,4 @@ def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
         )
     except WorldgenError as error:
         return None, f"cannot be run here ({error})"
-    return now, "does not fail any more"
+    return now, "no longer fails"

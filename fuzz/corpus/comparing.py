@@ -1,4 +1,4 @@
-"""What one corpus has that another has not, class by class."""
+"""Compare two corpora class by class."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class BucketDifference:
     """A class of failures in two corpora.
 
     Args:
-        change: What happened to it.
-        old: The smallest failure of it in the old corpus, if there is one.
-        new: The smallest in the new one, likewise.
+        change: How the class changed.
+        old: Its simplest failure in the old corpus, if there is one.
+        new: Its simplest failure in the new corpus, if there is one.
     """
 
     change: Change
@@ -30,7 +30,7 @@ class BucketDifference:
 
     @property
     def entry(self) -> CorpusEntry:
-        """The failure to look at: the new one, unless it is gone.
+        """The failure to look at: the new one, unless there is only the old one.
 
         Raises:
             ValueError: If there is neither.
@@ -42,7 +42,7 @@ class BucketDifference:
 
 
 def differences(old: Iterable[CorpusEntry], new: Iterable[CorpusEntry]) -> list[BucketDifference]:
-    """Every class of either corpus, by controller, motion model and class, the new ones first."""
+    """Return every class of either corpus by controller, motion and name, new ones first."""
     before = smallest(old)
     now = smallest(new)
     found = [

@@ -1,4 +1,4 @@
-"""What is said of a failure without its world: whose it is, of what class, how large."""
+"""Facts about a stored failure without its world: controller, class, size."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ __all__ = ["CorpusEntry", "Facts"]
 
 @dataclass(frozen=True)
 class Facts:
-    """What a failure's text says, wherever it lies.
+    """Facts that a failure's text states, independent of where its file is.
 
     Args:
         controller: With its options, as commands take it; without motion model, time step and seed.
         motion: Name of the motion model.
-        kind: The class.
-        verdict: One of the vocabulary's.
-        width: Cells.
-        height: Cells.
-        solid: Solid cells.
-        events: Changes of cells.
+        kind: The failure's bucket.
+        verdict: Recorded verdict.
+        width: Width in cells.
+        height: Height in cells.
+        solid: Number of solid cells.
+        events: Number of events that change a cell.
         digest: SHA-256, in hex, of the canonical text.
-        size: As :attr:`fuzz.failure.Failure.size` has it.
+        size: See :attr:`fuzz.failure.Failure.size`.
     """
 
     controller: str
@@ -50,11 +50,11 @@ class Facts:
         """Return the facts of a failure.
 
         Args:
-            failure: From a file.
-            source: The file's name for the message.
+            failure: A failure read from a file.
+            source: The file's name, for error messages.
 
         Raises:
-            FormatError: If its record names options that are unknown here.
+            FormatError: If its record has options that this version does not know.
         """
         world = failure.world
         record = failure.record
@@ -63,7 +63,7 @@ class Facts:
         except InvalidParameter as error:
             raise FormatError(
                 "invalid-record",
-                "the failure's record does not fit: {reason}",
+                "the failure's record is not valid: {reason}",
                 reason=str(error),
                 source=source,
             ) from error
@@ -82,22 +82,22 @@ class Facts:
 
     @classmethod
     def in_world(cls, world: World, source: str) -> Facts | None:
-        """Return the facts of the failure that a world's file holds; ``None`` if it holds none."""
+        """Return the facts of the failure in a world's file; ``None`` if there isn't one."""
         failure = Failure.found_in(world)
         return None if failure is None else cls.of(failure, source)
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What makes two failures one: controller, motion model, class."""
+        """The key by which failures are grouped: controller, motion model, class."""
         return in_plain_place(self.controller), self.motion, self.kind
 
     @property
     def order(self) -> tuple[tuple[int, ...], str]:
-        """The smallest comes first; of equally large ones that with the lower digest."""
+        """Sort key: the simplest first; among equally simple ones, the lower digest."""
         return self.size, self.digest
 
     def describe_size(self) -> str:
-        """``5x8, 12 solid``, and the events if there are any."""
+        """Return the size, such as ``5x8, 12 solid``, with the number of events if not 0."""
         changes = f", {self.events} events" if self.events else ""
         return f"{self.width}x{self.height}, {self.solid} solid{changes}"
 
@@ -107,9 +107,9 @@ class CorpusEntry:
     """A failure in a corpus.
 
     Args:
-        path: Its file; in an archive the archive's path and then the name there.
-        facts: What its text says.
-        seen: When the file was last changed, whole seconds since 1970, UTC; ``None`` in an archive.
+        path: Its file; in an archive, the archive's path followed by the name inside.
+        facts: Facts that its text states.
+        seen: Time of the file's last change, whole seconds since 1970, UTC; ``None`` in an archive.
     """
 
     path: Path
@@ -118,23 +118,24 @@ class CorpusEntry:
 
     @property
     def first_seen(self) -> str:
-        """The day and time, UTC, as ISO 8601 writes it; empty if it is not known."""
+        """Date and time, UTC, in ISO 8601 notation; empty if unknown."""
         if self.seen is None:
             return ""
         try:
             return datetime.fromtimestamp(self.seen, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-        except (OSError, OverflowError, ValueError):  # a file system's date that is none
+        # Some file systems report dates outside the calendar.
+        except (OSError, OverflowError, ValueError):
             return ""
 
     @property
     def replay_command(self) -> str:
-        """The command that shows the failure again."""
+        """The command that replays the failure."""
         return f"worldgen replay {shlex.quote(str(self.path))}"
 
     def as_dict(self) -> dict[str, Any]:
-        """One row of a table: names of columns and their values."""
+        """Return one row of a table: column names and values."""
         facts = asdict(self.facts)
-        del facts["size"]  # the columns of the world say enough
+        del facts["size"]  # the other columns describe the world well enough
         row = {"file": str(self.path)}
         row |= {("class" if name == "kind" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen

@@ -1,4 +1,4 @@
-"""A corpus for others: one archive with a table and pictures, or the table alone."""
+"""Export a corpus: one archive with a table and pictures, or the table alone."""
 
 from __future__ import annotations
 
@@ -21,40 +21,43 @@ from worldgen.plugins.installation import pip_install
 
 __all__ = ["TABLE", "export"]
 
-TABLE = "corpus.csv"  # in an archive
+TABLE = "corpus.csv"  # name of the table in an archive
 _FACTS = [field.name for field in fields(Facts) if field.name != "size"]
 _COLUMNS = ("file", *("class" if name == "kind" else name for name in _FACTS))
 
 
 def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) -> int:
-    """Writes failures into one file, in the order of controllers, motion models, classes and sizes.
+    """Write failures to one file, ordered by controller, motion model, class and size.
 
     Args:
-        entries: Of any number of corpora; of equal failures one is written.
-        out: Its ending says what is made: an archive with a file, a picture and a row for each
-            failure; a table as ``.csv``; or one with pictures as ``.parquet``, which needs pyarrow.
-        force: Whether a file that is there is overwritten.
+        entries: Entries of any number of corpora; identical failures are written once.
+        out: The output file. Its suffix decides the format: an archive with a file, a picture and a
+            table row for each failure; a ``.csv`` table; or a ``.parquet`` table with pictures,
+            which requires pyarrow.
+        force: Overwrite an existing file.
 
     Returns:
-        How many failures were written.
+        The number of failures written.
 
     Raises:
-        InvalidParameter: If the ending is unknown.
-        OutputError: If the file is there already or cannot be written, or pyarrow is missing.
-        FormatError: If a file cannot be read any more.
+        InvalidParameter: If the suffix is unknown.
+        OutputError: If the file exists or cannot be written, or pyarrow is missing.
+        FormatError: If a file can no longer be read.
     """
+    # Refuse before the slow part, which draws the pictures.
     ending = out.suffix.lower()
     if not is_archive(out) and ending not in (".csv", ".parquet"):
         raise InvalidParameter(
             "unknown-format",
-            "{name!r}: no known kind",
-            "name a file {endings!l}, .csv or .parquet",
+            "{name!r}: unknown file type",
+            "choose a name that ends in {endings!l}, .csv or .parquet",
             name=out.name,
             endings=list(ENDINGS),
         )
     check_output(out, force)
     if ending == ".parquet":
-        _pyarrow()  # before the pictures are drawn
+        _pyarrow()
+    # Of identical failures keep the first by path, so that the result does not depend on the order.
     chosen = {
         entry.facts.digest: entry
         for entry in sorted(entries, key=lambda entry: str(entry.path), reverse=True)
@@ -66,7 +69,7 @@ def export(entries: Iterable[CorpusEntry], out: Path, *, force: bool = False) ->
 
 
 def _archive(entries: Sequence[CorpusEntry], out: Path) -> bytes:
-    """Equal failures, equal bytes: no name, time or place of their files goes into it."""
+    """Return an archive. Equal failures give equal bytes: it contains no file names or times."""
     stream = io.BytesIO()
     archive = writer_for(out, stream)
     rows = []
@@ -102,7 +105,7 @@ def _table(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
 
 
 def _parquet(entries: Sequence[CorpusEntry], _out: Path) -> bytes:
-    """The table, and in it each failure's text and picture as bytes."""
+    """Return the table with the text and the picture of each failure as bytes."""
     arrow, parquet = _pyarrow()
     rows = []
     for entry in entries:

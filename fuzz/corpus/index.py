@@ -1,6 +1,6 @@
 """A cache of facts by the digest of a file's bytes.
 
-It can be missing, never wrong about a file that changed.
+It may be missing, but it is never wrong about a file that has changed.
 """
 
 from __future__ import annotations
@@ -16,11 +16,22 @@ from worldgen.files.whole import read_text, write_bytes
 
 __all__ = ["INDEX_FOLDER", "Index"]
 
-INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it tells git to leave it alone
+INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it contains a .gitignore for itself
 _FILE = "index.json"
-_VERSION = 2  # of `Facts` and of how they are read from a file; another one's index is made anew
-_TYPES = {"controller": str, "motion": str, "kind": str, "verdict": str, "width": int, "height": int, "solid": int,
-          "events": int, "digest": str, "size": list}  # fmt: skip
+# Version of `Facts` and of how they are read from a file; an index of another version is ignored.
+_VERSION = 2
+_TYPES = {
+    "controller": str,
+    "motion": str,
+    "kind": str,
+    "verdict": str,
+    "width": int,
+    "height": int,
+    "solid": int,
+    "events": int,
+    "digest": str,
+    "size": list,
+}
 
 
 class Index:
@@ -36,9 +47,9 @@ class Index:
         self._used: dict[str, Facts | None] = {}
 
     def get(self, digest: str) -> tuple[bool, Facts | None]:
-        """Whether a file with this digest is known, and its facts.
+        """Return whether a file with this digest is known, and its facts.
 
-        None are those of a world without failure.
+        The facts of a world without a failure are ``None``.
         """
         if digest not in self._known:
             return False, None
@@ -46,13 +57,13 @@ class Index:
         return True, self._known[digest]
 
     def put(self, digest: str, facts: Facts | None) -> None:
-        """Notes what was read from a file."""
+        """Store the facts that were read from a file."""
         self._used[digest] = facts
 
     def save(self) -> None:
-        """Writes what was asked for or noted.
+        """Write all entries used since the start.
 
-        Where that cannot be, there is no index, which costs time only.
+        If writing fails there is no index, which only costs time.
         """
         if self._used == self._known:
             return
@@ -76,10 +87,10 @@ class Index:
 
 
 def _facts(values: object) -> Facts | None:
-    """Facts from their JSON.
+    """Return facts from their JSON.
 
     Raises:
-        ValueError: If they are something else.
+        ValueError: If the JSON is something else.
     """
     if values is None:
         return None

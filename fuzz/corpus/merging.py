@@ -1,4 +1,4 @@
-"""Several corpora into one: the smallest failure of each class."""
+"""Merge several corpora into one with the simplest failure of each class."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["merge", "smallest"]
 
 
 def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], CorpusEntry]:
-    """The smallest failure by controller, motion model and class, whatever the order in which they come."""
+    """Return the simplest failure by controller, motion model and class, regardless of order."""
     best: dict[tuple[str, str, str], CorpusEntry] = {}
     for entry in sorted(entries, key=lambda entry: (entry.facts.order, str(entry.path))):
         best.setdefault(entry.facts.key, entry)
@@ -27,25 +27,27 @@ def smallest(entries: Iterable[CorpusEntry]) -> dict[tuple[str, str, str], Corpu
 def merge(
     entries: Iterable[CorpusEntry], out: Path, *, force: bool = False
 ) -> dict[Path, CorpusEntry]:
-    """Writes the smallest failure of each class into a folder, dated by the first of its class.
+    """Write the simplest failure of each class to a folder, dated by the first of its class.
 
     Args:
-        entries: Of any number of corpora.
-        out: The folder; made if it is missing. What is there as it is to be stays untouched.
-        force: Whether files of the same name may be replaced, and others may be there.
+        entries: Entries of any number of corpora.
+        out: The folder; created if missing. Files that are already as they should be stay
+            untouched.
+        force: Replace files of the same name, and allow other files in the folder.
 
     Returns:
-        Where each failure lies, and where it came from.
+        Each new path, with the entry that it came from.
 
     Raises:
         OutputError: If the folder holds other failures, or cannot be written.
-        FormatError: If a file cannot be read any more.
+        FormatError: If a file can no longer be read.
     """
     entries = list(entries)
     chosen = {out / f"{name_of(entry.facts)}.grid": entry for entry in smallest(entries).values()}
     texts = {path: Failure.read(entry.path).dumps() for path, entry in chosen.items()}
     if not force:
         _refuse_others(out, texts)
+    # A class is as old as its oldest failure, whichever failure is the simplest.
     first: dict[tuple[str, str, str], int] = {}
     for entry in entries:
         if entry.seen is not None:
@@ -64,7 +66,7 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
         raise OutputError(
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
-            "give --force to replace those of the same name and keep the others, or name another "
+            "give --force to replace files of the same name and keep the others, or choose another "
             "folder",
             at_terminal=True,
             out=out,

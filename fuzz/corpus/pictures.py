@@ -1,4 +1,4 @@
-"""Failures as pictures: each with the robot's way, where its controller can be run here."""
+"""Draw failures, each with the robot's path if its controller can be run."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from worldgen.render.sheet import Panel, draw_sheet
 __all__ = ["contact_sheet", "draw_failure"]
 
 _PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
-_MOST = 200  # panels: a sheet of five columns and 16,000 px height
+_MOST = 200  # panels: a sheet of five columns is then 16,000 px high
 
 
 def draw_failure(entry: CorpusEntry, failure: Failure) -> bytes:
-    """A failure as the bytes of a PNG file."""
+    """Return a picture of a failure as the bytes of a PNG file."""
     facts = entry.facts
     title = f"{facts.controller}, {facts.motion}: {facts.kind}"
     return draw_png(failure.stored, trail=_trail(failure), title=title, pixels=_PIXELS)
 
 
 def contact_sheet(entries: Sequence[CorpusEntry]) -> bytes:
-    """Failures side by side, as the bytes of a PNG file.
+    """Return a picture of several failures side by side, as the bytes of a PNG file.
 
     Raises:
-        InvalidParameter: If there is none, or there are more than a sheet shows.
-        FormatError: If a file cannot be read any more.
+        InvalidParameter: If there are none, or more than fit on a sheet.
+        FormatError: If a file can no longer be read.
     """
     if not entries:
         raise InvalidParameter(
@@ -39,8 +39,8 @@ def contact_sheet(entries: Sequence[CorpusEntry]) -> bytes:
     if len(entries) > _MOST:
         raise InvalidParameter(
             "too-many",
-            "{count} failures are more than the {most} of a sheet",
-            "choose with --class",
+            "{count} failures are more than the {most} that fit on a sheet",
+            "select some with --class",
             at_terminal=True,
             count=len(entries),
             most=_MOST,
@@ -60,7 +60,7 @@ def _panel(entry: CorpusEntry) -> Panel:
 
 
 def _trail(failure: Failure) -> Trail | None:
-    """The robot's way as it is now; ``None`` where its controller cannot be run."""
+    """Return the robot's path as it is today; ``None`` if its controller cannot be run."""
     try:
         return trail_of(failure.run(through_walls=failure.is_breach), failure.world)
     except WorldgenError:

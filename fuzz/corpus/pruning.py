@@ -1,7 +1,4 @@
-"""What a corpus need not hold.
-
-Failures that are none any more, and all but the smallest of each class.
-"""
+"""Find failures that a corpus does not need: fixed ones, and all but the simplest of each class."""
 
 from __future__ import annotations
 
@@ -20,13 +17,13 @@ __all__ = ["Judgement", "judge_all", "remove"]
 
 @dataclass(frozen=True)
 class Judgement:
-    """Whether a failure stays.
+    """The decision whether a failure stays in the corpus.
 
     Args:
         entry: The failure.
-        keep: Whether it stays.
-        reason: Why; empty for the smallest of its class that replays.
-        judged: Whether it could be run; one that could not, for want of its controller perhaps,
+        keep: True if it stays.
+        reason: Why; empty for the simplest of its class that replays.
+        judged: False if it could not be run, perhaps because its controller is missing; it then
             stays.
     """
 
@@ -37,9 +34,9 @@ class Judgement:
 
 
 def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
-    """Replays the failures of each class, the smallest first, until one is confirmed.
+    """Replay the failures of each class, simplest first, until one is confirmed.
 
-    Those behind it may go.
+    The remaining ones of the class can go.
     """
     ordered = sorted(
         entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path))
@@ -65,8 +62,9 @@ def _judge(entry: CorpusEntry) -> Judgement:
     shown = replay(Failure.read(entry.path))
     if shown.confirmed:
         return Judgement(entry, True)
-    if shown.verdict in BY_THE_CONTROLLER:  # as a program does whose files are not here
-        reason = f"its controller ends in {shown.verdict} here: {shown.reason}"
+    # A program whose files are missing ends like this too, so the failure stays.
+    if shown.verdict in BY_THE_CONTROLLER:
+        reason = f"its controller ends with {shown.verdict} here: {shown.reason}"
         return Judgement(entry, True, reason, judged=False)
     if shown.verdict == "error":
         return Judgement(entry, True, f"cannot be replayed here: {shown.reason}", judged=False)
@@ -74,7 +72,7 @@ def _judge(entry: CorpusEntry) -> Judgement:
 
 
 def remove(entry: CorpusEntry) -> None:
-    """Deletes a failure's file.
+    """Delete a failure's file.
 
     Raises:
         OutputError: If it cannot be deleted.

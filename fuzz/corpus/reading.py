@@ -1,7 +1,4 @@
-"""Reads what a corpus holds.
-
-Every file's bytes, and its text where the index does not know them.
-"""
+"""Read the contents of a corpus: the bytes of every file, and the text of files not yet indexed."""
 
 from __future__ import annotations
 
@@ -24,12 +21,14 @@ __all__ = ["Corpus", "Selection", "read_corpus"]
 
 @dataclass(frozen=True)
 class Selection:
-    """Which failures are meant; of each kind of pattern one must fit, and none given fits all.
+    """Patterns that select failures.
+
+    A failure must match one pattern of each kind; no patterns of a kind match all failures.
 
     Args:
-        controllers: Patterns as of a shell: ``turn-*``.
-        kinds: Likewise, for classes.
-        verdicts: Likewise.
+        controllers: Shell patterns for controllers, such as ``turn-*``.
+        kinds: Shell patterns for classes.
+        verdicts: Shell patterns for verdicts.
     """
 
     controllers: tuple[str, ...] = ()
@@ -37,7 +36,7 @@ class Selection:
     verdicts: tuple[str, ...] = ()
 
     def fits(self, facts: Facts) -> bool:
-        """Whether a failure is meant."""
+        """Return True if a failure is selected."""
         wanted = (
             (self.controllers, facts.controller),
             (self.kinds, facts.kind),
@@ -51,9 +50,9 @@ class Corpus:
     """Failures by path.
 
     Args:
-        entries: In the order of the paths that were given, of a folder by name, of an archive as
-            they stand there.
-        others: Worlds without a failure, which were passed over.
+        entries: In the order of the given paths; within a folder by name, within an archive in
+            their order there.
+        others: Number of worlds without a failure, which were ignored.
     """
 
     entries: tuple[CorpusEntry, ...]
@@ -61,12 +60,12 @@ class Corpus:
 
 
 def read_corpus(paths: Iterable[Path], selection: Selection | None = None) -> Corpus:
-    """What folders, archives and files hold.
+    """Return the contents of folders, archives and files.
 
     Args:
-        paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below; it may hold
-            none.
-        selection: Which failures are meant; all if left out.
+        paths: For a folder, all ``.grid`` and ``.grid.gz`` files in it and below are read; it may
+            be empty.
+        selection: The failures to select; all if omitted.
 
     Raises:
         FormatError: If a path or a file cannot be read.
@@ -102,6 +101,7 @@ def _found(path: Path) -> Iterator[tuple[Path, Facts | None, int | None]]:
 
 
 def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
+    # Read one byte more than allowed, which shows that a file is too large.
     try:
         with file.open("rb") as stream:
             seen = int(file.stat().st_mtime)
@@ -110,7 +110,7 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
         raise FormatError(
             "no-such-file", "there is no such file", "check the name", source=str(file)
         ) from error
-    except (OSError, ValueError) as error:  # the latter for a name with a NUL
+    except (OSError, ValueError) as error:  # ValueError: the name contains a NUL
         raise FormatError(
             "unreadable",
             "cannot be read: {reason}",
@@ -124,6 +124,7 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
             most=MAX_FILE_BYTES,
             source=str(file),
         )
+    # The index knows files by their bytes; a file that it does not know is unpacked and read.
     digest = hashlib.sha256(data).hexdigest()
     known, facts = index.get(digest) if index is not None else (False, None)
     if not known:

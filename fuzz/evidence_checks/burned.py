@@ -13,7 +13,7 @@ __all__ = ["check_burned"]
 
 
 def check_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
-    """Check that the named cell burns or is debris, within the robot's radius, by the step's end."""
+    """Check that the named cell is in the named state and within the robot's radius."""
     step = evidence.step
     cell = evidence.cell
     state = evidence.state

@@ -18,7 +18,7 @@ __all__ = ["ReplayAnswer", "State", "answer", "describe_summary"]
 
 
 class State(StrEnum):
-    """What has become of a stored failure."""
+    """The state of a stored failure today."""
 
     SAME = "same"
     """Unchanged: verdict, evidence, trace digest and certificate are as stored."""

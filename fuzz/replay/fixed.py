@@ -89,7 +89,7 @@ def arrives(world: World, controller: str) -> Checked:
 
 
 def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Oracle) -> Checked:
-    """Run a scenario and compare its verdict and the oracle's findings with what is right."""
+    """Run a scenario and check its verdict, and what the oracle finds, against the certificate."""
     fault = certificate_fault(world)
     if fault:
         return Checked(

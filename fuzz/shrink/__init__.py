@@ -5,7 +5,7 @@ Contents:
     shrink_class: Returns the simplest result over several failures.
     Shrunk: The result of both.
     snippet: Writes a failure as a test module that contains its world.
-    KEEP: What a shrunk failure may have in common with the original.
+    KEEP: The properties that a shrunk failure may have in common with the original.
     PASSES: The list of simplifications.
     ORDER: The measures that define "simpler".
     removable: Lists what could still be removed; empty for a 1-minimal world.

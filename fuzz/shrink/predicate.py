@@ -113,7 +113,7 @@ class StillFails:
         return CONTROLLERS.get(self.scenario.controller)
 
     def __call__(self, candidate: World, scenario: Scenario | None = None) -> World | None:
-        """Return the candidate with a new certificate if it still fails the same way, else ``None``.
+        """Return the candidate with a new certificate if it fails the same way, else ``None``.
 
         Args:
             candidate: A simpler world.

@@ -30,7 +30,7 @@ from worldgen.world import Value, World
 __all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]
 
 KEEP = ("verdict", "class")
-"""What a shrunk failure can be required to have in common with the original."""
+"""The properties that a shrunk failure can be required to share with the original."""
 
 # A simpler world may need more steps than the original until it fails.
 _MORE_STEPS = 4
@@ -60,7 +60,7 @@ class Shrunk:
         simulations: Number of runs that it took.
         left: What could still be removed; empty if the world is 1-minimal.
         complete: True if every pass finished before the time was up.
-        kept: What it has in common with the original, one of :data:`KEEP`.
+        kept: The property shared with the original, one of :data:`KEEP`.
         interrupted: True if Ctrl-C ended it.
     """
 

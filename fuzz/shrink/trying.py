@@ -1,4 +1,4 @@
-"""Find the first edit of a failure after which it still fails, using the cheapest judgement first."""
+"""Find the first edit after which a failure still fails, with the cheapest judgement first."""
 
 from __future__ import annotations
 

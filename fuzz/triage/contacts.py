@@ -62,7 +62,7 @@ def contacts(world: World, trace: Trace, first: int, last: int) -> list[Contact]
         first: First step of the range.
         last: Last step of the range.
     """
-    # A touch begins in a step with a bump whose predecessor has none.
+    # A touch begins in a step with a bump that follows one without.
     bump = trace.bump[first : last + 1]
     begins = np.flatnonzero(bump & ~np.roll(bump, 1)) if not bump.all() else np.array([0], np.int64)
     # Contacts at the same place are equal, so compute each only once.
@@ -129,7 +129,7 @@ def part_of(world: World, ix: int, iy: int) -> str:
 
 
 def _first_place(world: World, trace: Trace, step: int) -> tuple[float, float]:
-    """Return where the path of a step first ended or bent, in cells; a touched wall is near there."""
+    """Return where the path of a step first ended or bent, in cells; touched walls are nearby."""
     point = int(np.searchsorted(trace.path_step, step))
     x = trace.x[step]
     y = trace.y[step]

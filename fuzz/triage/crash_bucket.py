@@ -22,7 +22,7 @@ __all__ = ["FACTS", "crash_bucket", "has_facts"]
 FACTS = ("reason", "message", "frames", "bump")
 """Evidence that only buckets and people read.
 
-A replay does not compare it, and files written by older versions do not have it.
+A replay does not compare it, and files written by older versions lack it.
 """
 
 _FRAMES = 2  # the innermost frames: the function that raised, and its caller

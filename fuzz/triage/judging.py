@@ -187,7 +187,7 @@ def _what_differs(failure: Failure, trial: Trial, found: Violation | None) -> st
         )
     if found.is_repeatable:
         return _difference(failure.record, trial.episode, found.table)
-    # Of an unrepeatable run, only the kind of what was found can be expected again.
+    # Of an unrepeatable run, only the kind of violation can be expected again.
     is_alike = found.facts.get("kind") == failure.violation.facts.get("kind")
     return "" if is_alike else f"oracle {found.oracle} finds something else: {dict(found.facts)}"
 

@@ -124,8 +124,7 @@ def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
     notes = []
     mended = stored(tmp_path / "mended", a_loop(found), controller="bug2")
     assert (
-        not baseline_of(mended, notes, Scenario("bug2")).failures
-        and "does not fail any more" in notes[0]
+        not baseline_of(mended, notes, Scenario("bug2")).failures and "no longer fails" in notes[0]
     )
 
 

@@ -52,7 +52,7 @@ def test_the_true_cause_holds(name):
 def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
     true = judged(name)[1].evidence.cause
     wrong = flaw_of(name, cause=claimed)
-    assert wrong == "" if claimed == true else f"is no {claimed} but a {true}" in wrong
+    assert wrong == "" if claimed == true else f"is not a {claimed} but a {true}" in wrong
 
 
 @pytest.mark.parametrize("name", OF_EACH_CAUSE)
@@ -76,7 +76,7 @@ def test_an_overlap_that_begins_in_no_step_is_refused(since):
 
 @pytest.mark.parametrize("cause", ["jump", ""])
 def test_a_cause_that_does_not_exist_is_refused(cause):
-    assert f"is no {cause}" in flaw_of("thesis-2-slide", cause=cause)
+    assert f"is not a {cause}" in flaw_of("thesis-2-slide", cause=cause)
 
 
 def test_a_cause_is_refused_where_the_first_wall_is_gone():
@@ -94,7 +94,7 @@ def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
     x = episode.trace.x.copy()
     x[episode.evidence.since :] += 1e-4  # a hundredth of a pixel to the side
     bent = replace(episode.trace, x=x)
-    assert "is no slide" in check_evidence(
+    assert "is not a slide" in check_evidence(
         "tunnel", world, bent, episode.evidence, options.motion_model()
     )
 
@@ -171,8 +171,8 @@ def test_a_breach_is_a_class_of_its_own():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"kind": "confined"}, "come back every 104 steps, so the run drifts"),
-        ({"period": 103}, "do not come back every 103 steps"),
+        ({"kind": "confined"}, "recur every 104 steps, so the run drifts"),
+        ({"period": 103}, "do not recur every 103 steps"),
         ({"entry": 3900}, "is not shown 4 times"),
         ({"box": (9, 9)}, "not in 9"),
         ({"box": None}, "no box"),
@@ -184,7 +184,7 @@ def test_false_evidence_of_drifting_is_refused(changes, message):
 
 def test_a_confined_run_does_not_drift():
     wrong = flaw_of("thesis-1-confined", kind="drifting", period=104, entry=2000)
-    assert "poses do not come back every 104 steps" in wrong
+    assert "poses do not recur every 104 steps" in wrong
 
 
 def test_an_exact_loop_does_not_drift():

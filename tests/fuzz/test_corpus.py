@@ -340,7 +340,7 @@ def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, verdic
     assert (
         result.code == 1
         and (tmp_path / "f.grid").exists()
-        and f"its controller ends in {verdict} here" in result.out
+        and f"its controller ends with {verdict} here" in result.out
     )
 
 

@@ -55,7 +55,7 @@ def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirme
     assert check(stored, controller="bug2").reason == ""
     reason = check(stored, CONFIRMED, "bug2").reason
     assert "arrives now in" in reason and reason.endswith(
-        "(was: loop, period 545); expect it to be fixed"
+        "(was: loop, period 545); the test should now expect it to be fixed"
     )
 
 
