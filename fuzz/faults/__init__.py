@@ -1,10 +1,9 @@
-"""Seeded faults: controllers of the library with one realistic fault each, to measure fault finding by.
+"""Seeded faults: library controllers with one realistic fault each, to measure fault finding.
 
 Contents:
-    Fault: a controller that says what is wrong with it, what to expect of it, and which one is
-        right.
-    FAULTS: all of them, by name; each is also ``fuzz.faults:NAME`` with underscores, wherever a
-        controller is named.
+    Fault: A controller with its fault, the verdict to expect, and the correct controller.
+    FAULTS: All faults by name. Wherever a controller is named, each is also available as
+        ``fuzz.faults:NAME`` with underscores.
 """
 
 from __future__ import annotations

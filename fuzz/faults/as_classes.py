@@ -1,6 +1,6 @@
-"""Compiled controllers as Python classes.
+"""Wrap compiled controllers as Python classes.
 
-How a campaign does against the same controller brought the usual way.
+This shows how a campaign performs with the same controller written in the usual form.
 ``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class
 whose ``act`` calls the compiled function.
 """
@@ -28,7 +28,7 @@ __all__ = ["AsClass"]
 class AsClass:
     """A compiled controller as a Python class.
 
-    It stands still in its first step, as every class does.
+    Like every class, it stands still in its first step.
 
     Args:
         controller: Name of the compiled controller.
@@ -38,20 +38,20 @@ class AsClass:
 
     @property
     def senses(self) -> tuple[str, ...]:
-        """What the compiled controller looks at."""
+        """The senses that the compiled controller uses."""
         return _compiled(self.controller).senses
 
     @property
     def needs(self) -> RobotOptions:
-        """What it needs of the robot."""
+        """Its requirements for the robot."""
         return _compiled(self.controller).needs
 
     def reset(self) -> Memory:
-        """Its memory at reset."""
+        """Return its initial memory."""
         return _compiled(self.controller).memory
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Its command and memory."""
+        """Return its command and its new memory."""
         seen = np.array((*observation[:-1], *observation.beams))
         kept = np.array(memory)
         command = np.zeros(layout.CMD_SIZE)
@@ -70,7 +70,7 @@ def _compiled(name: str) -> CompiledController:
 
 @functools.cache
 def _act(name: str) -> Act:
-    """The function itself; here and not in an object, for what a controller holds is its state."""
+    """Return the function itself; an attribute of the controller would count as its state."""
     act = _compiled(name).act
     if isinstance(act, CoreAct):
         return act

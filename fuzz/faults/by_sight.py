@@ -1,6 +1,6 @@
-"""Faults in the controllers that see by range beams, and in Q-learning.
+"""Faults in the controllers that see with range beams, and in Q-learning.
 
-``fuzz/core/faults_by_sight.c`` has the functions.
+The functions are in ``fuzz/core/faults_by_sight.c``.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ three_layer_patience_starts_anew = planted(
     "three-layer-patience-starts-anew",
     three_layer,
     Verdict.LOOP,
-    "The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up.",
+    "The timer of a waypoint is reset in each step, so no waypoint is ever given up.",
 )
 three_layer_forgets_its_map = planted(
     "three-layer-forgets-its-map",
     three_layer,
     Verdict.LOOP,
-    "The map is cleared with each new waypoint: what was learnt is lost with the reset.",
+    "The map is cleared with each new waypoint, so everything learnt is lost.",
 )
 three_layer_columns_and_rows_swapped = planted(
     "three-layer-columns-and-rows-swapped",
@@ -53,7 +53,7 @@ three_layer_stale_target = planted(
     "three-layer-stale-target",
     three_layer,
     Verdict.LOOP,
-    "The heading of the target is kept from the start for the last bit of the way.",
+    "On the last stretch, the heading of the target is still the one from the start.",
 )
 three_layer_turn_not_wrapped = planted(
     "three-layer-turn-not-wrapped",
@@ -65,19 +65,19 @@ vfh_turn_sign = planted(
     "vfh-turn-sign",
     vfh,
     Verdict.LOOP,
-    "Turns the wrong way where the chosen direction is more than an eighth of a turn off.",
+    "Turns the wrong way if the chosen direction is more than an eighth of a turn off.",
 )
 vfh_histogram_never_clears = planted(
     "vfh-histogram-never-clears",
     vfh,
     Verdict.LOOP,
-    "A sector that was blocked once stays so: the lower threshold is never asked.",
+    "A sector that was blocked once stays blocked: the lower threshold is never checked.",
 )
 vfh_beam_beyond_the_last = planted(
     "vfh-beam-beyond-the-last",
     vfh,
     Verdict.CRASH,
-    "Looks up the beam nearest to the target by a rounded index, which may be one beyond the last.",
+    "Finds the beam nearest to the target by a rounded index, which may be one past the last.",
 )
 potential_field_gap_in_whole_cells = planted(
     "potential-field-gap-in-whole-cells",
@@ -89,38 +89,37 @@ potential_field_never_slows = planted(
     "potential-field-never-slows",
     potential_field,
     Verdict.TUNNEL,
-    "Drives at its top speed near walls, too, so that between two looks it is beyond them.",
+    "Keeps its top speed near walls, so it is past them before it looks again.",
     variations="+motion=endpoint+time_step=0.3",
 )
 dynamic_window_brakes_for_the_target = planted(
     "dynamic-window-brakes-for-the-target",
     dynamic_window,
     Verdict.INVALID_COMMAND,
-    "Slows down before the target by the root of what is left less 0.1 m, which may be negative.",
+    "Brakes for the target by the square root of the distance less 0.1 m, which may be negative.",
 )
 dynamic_window_speed_in_km_h = planted(
     "dynamic-window-speed-in-km-h",
     dynamic_window,
     Verdict.TUNNEL,
-    "Sends its speed in km/h to wheels that take m/s.",
+    "Sends its speed in km/h to wheels that expect m/s.",
     variations="+motion=endpoint+time_step=0.15",
 )
 q_learning_eighth_of_nine = planted(
     "q-learning-eighth-of-nine",
     q_learning,
     Verdict.CRASH,
-    "Counts nine eighths of a turn: straight behind on the right is beyond the table's end.",
+    "Counts nine eighths in a turn: straight back on the right is past the table's end.",
 )
 q_learning_timer_off_by_one = planted(
     "q-learning-timer-off-by-one",
     q_learning,
     Verdict.LOOP,
-    "Waits a step longer between two decisions than it did when it was trained: an error by one in "
-    "a timer.",
+    "Waits one step longer between two decisions than during training: a timer is off by one.",
 )
 q_learning_last_turn_lost = planted(
     "q-learning-last-turn-lost",
     q_learning,
     Verdict.LOOP,
-    "Does not remember which way it turned last.",
+    "Does not remember in which direction it last turned.",
 )

@@ -1,6 +1,6 @@
 """Faults in the controllers that follow walls by touch: Bug1 and Bug2.
 
-``fuzz/core/faults_by_touch.c`` has the functions.
+The functions are in ``fuzz/core/faults_by_touch.c``.
 """
 
 from __future__ import annotations
@@ -28,40 +28,39 @@ bug1_keeps_the_last_place = planted(
     "bug1-keeps-the-last-place",
     bug1,
     Verdict.LOOP,
-    "Does not keep the nearest place of the wall but the last one: the comparison with the best so "
-    "far is lost.",
+    "Remembers the last place along the wall instead of the nearest: the comparison is missing.",
 )
 bug1_hit_point_moves_along = planted(
     "bug1-hit-point-moves-along",
     bug1,
     Verdict.STALLED,
-    "Notes the hit point anew at each step along the wall, so it never comes back to it.",
+    "Sets the hit point again at each step along the wall, so it never returns to it.",
 )
 bug1_stale_round_is_over = planted(
     "bug1-stale-round-is-over",
     bug1,
     Verdict.LOOP,
-    "The flag of a finished round is not cleared at the second obstacle, which counts as seen at "
-    "once.",
+    "The flag of a finished round is not cleared at the second obstacle, which then counts as "
+    "explored.",
 )
 bug1_lost_wall_wrong_side = planted(
     "bug1-lost-wall-wrong-side",
     bug1,
     Verdict.LOOP,
-    "Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there.",
+    "Switches sides whenever it loses the wall at a corner: the sign of the turn is wrong there.",
 )
 bug1_turn_not_wrapped = planted(
     "bug1-turn-not-wrapped",
     bug1,
     Verdict.LOOP,
-    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a "
-    "turn.",
+    "The turn is the difference of two headings, not wrapped at pi, so the robot may turn the long "
+    "way.",
 )
 bug2_leaves_by_equality = planted(
     "bug2-leaves-by-equality",
     bug2,
     Verdict.LOOP,
-    "Leaves the wall only where it is on the line exactly: a comparison of floats for equality.",
+    "Leaves the wall only exactly on the line: floats are compared for equality.",
 )
 bug2_stale_line = planted(
     "bug2-stale-line",
@@ -79,19 +78,19 @@ bug2_leaves_behind_the_hit_point = planted(
     "bug2-leaves-behind-the-hit-point",
     bug2,
     Verdict.LOOP,
-    "Leaves wherever it crosses the line: that the place must be nearer than the hit point is "
-    "forgotten.",
+    "Leaves wherever it crosses the line: the check that the place is nearer than the hit point is "
+    "missing.",
 )
 bug2_bearing_in_degrees = planted(
     "bug2-bearing-in-degrees",
     bug2,
     Verdict.LOOP,
-    "The bearing of a contact on the right comes in degrees.",
+    "The bearing of a contact on the right is in degrees.",
 )
 bug2_turn_not_wrapped = planted(
     "bug2-turn-not-wrapped",
     bug2,
     Verdict.LOOP,
-    "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a "
-    "turn.",
+    "The turn is the difference of two headings, not wrapped at pi, so the robot may turn the long "
+    "way.",
 )

@@ -1,7 +1,4 @@
-"""Plants a fault in a controller.
-
-The controller's own code, with one deviation around it, in the C core.
-"""
+"""Plant a fault in a controller: its code runs unchanged, with one deviation around it, in C."""
 
 from __future__ import annotations
 
@@ -24,12 +21,12 @@ class FaultAct(CoreAct):
     """The act of a controller with a fault, a function of the search's C core.
 
     Args:
-        name: As ``wg_fault`` has it.
+        name: Name of the fault in ``wg_fault``.
     """
 
     @property
     def address(self) -> int:
-        """Where the function is: a ``WgAct``."""
+        """Address of the function, a ``WgAct``."""
         return int(_ffi.cast("uintptr_t", _lib.wg_fault(self.name.encode()).act))
 
 
@@ -38,10 +35,10 @@ class Fault(CompiledController):
     """A controller with a known fault.
 
     Args:
-        sentence: What is wrong.
-        base: The controller without it.
-        expected: The verdict to which it leads where the base arrives.
-        variations: Of the run, as they follow a controller's name: ``+motion=endpoint``.
+        sentence: Description of the fault.
+        base: The controller without the fault.
+        expected: The verdict that it leads to where the base arrives.
+        variations: Variations of the run, as in a controller's name: ``+motion=endpoint``.
     """
 
     sentence: str = ""
@@ -56,11 +53,11 @@ def planted(
     """Return a controller with a fault of the C core.
 
     Args:
-        name: Of the fault.
-        base: The controller without it.
-        expected: Verdict.
-        sentence: What is wrong.
-        variations: Of the run.
+        name: Name of the fault.
+        base: The controller without the fault.
+        expected: The verdict that it leads to.
+        sentence: Description of the fault.
+        variations: Variations of the run.
     """
     return Fault(
         name=name,

@@ -1,14 +1,14 @@
-"""The player: a world and runs in it, packed for a browser, and the scripts that draw and play them.
+"""The player: packs a world and runs for a browser, with the scripts that draw and play them.
 
-The report carries it inside its one file, the studio serves it. ``page/`` holds its JavaScript
+A report embeds it in its single file, and the studio serves it. ``page/`` holds its JavaScript
 modules and its style.
 
 Contents:
-    drawn_world, drawn_run: a world, a run, as the scripts want them (``worlds``, ``runs``,
-        ``streams``).
-    sensors_of: which beams and signal are drawn with a run.
-    one_file: a page that holds everything itself, the player's script and style among it.
-    replay_page: such a page of robots in one world.
+    drawn_world, drawn_run: A world and a run in the form that the scripts expect (``worlds``,
+        ``runs``, ``streams``).
+    sensors_of: The beams and the signal to draw with a run.
+    one_file: Builds a self-contained page that includes the player's scripts and style.
+    replay_page: Such a page of robots in one world.
 """
 
 from fuzz.player.one_file import one_file

@@ -1,8 +1,7 @@
-"""What a controller's memory says, as the page draws it.
+"""A controller's memory as the page draws it: named numbers by row, and a map that changes.
 
-Named numbers by row, and a map that changes. The map is a list of shapes, each with the steps from
-which and until which it is there; so a map that grows is held once, and what the page draws at a
-step needs no more than a look at each.
+The map is a list of shapes, each with the steps from which and until which it exists. A map that
+grows is therefore stored only once, and drawing a step only takes one comparison per shape.
 """
 
 from __future__ import annotations
@@ -23,11 +22,11 @@ from worldgen.lattice import UNIT
 __all__ = ["BLOCKED", "CELL", "PLACE", "PLAN", "drawn_memory"]
 
 BLOCKED, CELL, PLAN, PLACE = range(4)
-"""Kinds of shapes: a line that is closed, an occupied rectangle, a piece of the plan, a remembered point."""
+"""Kinds of shapes: a blocked line, an occupied rectangle, part of the plan, a remembered point."""
 
 _SCALE = 1000  # a named number is shown to thousandths
-# Times at which a map is read; of one that changes more often it is every second, fourth, ...
-# change.
+# Times at which a map is read. If it changes more often, only every second change is used, or every
+# fourth, and so on.
 _MOST_MAPS = 400
 
 Ints = npt.NDArray[np.int64]
@@ -38,27 +37,28 @@ Shape = tuple[int, int, int, int, int]
 def drawn_memory(
     trace: Trace, controller: Controller, kept: Ints, rows: Ints, *, cell_size: float, most: int
 ) -> dict[str, Any] | None:
-    """The memory of a recorded run; ``None`` where the controller says nothing of it.
+    """Return the memory of a recorded run; ``None`` if the controller does not describe it.
 
     Args:
         trace: The run.
-        controller: Who drove.
-        kept: Steps that the page holds.
-        rows: Step of each of the page's rows.
-        cell_size: m.
-        most: Shapes at most; of a map that needs more, fewer changes are held.
+        controller: The controller.
+        kept: The steps that the page includes.
+        rows: The step of each of the page's rows.
+        cell_size: Size of a cell, m.
+        most: Most shapes; a map that needs more is stored with fewer changes.
 
     Returns:
-        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths;
-            ``map``: columns
-        ``kind``, ``x0``, ``y0``, ``x1``, ``y1`` (lattice units of the world; of a point ``x1`` is
-        the number of its name), ``since`` and ``until`` (steps), and ``names``; null without one;
-        ``fault``: why there is none, or "".
+        ``fields``: each with ``name``, ``words``, ``least``, and ``values`` by row, in thousandths.
+        ``map``: columns ``kind``, ``x0``, ``y0``, ``x1``, ``y1`` (lattice units of the world; for a
+        point ``x1`` is the number of its name), ``since`` and ``until`` (steps), and ``names``;
+        null if there is no map. ``fault``: why nothing can be shown, or "".
     """
     read = getattr(controller, "memory_map", None)
     fields = getattr(controller, "memory_fields", ())
     if not trace.memory_size or (read is None and not fields):
         return None
+    # This calls the controller's own code. Only this picture depends on it, so any error is shown
+    # instead of the memory.
     try:
         check_fields(type(controller).__name__, fields)
         watched = _Watched(trace, controller, fields, len(kept))
@@ -67,7 +67,7 @@ def drawn_memory(
             watched.field(column, np.searchsorted(kept, rows)) for column in range(len(fields))
         ]
         drawn = None if read is None else _map(watched, read, trace.steps + 1, cell_size, most)
-    except Exception as error:  # noqa: BLE001 - a controller's own code and places, which only this picture hangs on
+    except Exception as error:  # noqa: BLE001
         return {
             "fields": [],
             "map": None,
@@ -77,10 +77,7 @@ def drawn_memory(
 
 
 class _Watched:
-    """What is kept of a memory that goes by.
-
-    Its named numbers, and it as a whole at a few changes of its map.
-    """
+    """A memory during a run: its named numbers, and all of it at some changes of the map."""
 
     def __init__(
         self, trace: Trace, controller: Controller, fields: Sequence[MemoryField], rows: int
@@ -94,6 +91,7 @@ class _Watched:
                     place=field.place,
                     memory_size=trace.memory_size,
                 )
+        # Read the map only when a number that it depends on has changed.
         places = tuple(getattr(controller, "memory_map_on", ())) or range(trace.memory_size)
         self.fields = fields
         self.values = np.zeros((rows, len(fields)))
@@ -109,7 +107,7 @@ class _Watched:
         self._last: tuple[int, Floats] | None = None
 
     def take(self, step: int, memory: Floats) -> None:
-        """Looks at the memory after a step."""
+        """Process the memory after a step."""
         self.values[self._row] = memory[self._named]
         self._row += 1
         now = memory.view(np.int64)[self._columns] if self._reads else self._seen
@@ -122,7 +120,7 @@ class _Watched:
         self._changes += 1
 
     def _keep(self, step: int, memory: Floats) -> None:
-        """Keeps one more; when there are too many, of these and of those to come every second alone."""
+        """Keep a memory; when there are too many, keep only every second, now and from now on."""
         self.at.append(step)
         self.memories.append(memory)
         if len(self.at) == _MOST_MAPS:
@@ -131,14 +129,14 @@ class _Watched:
             self._each = 2 * self._each
 
     def maps(self) -> list[tuple[int, Floats]]:
-        """Those that were kept, and the last, which is the fullest."""
+        """Return the memories kept, and the last one, whose map is the most complete."""
         found = list(zip(self.at, self.memories, strict=True))
         return (
             found if self._last is None or self._last[0] in self.at[-1:] else [*found, self._last]
         )
 
     def field(self, column: int, rows: Ints) -> dict[str, Any]:
-        """One named number by row; what is not finite becomes a number that no memory has."""
+        """Return a named number by row; values that are not finite become an impossible number."""
         name, _, words, least = self.fields[column]
         values = self.values[rows, column]
         whole = np.where(
@@ -150,21 +148,23 @@ class _Watched:
 def _map(
     watched: _Watched, read: Callable[[Floats], MemoryMap], end: int, cell_size: float, most: int
 ) -> dict[str, Any] | None:
-    """The shapes of a map with the steps between which they are there.
+    """Return the shapes of a map with the steps between which they exist.
 
-    ``None`` if it is too large to draw.
+    ``None`` if the map is too large to draw.
     """
     names: dict[str, int] = {}
     maps = watched.maps()
     at = np.array([step for step, _ in maps], np.int64)
     seen = [_shapes(read(memory), cell_size, names) for _, memory in maps]
+    # Drop every second map until there are few enough shapes. The last map is the most complete,
+    # so it always stays.
     while True:
         lives = _lives(seen, at, end)
         if len(lives) <= most:
             break
         if len(seen) == 1:
             return None
-        last = seen[-1], at[-1:]  # the map at the end is the fullest, and is kept
+        last = seen[-1], at[-1:]
         seen = [*seen[:-1:2], last[0]]
         at = np.concatenate((at[:-1:2], last[1]))
     columns = np.array(lives, np.int64).reshape(-1, 7).T
@@ -176,7 +176,7 @@ def _map(
 
 
 def _shapes(read: MemoryMap, cell_size: float, names: dict[str, int]) -> set[Shape]:
-    """One map as shapes in lattice units."""
+    """Return one map as shapes in lattice units."""
     plan = np.asarray(read.plan, np.float64).reshape(-1, 2)
     lines = (
         (BLOCKED, read.blocked),
@@ -196,12 +196,12 @@ def _shapes(read: MemoryMap, cell_size: float, names: dict[str, int]) -> set[Sha
 
 
 def _lives(seen: list[set[Shape]], at: Ints, end: int) -> list[tuple[int, ...]]:
-    """Each shape with the step from which on and until which it is there, the first to come first."""
+    """Return each shape with the steps from which and until which it exists, earliest first."""
     alive: dict[Shape, int] = {}
     lives: list[tuple[int, ...]] = []
     for step, shapes in zip(at.tolist(), seen, strict=True):
-        for gone in alive.keys() - shapes:
-            lives.append((*gone, alive.pop(gone), step))
+        for shape in alive.keys() - shapes:
+            lives.append((*shape, alive.pop(shape), step))
         for shape in shapes - alive.keys():
             alive[shape] = step
     lives += [(*shape, since, end) for shape, since in alive.items()]

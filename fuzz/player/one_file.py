@@ -1,4 +1,4 @@
-"""A page in one file: text, style, scripts and data, and nothing that a browser could load from elsewhere.
+"""Build a page in one file: text, style, scripts and data, without anything to load.
 
 The scripts are ES modules. Each is a ``data:`` URL, and an import map gives it the name by which
 the others import it. A module under a ``data:`` URL has no folder, so imports name modules as
@@ -29,15 +29,15 @@ def one_file(
     start: str,
     data: dict[str, Any],
 ) -> bytes:
-    """Return the page, which lets a browser run these very scripts and use this style, and load nothing at all.
+    """Return the page, which allows a browser to run only these scripts and to load nothing.
 
     Args:
-        body: What the page shows, as HTML; ``@@TITLE@@`` in it is the title.
-        title: Of the page, as plain text.
+        body: Contents of the page, as HTML; ``@@TITLE@@`` in it stands for the title.
+        title: Title of the page, as plain text.
         styles: CSS that follows the player's.
-        scripts: Text of each module besides the player's, by the name that imports give it.
+        scripts: Text of each module other than the player's, by the name used in imports.
         start: Name of the module that starts the page.
-        data: What the scripts read as JSON.
+        data: Data that the scripts read as JSON.
     """
     styles = style() + styles
     urls = {name: _data_url(text) for name, text in (player_modules() | dict(scripts)).items()}
@@ -49,9 +49,9 @@ def one_file(
         "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     }
 
-    # What a module imports may run if its importer has the policy's nonce. No text in the page can
-    # hold a nonce that is a digest of that text, so nothing that a failure's file says can run, and
-    # equal pages get equal bytes.
+    # A module may be imported if its importer has the policy's nonce. The nonce is a digest of the
+    # page's text, so no text in the page can contain it. Hence nothing in a failure's file can run,
+    # and equal pages get equal bytes.
     nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
     filled["NONCE"] = nonce
     filled["POLICY"] = (
@@ -63,10 +63,11 @@ def one_file(
 
 
 def policy_source(text: str) -> str:
-    """Return how a Content-Security-Policy names an inline script or style: by its SHA-256."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+    """Return the SHA-256 by which a Content-Security-Policy names an inline script or style."""
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
 
 
 def _data_url(script: str) -> str:
-    """Return an address that is the script itself."""
+    """Return a URL that contains the script."""
     return f"data:text/javascript;base64,{base64.b64encode(script.encode('utf-8')).decode('ascii')}"

@@ -1,4 +1,4 @@
-"""Robots in one world as a page of their own, to be sent to anybody who has a browser."""
+"""Robots in one world as a self-contained page that can be sent to anyone with a browser."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["replay_page"]
 def replay_page(
     title: str, world: dict[str, Any] | None, robots: Sequence[dict[str, Any]]
 ) -> bytes:
-    """The page, which needs no network and no other file.
+    """Return the page, which needs no network and no other file.
 
     Args:
-        title: Its heading.
-        world: Of ``drawn_world``.
+        title: Heading.
+        world: Result of ``drawn_world``.
         robots: Each with ``name``, ``verdict``, ``why``, ``steps``, ``time``, ``path``,
             ``collisions``, ``digest``, and ``run`` and ``sensors`` as the player draws them.
     """

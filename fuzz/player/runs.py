@@ -1,4 +1,4 @@
-"""A run as the page plays it: its states, the corners between them, and the steps that matter."""
+"""A run as the page plays it: its states, the corners between them, and its important steps."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ __all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
 
 Ints = npt.NDArray[np.int64]
 
-# Of a run that the page holds; 10 to 25 kB. Of a longer one it has every second, third, ... step.
+# Steps of a run that the page includes, 10 to 25 kB. Of a longer run it has every second step, or
+# every third, and so on.
 MOST_STEPS = 4_000
-SHARE = 256  # parts of a step: when in it a corner is reached
+SHARE = 256  # parts of a step, for the time at which a corner is reached
 
 _BREACHES = {
     Verdict.TUNNEL: ("Breach", "goes through this wall"),
     Verdict.OVERLAP: ("Overlap", "cuts into this wall"),
     Verdict.BURNED: ("Caught", "is caught"),
 }
-_LEAD_UP = 300  # steps before a breach, and after it, that are kept rather than others
+_LEAD_UP = 300  # steps around a breach that are included in preference to others
 
 
 def drawn_run(
@@ -41,22 +42,22 @@ def drawn_run(
     most: int = MOST_STEPS,
     controller: Controller | None = None,
 ) -> dict[str, Any] | None:
-    """A recorded run, or ``None`` without a recording.
+    """Return a recorded run for the page, or ``None`` without a recording.
 
     Args:
         episode: The run.
-        cell_size: m.
-        judged: The run whose evidence counts, where that is another: a breach's ends at the wall.
-        most: About how many steps are kept of a longer run.
-        controller: Who drove, if its memory is to be shown.
+        cell_size: Size of a cell, m.
+        judged: The run with the evidence, if it is another one: a breach's ends at the wall.
+        most: About how many steps to include of a longer run.
+        controller: The controller, if its memory should be shown.
 
     Returns:
-        ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice
-        units of the world), ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, of a
-        robot that has behaviours, ``active`` (which of ``behaviours`` acted; -1 none), one row a
-        state or corner; ``thinned`` (one in how many steps is there, at the coarsest); ``loop``
-        (entry and period), ``marks``, ``memory`` (``drawn_memory``), and whether it has
-        ``breached`` a wall.
+        ``steps`` and ``dt`` (s). The columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice
+        units of the world), ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, for
+        a robot with behaviours, ``active`` (index into ``behaviours`` of the one that acted, -1 for
+        none), with one row per state or corner. ``thinned`` (one step in how many is included, at
+        the coarsest), ``loop`` (entry and period), ``marks``, ``memory`` (see ``drawn_memory``),
+        and ``breached``: whether it has entered a wall.
     """
     trace = episode.trace
     if trace is None:
@@ -83,10 +84,7 @@ def drawn_run(
 def _columns(
     trace: Trace, kept: npt.NDArray[np.int64], cell_size: float
 ) -> tuple[dict[str, Any], npt.NDArray[np.int64]]:
-    """The states of the steps that are kept, and in between the corners of their paths.
-
-    And the step of each row.
-    """
+    """Return the included states with the corners in between, and the step of each row."""
     step = trace.path_step
     share = np.rint(trace.path_share * SHARE).astype(np.int64)
     corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
@@ -112,9 +110,9 @@ def _columns(
 
 
 def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:
-    """Which states are kept, at most about ``most``.
+    """Return the steps to include, about ``most`` of them.
 
-    Densely in the span of interest, the others evenly.
+    They are dense in the span of interest and even elsewhere.
     """
     inside = span[1] - span[0]
     near = _stride(inside, most // 2)
@@ -127,14 +125,14 @@ def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArr
     return np.unique(np.concatenate(parts)).astype(np.int64), max(near, far)
 
 
-def _stride(count: int, room: int) -> int:
-    return max(1, -(-count // room))
+def _stride(count: int, most: int) -> int:
+    return max(1, -(-count // most))
 
 
 def _span_of_interest(
     steps: int, loop: list[int] | None, marks: list[dict[str, Any]]
 ) -> tuple[int, int]:
-    """From which step to which a reader looks most closely."""
+    """Return the first and last step of the part that a reader looks at most closely."""
     if loop is not None:
         return min(loop[0], steps), min(loop[0] + loop[1], steps)
     centre = next((mark["step"] for mark in marks if "cell" in mark), steps)
@@ -147,10 +145,7 @@ def _loop(episode: Episode) -> list[int] | None:
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
-    """The steps that the evidence names.
-
-    Their name, what is said of them and, where it names one, the cell.
-    """
+    """Return the steps that the evidence names, each with name, description and perhaps a cell."""
     match episode.evidence:
         case LoopEvidence(entry=entry):
             return [_mark(entry, "entry", "Entry", "the loop is entered")]
@@ -164,9 +159,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
                 _mark(wall.step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(wall.cell)}
             )
             if wall.reached is not None:
-                found.append(
-                    _mark(wall.reached, "last", "Arrives", "enters the target that walls shut off")
-                )
+                found.append(_mark(wall.reached, "last", "Arrives", "enters the walled-off target"))
             return found
         case BurnedEvidence(step=step, cell=cell):
             return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]

@@ -1,4 +1,4 @@
-"""Which of a robot's sensors are drawn with its run."""
+"""Decide which of a robot's sensors are drawn with its run."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ __all__ = ["sensors_of"]
 
 
 def sensors_of(controller: Controller, options: RunOptions, side: float) -> dict[str, Any]:
-    """The range beams, in cells and rad, and whether the floor may be tinted by a signal that walls do not stop.
+    """Return the range beams, in cells and rad, and whether to tint the floor by the signal.
+
+    The floor can only be tinted by a signal that walls do not block.
 
     Args:
-        controller: Who drives.
-        options: How.
-        side: Of a cell, m.
+        controller: The controller.
+        options: Options of the run.
+        side: Size of a cell, m.
     """
     if MOTIONS.get(options.motion).kernel == THESIS:
         return {"beams": 0, "signal": options.thesis.signal == "open"}

@@ -1,4 +1,4 @@
-"""The scripts and the style of the player as text, for a page that holds everything itself."""
+"""Read the player's scripts and style as text, for a self-contained page."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ __all__ = ["modules", "player_modules", "style"]
 
 
 def modules(folder: Traversable, prefix: str) -> dict[str, str]:
-    """Return the text of each JavaScript module of a folder under the name that others import it by.
+    """Return the text of each JavaScript module of a folder, by the name used in imports.
 
     Args:
-        folder: Where the ``.js`` files are.
-        prefix: What stands before a file's name in an import, such as ``#report/``.
+        folder: Folder of the ``.js`` files.
+        prefix: Prefix of a file's name in imports, such as ``#report/``.
     """
     parts = sorted(
         (part for part in folder.iterdir() if part.name.endswith(".js")), key=lambda part: part.name
@@ -22,10 +22,10 @@ def modules(folder: Traversable, prefix: str) -> dict[str, str]:
 
 
 def player_modules() -> dict[str, str]:
-    """Return the modules of the player."""
+    """Return the player's modules."""
     return modules(files("fuzz.player") / "page", "#player/")
 
 
 def style() -> str:
-    """Return colours, buttons, and what the player is made of."""
+    """Return the player's style, which includes colours and buttons."""
     return (files("fuzz.player") / "page" / "player.css").read_text("utf-8")

@@ -1,7 +1,7 @@
-"""Columns of whole numbers and of bits as short text, which ``page/decode.js`` reads back.
+"""Pack columns of integers and of bits as short text, which ``page/decode.js`` unpacks.
 
-A robot drives straight most of the time, so the second differences of its poses are mostly 0 or
-    near it: a byte each.
+A robot drives straight most of the time, so the second differences of its poses are mostly close
+to 0 and take one byte each.
 """
 
 from __future__ import annotations
@@ -13,21 +13,24 @@ import numpy.typing as npt
 
 __all__ = ["bits", "numbers"]
 
-_GROUPS = 9  # of seven bits: any number below 2**62
+_GROUPS = 9  # groups of seven bits: enough for any number below 2**62
 _ONES = np.int64(127)
 _MOST = 2**50
 
 
 def numbers(values: npt.ArrayLike) -> str:
-    """Whole numbers as base64 of their second differences, each zigzag and in groups of seven bits, the lowest first.
+    """Return integers as base64 of their second differences.
+
+    Each difference is zigzag-encoded in groups of seven bits, the lowest first.
 
     Args:
-        values: (n,) whole numbers; what is beyond 2**50 either way becomes that, which a browser
-            still counts exactly.
+        values: (n,) integers; they are clipped to 2**50 in both directions, which browsers still
+            represent exactly.
     """
     column = np.clip(np.asarray(values), -_MOST, _MOST).astype(np.int64)
     twice = np.diff(np.diff(column, prepend=np.int64(0)), prepend=np.int64(0))
     zigzag = (twice << np.int64(1)) ^ (twice >> np.int64(63))
+    # Split into groups of seven bits; the eighth bit of each byte says that another one follows.
     above = zigzag[:, None] >> np.arange(0, 7 * (_GROUPS + 1), 7, dtype=np.int64)
     used = above > 0
     used[:, 0] = True
@@ -36,7 +39,7 @@ def numbers(values: npt.ArrayLike) -> str:
 
 
 def bits(flags: npt.ArrayLike) -> str:
-    """Bits as base64, the first in the lowest bit of the first byte."""
+    """Return bits as base64; the first is the lowest bit of the first byte."""
     return _text(np.packbits(np.asarray(flags, np.bool_).ravel(), bitorder="little").tobytes())
 
 

@@ -1,4 +1,4 @@
-"""A world as the page draws it, in cells."""
+"""Pack a world as the page draws it, in cells."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from worldgen.world import Cut, Witness, World
 
 __all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
 
-MOST_CELLS = 1 << 22  # of a world that is drawn: 700 kB in the page
+MOST_CELLS = 1 << 22  # of a world that can be drawn; 700 kB in the page
 
 
 def drawn_world(world: World) -> dict[str, Any] | None:
-    """A world's cells, changes, start, target and certificate; ``None`` if it is too large to draw.
+    """Return a world's cells, events, start, target and certificate; ``None`` if it is too large.
 
     Returns:
         ``cells`` as bits, row by row from the lowest y; ``start`` (x, y in cells, heading in rad)
-        and ``target`` (x, y, radius in cells); ``events`` in columns, their times in ms rounded;
+        and ``target`` (x, y, radius in cells); ``events`` in columns, with times rounded to ms;
         ``witness`` in columns, ms and lattice units; ``cut``, a chain of cells.
     """
     if world.width * world.height > MOST_CELLS:
@@ -48,10 +48,7 @@ def drawn_world(world: World) -> dict[str, Any] | None:
 
 
 def drawn_certificate(world: World) -> dict[str, Any]:
-    """A world's witness in columns, ms and lattice units, or its cut.
-
-    Nothing where it has neither.
-    """
+    """Return a world's witness in columns, ms and lattice units, or its cut, or nothing."""
     proof = world.certificate
     if isinstance(proof, Witness):
         across, up = (np.rint(values / world.cell_size * UNIT) for values in (proof.x, proof.y))

@@ -1,8 +1,8 @@
-"""Reports: failures and their campaign as one HTML page that needs nothing else.
+"""Reports: failures and their campaign as one self-contained HTML page.
 
 Contents:
-    write_report: from folders, archives and files to the page.
-    Summary: what a campaign notes of itself for reports.
+    write_report: Writes the page from folders, archives and files.
+    Summary: The notes that a campaign leaves for reports.
 """
 
 from fuzz.campaign.store import Summary

@@ -1,7 +1,4 @@
-"""What a report is about.
-
-Failures from folders, archives and files, run again, and their campaigns.
-"""
+"""Collect the contents of a report: failures, run again, and their campaigns."""
 
 from __future__ import annotations
 
@@ -22,21 +19,21 @@ from worldgen.files.grid.schema import MAX_FILE_BYTES
 
 __all__ = ["MOST_FAILURES", "ReplayedFailure", "ReportSubject", "Reported", "gather", "look_at"]
 
-MOST_FAILURES = 1_000  # of a report: 10 to 50 MB, about what a browser opens without complaint
+# More would make a page of over 10 to 50 MB, about the limit of what browsers open without trouble.
+MOST_FAILURES = 1_000
 
 
 @dataclass(frozen=True, eq=False)
 class ReplayedFailure:
-    """A failure's file and what running it again showed.
+    """A failure's file, and the result of running it again.
 
     Args:
-        name: The file's own name.
-        data: Its bytes, as they are.
-        failure: What it holds.
+        name: The file's name, without folders.
+        data: Its bytes, unchanged.
+        failure: The failure in it.
         replay: Whether verdict, evidence and certificate are as recorded.
-        shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot
-            be run.
-        words: What happened, to stand behind the verdict; empty where the replay is not confirmed.
+        shown: The run to draw; a breach's run ignores walls. ``None`` if it cannot be run.
+        words: What happened, to follow the verdict; empty if the replay is not confirmed.
     """
 
     name: str
@@ -49,13 +46,13 @@ class ReplayedFailure:
 
 @dataclass(frozen=True, eq=False)
 class Reported:
-    """A failure of a corpus, and what is to be said of it.
+    """A failure of a corpus as it appears in the report.
 
     Args:
-        entry: Its place and its facts.
-        seen: The file and its run.
-        original: The failure as it was found, before shrinking, where the campaign kept it.
-        campaign: Which campaign found it, as an index; -1 where that is not known.
+        entry: Its file and its facts.
+        seen: The failure and its run.
+        original: The failure as found, before shrinking, if the campaign kept it.
+        campaign: Index of the campaign that found it; -1 if unknown.
     """
 
     entry: CorpusEntry
@@ -66,9 +63,9 @@ class Reported:
 
 @dataclass(frozen=True, eq=False)
 class ReportSubject:
-    """What a report is about.
+    """The contents of a report.
 
-    ``others`` counts worlds without a failure, which were passed over.
+    ``others`` is the number of worlds without a failure, which are ignored.
     """
 
     entries: list[CorpusEntry]
@@ -77,11 +74,11 @@ class ReportSubject:
 
 
 def gather(paths: Sequence[Path]) -> ReportSubject:
-    """Reads what failures and campaigns there are.
+    """Find the failures and campaigns to report on.
 
     Args:
-        paths: Folders, archives and files. What campaigns remember in hidden folders is read for
-            what it is.
+        paths: Folders, archives and files. Campaigns keep their state in hidden folders, which are
+            read too.
 
     Raises:
         InvalidParameter: If there is nothing to report on, or more than ``MOST_FAILURES``.
@@ -106,8 +103,8 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
     if len(entries) > MOST_FAILURES:
         raise InvalidParameter(
             "too-many",
-            "{count} failures are more than the {most} of a report",
-            "keep the smallest of each class: worldgen corpus merge",
+            "{count} failures are more than the {most} that fit into a report",
+            "keep only the smallest of each class: worldgen corpus merge",
             at_terminal=True,
             count=len(entries),
             most=MOST_FAILURES,
@@ -116,17 +113,14 @@ def gather(paths: Sequence[Path]) -> ReportSubject:
 
 
 def _campaign_folders(path: Path) -> Iterable[Path]:
-    """The folder, and those below it, that campaigns may have written.
-
-    Of a file the folder that it is in.
-    """
+    """Return the folder and those below it that belong to campaigns; for a file, its folder."""
     return (
         sorted(memory.parent for memory in path.rglob(MEMORY)) if path.is_dir() else (path.parent,)
     )
 
 
 def _distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
-    """Of equal failures the one whose path comes first."""
+    """Return one entry for each failure; of identical ones, the first by path."""
     chosen: dict[str, CorpusEntry] = {}
     for entry in sorted(entries, key=lambda entry: str(entry.path)):
         chosen.setdefault(entry.facts.digest, entry)
@@ -134,11 +128,12 @@ def _distinct(entries: Iterable[CorpusEntry]) -> list[CorpusEntry]:
 
 
 def look_at(entry: CorpusEntry, campaigns: Sequence[Summary]) -> Reported:
-    """Reads a failure, and what it was before shrinking, and runs both again.
+    """Read a failure and its original from before shrinking, and run both again.
 
     Raises:
-        FormatError: If a file cannot be read any more.
+        FormatError: If a file can no longer be read.
     """
+    # Campaigns may be nested, so take the innermost folder that contains the entry.
     around = [k for k, summary in enumerate(campaigns) if summary.folder in entry.path.parents]
     campaign = max(around, key=lambda k: len(campaigns[k].folder.parts), default=-1)
     seen = _seen(entry.path)
@@ -147,7 +142,7 @@ def look_at(entry: CorpusEntry, campaigns: Sequence[Summary]) -> Reported:
 
 
 def _original(failure: Failure, folder: Path) -> ReplayedFailure | None:
-    """The failure as found, where the record names it and the campaign still has it."""
+    """Return the failure as found, if the record names it and the campaign still has it."""
     if failure.original is None:
         return None
     path = folder / MEMORY / "failures" / f"{failure.original}.grid"
@@ -161,7 +156,7 @@ def _seen(path: Path) -> ReplayedFailure:
     if failure is None:
         raise FormatError(
             "file-changed",
-            "held a failure a moment ago",
+            "changed while the report was written",
             "do not change it meanwhile",
             source=str(path),
         )
@@ -174,7 +169,7 @@ def _seen(path: Path) -> ReplayedFailure:
 
 
 def _bytes_of(path: Path) -> bytes:
-    """A file's bytes, also of one in an archive."""
+    """Return a file's bytes, also if it is in an archive."""
     place = None if path.is_file() else archive_in(path)
     if place is None:
         with path.open("rb") as stream:
@@ -185,7 +180,7 @@ def _bytes_of(path: Path) -> bytes:
             return data
     raise FormatError(
         "file-changed",
-        "is not there any more",
-        "do not change the archive meanwhile",
+        "no longer exists",
+        "do not change the archive while the report is written",
         source=str(path),
     )

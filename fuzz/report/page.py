@@ -1,7 +1,4 @@
-"""Puts the page together.
-
-Its text, style and script from ``page/``, the player's, and the data as JSON.
-"""
+"""Assemble the page from ``page/``, the player's scripts and style, and the data as JSON."""
 
 from __future__ import annotations
 
@@ -24,7 +21,7 @@ from worldgen.support.plain_text import counted
 
 __all__ = ["write_report"]
 
-_ID_DIGITS = 12  # hex, of a failure's digest: its address in the page
+_ID_DIGITS = 12  # hex digits of a failure's digest, used as its address in the page
 
 
 def write_report(
@@ -35,25 +32,24 @@ def write_report(
     force: bool = False,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> int:
-    """Writes failures and their campaigns as one HTML page.
+    """Write failures and their campaigns as one HTML page.
 
-    Equal files by equal names give equal bytes. Runs the controllers that the files name.
+    Equal files with equal names give equal bytes. The controllers named in the files are run.
 
     Args:
-        paths: Folders, archives and files of failures; of a campaign's folder its summary is shown,
-            too.
+        paths: Folders, archives and files of failures; a campaign's folder also adds its summary.
         out: The page.
-        title: Its heading; without one, who fails under which motion model.
-        force: Whether a file that is there is overwritten.
-        progress: Called with the number of failures that are done, and of all.
+        title: Heading; if empty, the controller and motion model, or the number of controllers.
+        force: Overwrite an existing file.
+        progress: Called with the number of failures done and the total.
 
     Returns:
-        How many failures the page shows.
+        The number of failures on the page.
 
     Raises:
         InvalidParameter: If there is nothing to report on, or too much.
         FormatError: If a path or a file cannot be read.
-        OutputError: If the page is there already or cannot be written.
+        OutputError: If the page exists or cannot be written.
     """
     check_output(out, force)
     subject = gather(paths)
@@ -73,7 +69,7 @@ def write_report(
 
 
 def _heading(subject: ReportSubject) -> str:
-    """``turn-right under stepped``, or how many controllers there are."""
+    """Return ``turn-right under stepped``, or the number of controllers if there are several."""
     names = {(entry.facts.controller, entry.facts.motion) for entry in subject.entries}
     names |= {
         (summary.controller, summary.motion) for summary in subject.campaigns if not subject.entries
@@ -85,7 +81,7 @@ def _heading(subject: ReportSubject) -> str:
 
 
 def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
-    """A failure as the page's script wants it."""
+    """Return a failure as the page's script expects it."""
     reported = look_at(entry, campaigns)
     seen = reported.seen
     facts = entry.facts
@@ -115,7 +111,7 @@ def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
 
 
 def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
-    """A world with its run and its file."""
+    """Return a world with its run and its file."""
     failure = seen.failure
     world = seen.failure.world
     run = sensors = None
@@ -137,15 +133,15 @@ def _drawn(seen: ReplayedFailure) -> dict[str, Any]:
 
 
 def _campaign(summary: Summary) -> dict[str, Any]:
-    """As the page's script wants it.
+    """Return a campaign as the page's script expects it.
 
-    A seed of 64 bits as text, which JavaScript's numbers cannot hold.
+    A 64-bit seed becomes text, because JavaScript's numbers cannot hold it.
     """
     return asdict(summary) | {"folder": str(summary.folder), "seed": str(summary.seed)}
 
 
 def _page(title: str, data: dict[str, Any]) -> bytes:
-    """The page with the report's own text, style and scripts."""
+    """Return the page with the report's text, style and scripts."""
     folder = files("fuzz.report") / "page"
     body = (folder / "body.html").read_text("utf-8")
     styles = (folder / "style.css").read_text("utf-8")

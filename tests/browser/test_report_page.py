@@ -246,14 +246,14 @@ def test_search_and_verdicts_choose_cards(page):
     page.locator("#find").fill("onerror")
     assert page.locator(".card").count() == 1
     page.locator("#find").press_sequentially("zzz")
-    assert "No failure fits" in page.locator("#overview").inner_text()
+    assert "No failure matches" in page.locator("#overview").inner_text()
 
 
 def test_the_campaign_has_its_charts_and_their_tables(page, address):
     page.goto(f"{address}#campaign")
     page.locator("#campaign h3").first.wait_for()
     titles = page.locator("#campaign h3").all_inner_texts()
-    assert titles[:3] == ["Found over time", "By lane", "Archive: detour and density"]
+    assert titles[:3] == ["Found over time", "By search strategy", "Archive: detour and density"]
     assert page.locator("#campaign .heat").count() == 2
     assert page.locator("#campaign .first").count() == 2
     assert page.locator("svg.plot").count() == page.locator("svg.plot[aria-label]").count() > 0

@@ -213,7 +213,7 @@ def test_a_coin_gives_its_values_and_no_others():
         ("free", {}, "a random number may be any below 1"),
         ("unsaid", {}, "a random number may be any below 1"),
         ("quarter", {"motion": "endpoint"}, "only the motion model swept"),
-        ("quarter", {"robot": RobotOptions(slip=0.1)}, "random numbers of its own"),
+        ("quarter", {"robot": RobotOptions(slip=0.1)}, "its own random numbers"),
     ],
 )
 def test_what_cannot_be_looked_at_is_undecided_and_says_why(controller, changes, reason):

@@ -47,7 +47,7 @@ TWO = report(finding(LOOP), finding(STALLED, "known"))
 
 def test_junit_fails_what_is_new_and_skips_what_is_known():
     new, known = read_junit(junit(TWO)).findall("testcase")
-    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: loop for ever")
+    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: loop forever")
     assert (
         "\nS start  G target" in new.find("failure").text
         and "worldgen replay failures/" in new.find("failure").text
@@ -91,7 +91,7 @@ def test_sarif_is_as_it_was(project):
         file=project / "a b.grid",
         verdict="loop",
         kind="loop-bumps",
-        what="loop for ever {}",
+        what="loop forever {}",
     )
     text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")
     assert text == (GOLDEN / "two.sarif").read_text(encoding="utf-8")

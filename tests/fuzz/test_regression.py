@@ -48,7 +48,7 @@ def walled_off(**changes):
 
 def test_a_failure_that_still_fails_is_confirmed_but_not_fixed(stored):
     assert check(stored, CONFIRMED).reason == ""
-    assert "turn-right under swept: loop for ever" in check(stored).reason
+    assert "turn-right under swept: loop forever" in check(stored).reason
 
 
 def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirmed(stored):

@@ -104,7 +104,7 @@ function charts(campaigns = [CAMPAIGN]) {
 test("a campaign has its charts, each with a label and its table", () => {
   const place = charts();
   const titles = place.querySelectorAll("h3").map((one) => one.textContent);
-  assert.deepEqual(titles, ["Found over time", "By lane", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at first look"]);
+  assert.deepEqual(titles, ["Found over time", "By search strategy", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at screening"]);
   assert.ok(place.querySelectorAll("svg.plot").every((one) => one.getAttribute("aria-label")));
   assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".smaller").length], [2, 2, 1]);
 });

@@ -1,9 +1,9 @@
-// The archive of behaviours as a map: one square for each kind, stronger where its best run has a higher quality.
+// The archive of behaviours as a map: one square for each kind, with a stronger colour for a higher quality.
 
 import { svg } from "#player/dom.js";
 
 /**
- * What lies between two edges; the first and the last cell are open.
+ * Describes the range between two edges; the first and the last cell are open.
  * @param {number[]} edges
  * @param {number} k
  * @returns {string}
@@ -23,12 +23,12 @@ export function rounded(number) {
 }
 
 /**
- * The map.
+ * Draws the map.
  * @param {Archive} archive
  * @param {{width: number, left: number, right: number, top: number, bottom: number}} space - Width of the picture,
- *     and what is kept free around the map
- * @param {((i: number, j: number) => void) | null} [open] - Called with a kind that is clicked; without
- *     it nothing can be opened
+ *     and the margins around the map
+ * @param {((i: number, j: number) => void) | null} [open] - Called when a kind is clicked; without it nothing can
+ *     be opened
  * @returns {SVGElement}
  */
 export function archivePlot(archive, space, open = null) {
@@ -40,7 +40,7 @@ export function archivePlot(archive, space, open = null) {
   const frame = { wide, high, top, bottom, x: (i) => space.left + i * wide, y: (j) => bottom - (j + 1) * high };
   const height = bottom + space.bottom + 4;
   const empty = svg("rect", { class: "empty", x: frame.x(0), y: top, width: wide * columns, height: high * rows });
-  const label = `Heat map of ${archive.cells.length} kinds of behaviour by ${archive.names.join(" and ")}; the table below has each`;
+  const label = `Heat map of ${archive.cells.length} kinds of behaviour by ${archive.names.join(" and ")}; the table below lists them`;
   return svg(
     "svg",
     { class: "plot", viewBox: `0 0 ${space.width} ${height}`, role: "img", "aria-label": label },
@@ -56,6 +56,7 @@ function archiveCells(archive, { wide, high, x, y }, open) {
     span = Math.max(...qualities) - least || 1;
   return archive.cells.map(([i, j, quality, verdict]) => {
     const where = archive.names.map((name, axis) => `${name} ${rangeOf(archive.edges[axis], [i, j][axis])}`).join(", ");
+    // Even the lowest quality stays visible against an empty square.
     const strength = (0.12 + (0.88 * (quality - least)) / span).toFixed(2);
     const cell = svg(
       "rect",
@@ -64,12 +65,12 @@ function archiveCells(archive, { wide, high, x, y }, open) {
         x: x(i), y: y(j), width: wide, height: high, "fill-opacity": strength,
         onclick: open && (() => open(i, j)),
       },
-      svg("title", {}, `${where}: quality ${rounded(quality)}, ${verdict}${open ? "; a click opens its simplest world" : ""}`),
+      svg("title", {}, `${where}: quality ${rounded(quality)}, ${verdict}${open ? "; click to open its simplest world" : ""}`),
     );
-    const said = verdict !== "reached" && high > 11 && wide > 11;
+    const labelled = verdict !== "reached" && high > 11 && wide > 11;
     return [
       cell,
-      said
+      labelled
         ? svg("text", { class: "onheat", x: x(i) + wide / 2, y: y(j) + high / 2 + 4 }, verdict[0].toUpperCase())
         : null,
     ];

@@ -1,4 +1,4 @@
-// The robot at a time, and the others beside it.
+// The robot at a time, and the other robots next to it.
 
 import { poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { ring, stroke } from "#player/pen.js";
@@ -37,7 +37,7 @@ export function drawRobot(pen, world, pose, scene) {
 }
 
 /**
- * Another robot at the same time: its way so far, and its disc.
+ * Draws another robot at the same time: its path so far, and its disc.
  * @param {Pen} pen
  * @param {RunScene} scene
  * @param {OtherRobot} other

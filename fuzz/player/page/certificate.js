@@ -1,9 +1,9 @@
-// The certificate of a world: its witness, or the cut that parts the target from the start.
+// The certificate of a world: its witness, or the cut that separates the target from the start.
 
 import { openWorld } from "#player/decode.js";
 import { disc, line, stroke } from "#player/pen.js";
 
-const CASING = 5; // pixels: the way and the cut stand out from what lies below them, whatever the eye makes of its colour
+const CASING = 5; // pixels: makes the path and the cut stand out from anything below them, in any colour vision
 
 /**
  * @param {Pen} pen
@@ -18,6 +18,7 @@ export function drawCertificate(pen, world, ms) {
     line(pen, witness.x, witness.y, 0, witness.x.length);
     stroke(pen, colours.floor, CASING);
     stroke(pen, colours.start, 2, [6, 4]);
+    // A dot shows where the witness is at this time.
     const next = witness.ms.findIndex((time) => time > ms),
       last = witness.ms.length - 1;
     const k = next < 0 ? last : Math.max(0, next - 1),
@@ -29,7 +30,7 @@ export function drawCertificate(pen, world, ms) {
   if (world.cut) {
     context.beginPath();
     for (const [ix, iy] of [...world.cut, world.cut[0]]) context.lineTo(px(ix + 0.5), py(iy + 0.5));
-    stroke(pen, colours.floor, CASING); // it lies on walls
+    stroke(pen, colours.floor, CASING); // the cut runs over walls
     stroke(pen, colours.breach, 2.5, [6, 5]);
   }
   context.restore();

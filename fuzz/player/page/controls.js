@@ -1,4 +1,4 @@
-// What stands under the stage: the bar to scrub along, the clock's buttons, layers, the camera.
+// The controls under the stage: the scrub bar, the buttons of the clock, layers, the camera.
 
 import { openWorld } from "#player/decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
@@ -16,7 +16,7 @@ export const LAYERS = {
 };
 
 /**
- * The controls under the stage. What was chosen before, such as layers, stays; `also` is called at each change.
+ * Builds the controls under the stage. Earlier choices, such as layers, are kept; `also` is called at each change.
  * @param {HTMLCanvasElement} canvas
  * @param {HTMLElement} under
  * @param {Drawn} drawn
@@ -34,7 +34,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   });
   if (former) Object.assign(player.show, former.show);
   if (!drawn.run) {
-    const why = "The controller could not be run here, so the world is shown without the robot's way.";
+    const why = "The controller could not be run here, so the world is shown without the robot's path.";
     under.replaceChildren(el("p", { class: "notice" }, drawn.why || why), viewButtons(player, parts));
     player.draw();
     return player;
@@ -49,7 +49,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   return player;
 }
 
-// As high as the world asks for at this width, but no higher than leaves the controls in the window.
+// As high as the world needs at this width, but low enough to leave the controls in the window.
 function fitStage(canvas, world) {
   const wanted = canvas.clientWidth * ((world.height + 0.5) / (world.width + 0.5));
   canvas.style.height = `${Math.round(Math.max(240, Math.min(wanted, innerHeight * 0.58)))}px`;
@@ -86,7 +86,7 @@ function scrubBar(player, parts) {
   return el("div", { class: "scrub" }, scrubMarks(player), parts.scrub);
 }
 
-// Above the bar: the period of a loop, the steps that matter, the world's changes.
+// Above the bar: the period of a loop, the important steps, the world's events.
 function scrubMarks(player) {
   const { run, world } = player.drawn,
     share = (step) => (1000 * Math.min(step, player.last)) / Math.max(1, player.last);
@@ -126,7 +126,7 @@ function controls(player, parts) {
     keyButton(icon("first"), "To the start", "Home", () => jumpTo(player, 0)),
     keyButton(icon("back"), "One step back", "←", () => stepBy(player, -1)),
     parts.play,
-    keyButton(icon("on"), "One step on", "→", () => stepBy(player, 1)),
+    keyButton(icon("on"), "One step forward", "→", () => stepBy(player, 1)),
     keyButton(icon("last"), "To the end", "End", () => jumpTo(player, player.last)),
     jumpButtons(player, parts),
     el("label", { class: "field" }, "Speed", parts.speed),
@@ -138,11 +138,11 @@ function jumpButtons(player, parts) {
   const { run } = player.drawn,
     jumps = [...run.marks];
   if (run.loop) {
-    parts.period = keyButton("One period", "One period, again and again", "l", () => playPeriod(player));
+    parts.period = keyButton("One period", "Repeat one period", "l", () => playPeriod(player));
     jumps.push({
       step: run.loop[0] + run.loop[1],
       name: "End of period",
-      text: "the state of the entry has come back",
+      text: "the state of the entry recurs",
     });
   }
   return [
@@ -175,7 +175,7 @@ export function stepBy(player, steps) {
 }
 
 /**
- * To the next step that matters; from the last to the first.
+ * Goes to the next marked step; from the last one to the first.
  * @param {Player} player
  */
 export function nextMark(player) {
@@ -235,7 +235,7 @@ function thinNote(run) {
     el(
       "p",
       { class: "quiet" },
-      `A long run of ${grouped(run.steps)} steps: the page holds those that matter, of the others at worst one in ${run.thinned}, and draws straight lines between.`,
+      `This run is long (${grouped(run.steps)} steps). The page includes the important steps and at least one in ${run.thinned} of the others, with straight lines between them.`,
     ),
   ];
 }
@@ -263,7 +263,8 @@ function momentOf(run, step) {
   const mark = run.marks.find((one) => one.step === step);
   if (mark) return `: ${mark.text}`;
   if (!run.loop || step < run.loop[0]) return "";
-  const into = (step - run.loop[0]) % run.loop[1]; // beside others that drive longer it goes round many times
+  // Next to robots that drive longer, a loop repeats many times.
+  const into = (step - run.loop[0]) % run.loop[1];
   return into === 0 ? ": the state of the entry again" : `, ${into} into the period`;
 }
 

@@ -1,4 +1,4 @@
-// Numbers and bits as fuzz/player/streams.py writes them; worlds and runs made ready to draw, once each.
+// Unpacks numbers and bits written by fuzz/player/streams.py, and prepares worlds and runs for drawing, once each.
 
 /**
  * @param {string} text
@@ -13,6 +13,7 @@ export function bytesOf(text) {
  * @returns {Float64Array}
  */
 export function numbersOf(text) {
+  // Undo the groups of seven bits, then the zigzag, then the second differences.
   const values = [];
   let value = 0,
     rate = 0,
@@ -97,7 +98,7 @@ export function openRun(run) {
 }
 
 /**
- * The cells at a time: free, solid or burning. The array is the same one at every call.
+ * Returns the cells at a time: free, solid or burning. Every call returns the same array.
  * @param {SceneWorld} world
  * @param {number} ms
  * @returns {Uint8Array}
@@ -106,6 +107,7 @@ export function cellsAt(world, ms) {
   const open = openWorld(world);
   if (!open.events) return open.cells;
   const { ms: times, ix, iy, state } = open.events;
+  // Events are applied in order; going back in time means starting over.
   if (!open.now || (open.done > 0 && times[open.done - 1] > ms)) {
     open.now = open.cells.slice();
     open.done = 0;
@@ -129,7 +131,7 @@ export function stateAt(cells, world, ix, iy) {
 }
 
 /**
- * The last row that is not later than a step.
+ * Returns the last row that is not later than a step, by bisection.
  * @param {DrawnRun} run
  * @param {number} step
  * @returns {number}
@@ -147,7 +149,7 @@ export function rowAt(run, step) {
 }
 
 /**
- * What is known of the robot at a row beside its place: the behaviour that acted, where it has any.
+ * Returns the behaviour that acted at a row; null for a robot without behaviours.
  * @param {DrawnRun} run
  * @param {number} row
  * @returns {string | null}
@@ -158,7 +160,7 @@ export function behaviourAt(run, row) {
 }
 
 /**
- * The step of a run that stands for a step beyond its end: a loop goes round for ever, another run stays where it is.
+ * Maps a step beyond a run's end to one within it: a loop repeats forever, another run stays where it ended.
  * @param {DrawnRun} run
  * @param {number} step
  * @returns {number}

@@ -1,6 +1,6 @@
-// Elements, made without any markup text: whatever a name holds, it is only ever text.
+// Builds elements without parsing any markup: whatever a name contains is treated as text.
 
-// The name of SVG's namespace, from the browser itself, so that this file holds no address at all.
+// The name of SVG's namespace comes from the browser, so that this file contains no web address.
 const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg")?.namespaceURI;
 
 function make(space, tag, attributes, children) {
@@ -54,7 +54,7 @@ export function icon(name) {
 }
 
 /**
- * A button that a key also presses.
+ * Makes a button that a key also presses.
  * @param {Content} content
  * @param {string} label
  * @param {string} key
@@ -74,7 +74,7 @@ export function keyButton(content, label, key, act, more = {}) {
 }
 
 /**
- * A list to choose from: pairs of value and words.
+ * Makes a drop-down list from pairs of value and text.
  * @param {(string | number)[][]} pairs
  * @param {string | number | null} chosen
  * @param {(event: any) => void} change
@@ -89,7 +89,7 @@ export function choice(pairs, chosen, change) {
 }
 
 /**
- * A robot's name with its options, which may go on in another line at each of them.
+ * Returns a robot's name with its options; a line may break before each option.
  * @param {string} name
  * @returns {Content[]}
  */
@@ -124,7 +124,7 @@ export function plural(count, one, many = `${one}s`) {
 }
 
 /**
- * For screen readers: what a sighted reader sees change.
+ * Announces a visible change to screen readers.
  * @param {string} text
  */
 export function say(text) {

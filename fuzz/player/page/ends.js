@@ -1,4 +1,4 @@
-// Where a way begins and where it shall end.
+// The start and the target.
 
 import { disc, ring, stroke } from "#player/pen.js";
 

@@ -1,4 +1,4 @@
-// What a run is drawn on: floor, walls, flames, the grid and the signal.
+// The ground of a run: floor, walls, flames, the grid and the signal.
 
 import { BURNING, SOLID } from "#player/decode.js";
 import { drawManyCells } from "#player/many_cells.js";
@@ -14,6 +14,7 @@ export function drawGround(pen, world, cells, scene) {
   const { context, px, py, colours } = pen;
   context.fillStyle = colours.panel;
   context.fillRect(0, 0, pen.width, pen.height);
+  // Everything outside the grid is solid, so a rim of wall surrounds the floor.
   const rim = rimOf(pen);
   const left = pen.snap(px(0)),
     right = pen.snap(px(world.width));
@@ -27,19 +28,19 @@ export function drawGround(pen, world, cells, scene) {
   if (pen.scale > 9 && scene.show.grid !== false) drawGrid(pen, world);
   if (drawManyCells(pen, world, cells)) return;
   drawCells(pen, world, cells, SOLID, colours.wall);
-  context.globalAlpha = 0.6; // so that ways stand out from flames
+  context.globalAlpha = 0.6; // so that paths stand out from flames
   drawCells(pen, world, cells, BURNING, colours.fire);
   context.globalAlpha = 1;
 }
 
-// Strength 1 / (1 + squared distance), which the robot senses.
+// The signal's strength is 1 / (1 + squared distance), as the robot senses it.
 function drawSignal(pen, world, [left, top, right, bottom]) {
   const { context, px, py, colours } = pen;
   const [x, y] = world.target;
   const reach = 6 * pen.scale;
   const glow = context.createRadialGradient(px(x), py(y), 0, px(x), py(y), reach);
   for (let k = 0; k <= 6; k += 1) {
-    const strength = 1 / (1 + k * k) - 1 / 37; // nothing at the edge
+    const strength = 1 / (1 + k * k) - 1 / 37; // 0 at the edge
     glow.addColorStop(k / 6, `rgb(${colours.signal} / ${(0.4 * strength).toFixed(3)})`);
   }
   context.save();
@@ -72,7 +73,7 @@ function drawGrid(pen, world) {
   context.restore();
 }
 
-// Row by row, neighbours in one rectangle; only what lies in the window.
+// Draws row by row, joining neighbours into one rectangle; only the visible part.
 function drawCells(pen, world, cells, state, colour) {
   const { context, px, py, snap } = pen;
   const first = Math.max(0, Math.floor((0 - px(0)) / pen.scale)),

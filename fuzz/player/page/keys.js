@@ -1,10 +1,10 @@
-// What the keys do while a player is on the page, and the dialog that tells what they do.
+// Keyboard shortcuts of a player, and the dialog that lists them.
 
 import { LAYERS, jumpTo, nextMark, playPeriod, stepBy, toggleFollow } from "#player/controls.js";
 import { byId, el } from "#player/dom.js";
 
 /**
- * Opens the page's dialog of keys, <dialog id="keys" aria-labelledby="keys-title">.
+ * Opens the page's dialog of shortcuts, <dialog id="keys" aria-labelledby="keys-title">.
  * @param {...Node} tables
  */
 export function openKeys(...tables) {
@@ -22,7 +22,7 @@ export function openKeys(...tables) {
 }
 
 /**
- * A table of rows [a key or several, what it does].
+ * Makes a table of rows [one key or several, what they do].
  * @param {KeyRow[]} rows
  * @returns {HTMLElement}
  */
@@ -35,7 +35,7 @@ export function keyTable(rows) {
 }
 
 /**
- * Whether what has the focus needs a key for itself: who types, moves a slider or presses a button means that.
+ * Returns true if the focused element needs a key itself, such as a text field, a slider or a button.
  * @param {HTMLElement} target
  * @param {string} key
  * @returns {boolean}

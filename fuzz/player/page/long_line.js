@@ -1,23 +1,23 @@
-/* Lines of many corners, kept in pictures of their own, to which is only added.
+/* Draws lines with many corners incrementally, in pictures that are kept.
 
-   A browser without graphics card takes 10 to 30 times as long for a line that is wider than a pixel as for one that is
-   not. So a long line is drawn a pixel wide, and then made wider by copies of the whole picture, each a little aside:
-   that costs the same however long the line is, and a frame of which nothing is kept is no wait either. */
+   A browser without a graphics card takes 10 to 30 times as long for a line wider than one pixel as for a thin one. So a
+   long line is drawn one pixel wide and then widened by slightly shifted copies of the whole picture. That costs the
+   same however long the line is, so even a frame that can reuse nothing causes no delay. */
 
 import { line, seen, stroke } from "#player/pen.js";
 
-const LONG = 300; // corners in sight; a shorter line is drawn anew in each frame
-const MORE = 2_000; // rows that are added to a picture; with more of them it is made anew
-const AROUND = 1 / 8; // of the window's sides: what a picture holds beyond them when the view follows something
-const kept = new WeakMap(); // by the columns: pictures, by their names
+const LONG = 300; // visible corners; a shorter line is drawn again in each frame
+const MORE = 2_000; // most rows that are added to a picture; with more it is drawn again
+const AROUND = 1 / 8; // margin around the window, as a share of its side, if the view is moving
+const kept = new WeakMap(); // pictures by name, by the columns
 
 /**
- * Draws rows of two columns as a line. Those that were added since the last frame are drawn on; all is drawn anew when
- * the view has changed by more than a shift, or the line has become shorter.
+ * Draws rows of two columns as a line. Rows added since the last frame are added to the picture. Everything is drawn
+ * again if the view has changed other than by a shift, or if the line has become shorter.
  * @param {Pen} pen
  * @param {{x: Float64Array, y: Float64Array}} columns
- * @param {string} name - Of this part of them; each has its own picture
- * @param {LineLook} look - Its colour lets nothing through
+ * @param {string} name - Name of this part of the line; each part has its own picture
+ * @param {LineLook} look - Its colour must be opaque
  */
 export function drawLine(pen, columns, name, look) {
   const { context } = pen;
@@ -41,12 +41,12 @@ function ratioOf({ context }) {
   return context.getTransform().a;
 }
 
-// In pixels of the canvas.
+// Returns the line's width in pixels of the canvas.
 function thicknessOf(width, ratio) {
   return Math.max(1, Math.round(width * ratio));
 }
 
-// The picture as it is, if it can be added to, or an empty one; none of a line of which there is little to see.
+// Returns the known picture if rows can be added to it, else an empty one; null if little of the line is visible.
 function pictureFor(pen, columns, name, look) {
   const { from, to, colour, width, once } = look;
   if (to - from < LONG) return null;
@@ -64,17 +64,17 @@ function pictureFor(pen, columns, name, look) {
   return pictures[name];
 }
 
-// A picture of the window, or of more than that if the view is on its way from `before`.
+// Makes a picture of the window; it is larger than that if the view has been moving since `before`.
 function emptyPicture(pen, old, colour, before) {
   const { width, height } = pen.context.canvas,
     ratio = ratioOf(pen),
     at = originOf(pen),
     shift = before ? Math.max(...at.map((value, axis) => Math.abs(value - before[axis]))) : 0,
-    room = Math.round(AROUND * Math.min(width, height)),
-    around = shift > 0 && shift < room ? room : 0;
+    margin = Math.round(AROUND * Math.min(width, height)),
+    around = shift > 0 && shift < margin ? margin : 0;
   const canvas = old || new OffscreenCanvas(1, 1),
     own = canvas.getContext("2d");
-  Object.assign(canvas, { width: width + 2 * around, height: height + 2 * around }); // which empties it
+  Object.assign(canvas, { width: width + 2 * around, height: height + 2 * around }); // this also clears it
   Object.assign(own, { strokeStyle: colour, lineJoin: "round", lineWidth: 1 / ratio });
   const inside = { ...pen, context: own, width: canvas.width / ratio, height: canvas.height / ratio };
   inside.px = (value) => pen.px(value) + around / ratio;
@@ -82,13 +82,13 @@ function emptyPicture(pen, old, colour, before) {
   return { canvas, own, pen: inside, around, at };
 }
 
-// Where the world's corner is, in pixels of the canvas.
+// Returns the position of the world's corner, in pixels of the canvas.
 function originOf(pen) {
   const ratio = ratioOf(pen);
   return [pen.px(0) * ratio, pen.py(0) * ratio];
 }
 
-// Where a picture's corner is in the window, in whole pixels.
+// Returns the position of a picture's corner in the window, in whole pixels.
 function cornerOf({ at, around }, pen) {
   return originOf(pen).map((value, axis) => Math.round(value - at[axis]) - around);
 }
@@ -99,7 +99,7 @@ function covers(picture, pen) {
   return left <= 0 && top <= 0 && left + picture.canvas.width >= width && top + picture.canvas.height >= height;
 }
 
-// Many rows at once, a pixel wide and then widened, or a few, each of them as often as it is wide.
+// Adds many rows by drawing them thin and widening the result, or a few rows by drawing each several times.
 function addRows(picture, columns, { from, to }) {
   if (to <= picture.done) return;
   const { thick, done } = picture;
@@ -113,7 +113,7 @@ function addRows(picture, columns, { from, to }) {
   picture.done = to;
 }
 
-// Rows, a pixel wide, up and left of their place by half of the width that is to come, and aside from there.
+// Draws rows one pixel wide, offset to the upper left by half of the final width.
 function addThin({ own, pen, ratio, thick }, { x, y, from, to }, across, down) {
   const corner = (1 - thick) / 2;
   own.setTransform(ratio, 0, 0, ratio, corner + across, corner + down);
@@ -121,7 +121,7 @@ function addThin({ own, pen, ratio, thick }, { x, y, from, to }, across, down) {
   own.stroke();
 }
 
-// Makes all that is drawn as wide as it shall be, by copies that are as far aside as it is wide by then, at most.
+// Widens everything drawn to its final width by shifted copies; the width doubles with each copy.
 function widen({ own, canvas, thick }) {
   own.setTransform(1, 0, 0, 1, 0, 0);
   for (let wide = 1; wide < thick; ) {

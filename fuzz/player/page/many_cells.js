@@ -1,12 +1,12 @@
-// Cells of a large world, of which many share a pixel: a picture of one pixel a cell, made once and drawn in one go.
+// Cells of a large world, many of which share a pixel: a picture with one pixel per cell, drawn in a single call.
 
 import { BURNING, SOLID } from "#player/decode.js";
 
-const MANY = 100_000; // cells in the window; fewer are drawn one by one, with sharp edges
+const MANY = 100_000; // visible cells; fewer are drawn individually, with sharp edges
 const pictures = new WeakMap(); // by the array of cells
 
 /**
- * Draws all cells if there are many of them in the window; says whether it did.
+ * Draws all cells if many of them are visible; returns whether it did.
  * @param {Pen} pen
  * @param {SceneWorld} world
  * @param {Uint8Array} cells
@@ -24,11 +24,11 @@ export function drawManyCells(pen, world, cells) {
   return true;
 }
 
-const FEW = 20_000; // changes that are drawn into the picture one by one; with more it is made anew
-const FLAMES = 150; // of 255: so that ways stand out from them
+const FEW = 20_000; // changes that are drawn into the picture individually; with more it is drawn again
+const FLAMES = 150; // opacity, of 255: lets paths stand out from flames
 
-// The picture of the cells as they are now: `done` counts their changes. What has changed since the picture was made
-// say the world's events, or for a world that is being drawn `open.boxSince`: a box of cells, null for all of them.
+// Returns the picture of the current cells; `done` counts their changes. The changes since the picture was made are
+// either the world's events or, in a world that is being edited, `open.boxSince`: a box of cells, null for all.
 function pictureOf(pen, world, cells) {
   const { wall, fire } = pen.colours,
     { done } = world.open;
@@ -47,7 +47,7 @@ function pictureOf(pen, world, cells) {
   return canvas;
 }
 
-// Draws a box of cells anew.
+// Draws a box of cells again.
 function drawBox(canvas, world, cells, { x, y, width, height }, { wall, fire }) {
   if (width < 1 || height < 1) return;
   const image = new ImageData(width, height),
@@ -60,7 +60,7 @@ function drawBox(canvas, world, cells, { x, y, width, height }, { wall, fire }) 
   canvas.getContext("2d").putImageData(image, x, world.height - y - height);
 }
 
-// What has changed since the picture was made, cell by cell.
+// Draws the changes since the picture was made, cell by cell.
 function drawChanges(known, world, cells, done, { wall, fire }) {
   const context = known.canvas.getContext("2d"),
     { ix, iy } = world.open.events;
@@ -77,7 +77,7 @@ function drawChanges(known, world, cells, done, { wall, fire }) {
   known.done = done;
 }
 
-// A colour like #3b434e as a pixel of a little-endian machine, as all that run browsers are.
+// Returns a colour such as #3b434e as a pixel in little-endian order, which all machines with browsers use.
 function pixelOf(hex, alpha) {
   const value = parseInt(hex.slice(1), 16);
   const red = value >> 16,

@@ -1,4 +1,4 @@
-// A world and a run at one time, drawn on a canvas, layer by layer.
+// Draws a world and a run at one time on a canvas, layer by layer.
 
 import { bodyRadius, drawOther, drawRobot } from "#player/body.js";
 import { drawCertificate } from "#player/certificate.js";
@@ -35,7 +35,7 @@ export function drawScene(canvas, scene, view = null) {
 }
 
 /**
- * Draws the robots of a scene and what belongs to them, from the lowest layer to the highest.
+ * Draws the robots of a scene and everything that belongs to them, from the lowest layer to the highest.
  * @param {Pen} pen
  * @param {RunScene} scene
  * @param {Uint8Array} cells
@@ -57,7 +57,7 @@ function drawRun(pen, scene, cells) {
 }
 
 /**
- * A small picture: the whole way at once, the robot where the run ends.
+ * Draws a small picture: the whole path, and the robot where the run ends.
  * @param {HTMLCanvasElement} canvas
  * @param {Pick<DrawnFailure, "world" | "run" | "sensors">} drawn
  */
@@ -74,6 +74,6 @@ export function drawSmall(canvas, drawn) {
  */
 export function pictureLabel(drawn) {
   const changes = drawn.events ? `, ${plural(drawn.events, "change")} of cells` : "";
-  const run = drawn.run ? `, the robot's way of ${plural(drawn.run.steps, "step")}` : "";
+  const run = drawn.run ? `, the robot's path of ${plural(drawn.run.steps, "step")}` : "";
   return `World of ${drawn.size} cells, ${grouped(drawn.solid)} solid${changes}${run}`;
 }

@@ -1,4 +1,4 @@
-// What a controller remembers: named numbers, and its map at the time that is shown.
+// A controller's memory: named numbers, and its map at the displayed time.
 
 import { UNIT, numbersOf, opened, rowAt } from "#player/decode.js";
 import { stroke } from "#player/pen.js";
@@ -27,7 +27,7 @@ export function hasMap(run) {
 }
 
 /**
- * Pairs of a name and what the memory holds there, in words where the controller has given some.
+ * Returns pairs of a name and the value in memory, as text if the controller provides some.
  * @param {DrawnRun} run
  * @param {number} step
  * @returns {[string, string][]}
@@ -46,7 +46,7 @@ export function memoryFacts(run, step) {
   });
 }
 
-// The shapes that are there at a step, by kind.
+// Returns the shapes that exist at a step, by kind.
 function shapesAt(run, step) {
   /** @type {any[][]} */
   const found = [[], [], [], []];
@@ -61,7 +61,7 @@ function shapesAt(run, step) {
 }
 
 /**
- * The robot's map over the world: what it holds for closed or occupied, its plan, the places that it remembers.
+ * Draws the robot's map over the world: what it considers blocked or occupied, its plan, the points it remembers.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {number} step

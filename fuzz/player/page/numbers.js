@@ -1,14 +1,14 @@
-// Robots' numbers, beside them and along their ways: for those to whom the colours look alike.
+// Robots' numbers, next to them and along their paths, for people who cannot tell the colours apart.
 
 import { bodyRadius } from "#player/body.js";
 import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 
-const FIRST = 6; // cells driven before the first number on a way; the next ones stand at twice that, and so on
-const APART = 18; // pixels between two numbers on ways, and to a robot
+const FIRST = 6; // cells before the first number on a path; the next ones are at twice that distance, and so on
+const APART = 18; // least distance in pixels between two numbers, or a number and a robot
 
 /**
- * Where a robot's number stands on its way: rows, each twice as far along as the one before; each robot's elsewhere, for
- *     ways may lie on one another.
+ * Returns the rows of a path that carry the robot's number, each twice as far along as the one before. The first
+ * distance differs between robots, because their paths may coincide.
  * @param {DrawnRun} run
  * @param {number} number
  * @returns {number[]}
@@ -29,9 +29,9 @@ function numberedRows(run, number) {
 }
 
 /**
- * The numbers of all robots, where there are several.
+ * Draws the numbers of all robots, if there are several.
  * @param {Pen} pen
- * @param {RunScene} scene - As of drawScene; without a number there is but one robot
+ * @param {RunScene} scene - As for drawScene; without a number there is only one robot
  */
 export function drawNumbers(pen, { run, step, world, show, number, colour, others }) {
   if (!number) return;
@@ -49,7 +49,7 @@ export function drawNumbers(pen, { run, step, world, show, number, colour, other
   for (const one of all) drawAlong(pen, one, places);
 }
 
-// Those on the way so far; where another stands there is none.
+// Draws numbers along the path driven so far, except where another number would be too close.
 function drawAlong(pen, one, places) {
   const { x, y } = openRun(one.run),
     here = rowAt(one.run, Math.min(one.step, one.run.steps));

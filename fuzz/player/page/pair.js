@@ -1,12 +1,12 @@
-// A run beside another one in the same stage, played in step: the other on the left, as it was before.
+// Two runs side by side in one stage, played in step: the other one on the left, as it was before.
 
 import { el } from "#player/dom.js";
 
 /**
- * Makes room for another drawn run in a stage, or takes it away; gives what the player wants as `beside`.
+ * Adds another drawn run to a stage, or removes it; returns what the player takes as `beside`.
  * @param {HTMLElement} stage
  * @param {Pick<Beside, "world" | "run" | "sensors"> | null} other - { world, run, sensors }, or null
- * @param {string[]} [words] - What stands on the two: of the other one, and of the one in front
+ * @param {string[]} [words] - Labels of the two: the other run, and the one in front
  * @returns {Beside | null}
  */
 export function besideIn(stage, other, words = ["", ""]) {

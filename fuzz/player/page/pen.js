@@ -1,6 +1,6 @@
-// The pen: a canvas that is spoken to in cells, the colours of the page, and lines, discs and rings. y grows upwards.
+// The pen: a canvas addressed in cells, the colours of the page, and lines, discs and rings. y points up.
 
-const RIM = 0.4; // cells of the solid outside that are drawn around a world, if that is not too wide
+const RIM = 0.4; // cells of solid outside drawn around a world, unless that is too wide
 
 /** @returns {Record<string, string>} */
 export function palette() {
@@ -23,7 +23,7 @@ export function fitView(world, width, height) {
   };
 }
 
-// Pixels around a world that is shown whole.
+// Returns the margin in pixels around a world that is shown whole.
 function edgeOf(width) {
   return width < 400 ? 9 : 16;
 }
@@ -37,7 +37,7 @@ export function rimOf(pen) {
 }
 
 /**
- * Sets the canvas to its place on the page and returns a pen that speaks in cells.
+ * Fits the canvas to its place on the page and returns a pen that works in cells.
  * @param {HTMLCanvasElement} canvas
  * @param {View | null} view
  * @param {SceneWorld} world
@@ -63,18 +63,18 @@ export function penFor(canvas, view, world) {
     width,
     height,
     scale,
-    snap: (value) => Math.round(value * ratio) / ratio, // onto the screen's pixels: areas that touch have no seam
+    snap: (value) => Math.round(value * ratio) / ratio, // to the screen's pixels, so that adjacent areas have no seam
     px: (value) => width / 2 + (value - x) * scale,
     py: (value) => height / 2 - (value - y) * scale,
     colours: palette(),
   };
 }
 
-const LEAST = 0.75; // pixels: corners that are nearer to the one before are left out
-const OUT = 20; // pixels beyond the window: what lies there altogether is not drawn
+const LEAST = 0.75; // pixels: corners closer than this to the previous one are skipped
+const OUT = 20; // pixels beyond the window; pieces entirely outside of this margin are not drawn
 
 /**
- * Rows of two columns as a path, and on to a last place.
+ * Makes a path of the rows of two columns, with an optional last place.
  * @param {Pen} pen
  * @param {ArrayLike<number>} x
  * @param {ArrayLike<number>} y
@@ -93,7 +93,7 @@ export function line(pen, x, y, from, to, last = null) {
 }
 
 /**
- * How many pieces of such a path are in the window.
+ * Counts the pieces of such a path that are in the window.
  * @param {Pen} pen
  * @param {ArrayLike<number>} x
  * @param {ArrayLike<number>} y
@@ -109,7 +109,7 @@ export function seen(pen, x, y, from, to) {
   return count;
 }
 
-// Calls `act` with each corner that makes a difference, in pixels, and whether the piece that leads to it is out of sight.
+// Calls `act` with each corner that matters, in pixels, and whether the piece that leads to it is out of sight.
 function corners(pen, x, y, from, to, act) {
   const { scale, width, height } = pen,
     x0 = pen.px(0),
@@ -121,6 +121,7 @@ function corners(pen, x, y, from, to, act) {
     const across = x0 + x[row] * scale,
       down = y0 - y[row] * scale;
     if (Math.abs(across - left) < LEAST && Math.abs(down - top) < LEAST && row < to - 1) continue;
+    // One bit for each side of the window; two places beyond the same side have no visible piece between them.
     const now = (across < -OUT ? 1 : across > width + OUT ? 2 : 0) | (down < -OUT ? 4 : down > height + OUT ? 8 : 0);
     act(across, down, (now & side) !== 0);
     left = across;

@@ -1,14 +1,15 @@
-// Walls that a robot goes into: which cells, when, and where. Red with stripes and a cross, so that colour is not all.
+// Walls that a robot enters: which cells, when, and where. They are red with stripes and a cross, so that the colour
+// is not the only sign.
 
 import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
 import { stroke } from "#player/pen.js";
 
-const TOLERANCE = 0.1; // cells: a shallower cut of the disc is not reported by any motion model
-const FURTHEST = 6; // cells: of a larger robot only the cells that its centre enters are looked for
-const FINENESS = 0.125; // cells between two places of a way that are looked at
+const TOLERANCE = 0.1; // cells: no motion model reports a shallower cut of the disc
+const FURTHEST = 6; // cells: for a larger robot, only the cells that its centre enters are found
+const FINENESS = 0.125; // cells between two places of a path that are examined
 
-/* The wall cells that the robot cuts into, each with the step in which it first does, and how: `through` where its
-   centre is in it. The cell that the verdict names is always among them. */
+/* Returns the wall cells that the robot cuts into, each with the first step in which it does. The cell that the verdict
+   names is always among them. */
 function piercedCells(world, run) {
   const open = openRun(run);
   if (open.pierced) return open.pierced;
@@ -33,7 +34,7 @@ function piercedCells(world, run) {
   return pierced;
 }
 
-// Walls that the disc cuts into deeper than is forgiven.
+// Returns the walls that the disc cuts into by more than the tolerance.
 function cutAt(cells, world, x, y) {
   const reach = world.radius > FURTHEST ? 0 : Math.ceil(world.radius),
     most = Math.max(0, world.radius - TOLERANCE),
@@ -49,7 +50,7 @@ function cutAt(cells, world, x, y) {
   return found;
 }
 
-// Walls that the centre goes through between a row and the one before.
+// Returns the walls that the centre passes between a row and the previous one.
 function crossed(cells, world, open, row) {
   const dx = open.x[row] - open.x[row - 1],
     dy = open.y[row] - open.y[row - 1];
@@ -63,7 +64,7 @@ function crossed(cells, world, open, row) {
   return found;
 }
 
-// Where the robot breaks into the cell that the verdict names: its centre's first place in it, or what it came nearest to.
+// Returns where the robot breaks into the cell that the verdict names: its centre's first place in it, or the nearest.
 function breachPoint(run, mark) {
   const [ix, iy] = mark.cell,
     before = poseAt(run, Math.max(0, mark.step - 1)),
@@ -102,7 +103,7 @@ export function drawPierced(pen, scene) {
   context.restore();
 }
 
-// One cell: stripes and a frame; of what is still to come a dashed frame.
+// Draws one cell with stripes and a frame; one that is still to come gets a dashed frame.
 function stripe(pen, ix, iy, over, named) {
   const { context, px, py, scale, colours } = pen,
     left = px(ix),
@@ -112,7 +113,7 @@ function stripe(pen, ix, iy, over, named) {
     context.beginPath();
     context.rect(left, top, scale, scale);
     context.clip();
-    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) { // light below the stripes, for every eye
+    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) { // a light ground gives the stripes contrast
       context.globalAlpha = alpha;
       context.fillStyle = colour;
       context.fillRect(left, top, scale, scale);

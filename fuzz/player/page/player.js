@@ -1,11 +1,11 @@
-// The replay: a clock in steps, and a canvas that shows the run at that time.
+// The replay: a clock that counts steps, and a canvas that shows the run at that time.
 
 import { poseAt, stepWithin } from "#player/decode.js";
 import { drawScene } from "#player/map.js";
 import { fitView } from "#player/pen.js";
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
-const SECONDS = 12; // that a replay takes at most, unless asked otherwise
+const SECONDS = 12; // longest duration of a replay at the default speed
 
 /**
  * @param {number} steps
@@ -18,10 +18,10 @@ export function usualSpeed(steps, dt) {
 }
 
 /**
- * A player of one drawn world.
+ * Makes a player of one drawn world.
  * @param {HTMLCanvasElement} canvas
  * @param {Drawn} drawn
- * @param {(player: Player) => void} changed - Called when the time has changed, or whether it plays
+ * @param {(player: Player) => void} changed - Called when the time changes, or when playing starts or stops
  * @returns {Player}
  */
 export function makePlayer(canvas, drawn, changed) {
@@ -60,7 +60,7 @@ export function makePlayer(canvas, drawn, changed) {
 }
 
 /**
- * Draws the run beside: at the same time, its world as near and as far to one side as the other one's is.
+ * Draws the other run at the same time, with its world zoomed and shifted like the one in front.
  * @param {Player} player
  * @param {Beside} beside
  */
@@ -82,7 +82,7 @@ function drawBeside(player, beside) {
 }
 
 /**
- * Return the end of the longest of all runs, in steps of the one that is looked at.
+ * Return the end of the longest of all runs, in steps of the one in front.
  * @param {Drawn} drawn
  * @returns {number}
  */
@@ -113,7 +113,7 @@ function clockOf(player) {
     before = 0;
   const tick = (now) => {
     if (!run) return;
-    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may be before that of play()
+    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may precede that of play()
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
     player.playing = goesRound(player, run) || player.step < player.last;
@@ -161,7 +161,7 @@ function cameraOf(player) {
       player.update();
     },
     robot() {
-      const around = Math.max(7 * world.radius, 6); // cells that are seen around it
+      const around = Math.max(7 * world.radius, 6); // visible cells around it
       const scale = Math.min(canvas.clientWidth, canvas.clientHeight) / around;
       player.view = { x: 0, y: 0, scale: Math.max(1.5 * whole().scale, scale) };
       player.follow = true;
@@ -178,7 +178,7 @@ function cameraOf(player) {
 }
 
 /**
- * Return whether the clock goes back to where a loop was entered; with others about only if the period alone is played.
+ * Return whether the clock repeats a loop; if other runs are longer, only if the period alone is played.
  * @param {Player} player
  * @param {DrawnRun} run
  */
@@ -187,7 +187,7 @@ function goesRound(player, run) {
 }
 
 /**
- * Return the time after some more steps: a loop goes on where it was entered, one period later.
+ * Return the time after some more steps; a loop continues from its entry, one period later.
  * @param {Player} player
  * @param {DrawnRun} run
  * @param {number} more

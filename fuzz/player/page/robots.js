@@ -1,11 +1,11 @@
-// Several robots in one world: which is in front, what became of each, what the instruments of that one say.
+// Several robots in one world: which one is in front, the result of each, the instruments of the one in front.
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { breakable, el, grouped, verdictDot } from "#player/dom.js";
 import { memoryFacts } from "#player/memory.js";
 
 /**
- * What the player draws with one robot in front of the others; each has its colour by its place in the list.
+ * Returns what the player draws with one robot in front of the others; colours follow the order of the list.
  * @param {DrawnWorld} world
  * @param {Robot[]} robots
  * @param {number} number
@@ -26,13 +26,13 @@ export function sceneOf(world, robots, number) {
 }
 
 /**
- * How a robot's run ended, on one line.
+ * Describes how a robot's run ended, on one line.
  * @param {Robot} robot
  */
 export const endingOf = (robot) => robot.error || [robot.verdict, robot.why].filter(Boolean).join(" ");
 
 /**
- * The list of robots with their results, and what is true for all that did not arrive; a click puts one in front.
+ * Shows the list of robots with their results, and a note for all that did not arrive; a click puts one in front.
  * @param {HTMLElement} list
  * @param {Robot[]} robots
  * @param {number} looked
@@ -43,7 +43,7 @@ export function showRobots(list, robots, looked, look, note = "") {
   const row = (one, number) => {
     const chip = robots.length > 1 ? el("span", { class: `chip robot-${number % 6}` }, String(number + 1)) : null;
     if (one.error)
-      return el("li", { class: "failed" }, el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", el("span", { class: "bad" }, "did not drive")), el("p", { class: "bad" }, one.error));
+      return el("li", { class: "failed" }, el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", el("span", { class: "bad" }, "did not run")), el("p", { class: "bad" }, one.error));
     const facts = [`${grouped(one.steps)} steps, `, el("span", { class: "time" }, `${one.time.toFixed(3)} s, `), `${one.path.toFixed(2)} m, ${one.collisions} collisions`];
     return el(
       "li",
@@ -64,7 +64,7 @@ export function showRobots(list, robots, looked, look, note = "") {
 const DEGREES = 180 / Math.PI;
 
 /**
- * What the robot's own instruments would say at this time.
+ * Shows the readings of the robot's instruments at this time.
  * @param {HTMLElement} line
  * @param {Player} player
  */

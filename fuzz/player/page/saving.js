@@ -1,29 +1,29 @@
-// What the player shows, as files that the browser keeps: a picture of this moment, a film of the whole run;
-// of two runs side by side both in one.
+// Saves what the player shows as files: a picture of this moment, or a film of the whole run. Two runs side by side
+// are both in the file.
 
 import { el, say } from "#player/dom.js";
 import { palette } from "#player/pen.js";
 import { usualSpeed } from "#player/player.js";
 
-const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
+const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"]; // the best first
 const FILM_RATE = 30; // frames a second
 const FILM_BITS = 4_000_000; // a second
-const REST = 800; // ms that a film stays on its last picture
+const REST = 800; // ms for which a film shows its last picture
 
 /**
- * The menu: what every page can save, and `drawn.saves`, what this one can: pairs of words and what to do.
+ * Makes the menu: what every page can save, and `drawn.saves`, pairs of a label and a function for this page.
  * @param {Player} player
  * @returns {HTMLElement}
  */
 export function saveMenu(player) {
   const { drawn } = player;
-  const wish = { stop: false }; // of who sees it saved
+  const wish = { stop: false }; // set when the user stops saving
   const summary = el("summary", { class: "button" }, "Save");
   const menu = el("details", { class: "save", onkeydown: (event) => close(event, menu) }, summary);
   const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act, wish) }, words);
   summary.addEventListener("click", (event) => {
     if (!menu.dataset.saving) return;
-    event.preventDefault(); // a click while it is saved ends that
+    event.preventDefault(); // a click during saving stops it
     wish.stop = true;
     player.play(false);
     if (drawn.stopSaving) drawn.stopSaving();
@@ -59,7 +59,7 @@ function close(event, menu) {
 }
 
 /**
- * Hands bytes to the browser as a file.
+ * Downloads bytes as a file.
  * @param {string} name
  * @param {Blob} blob
  */
@@ -83,7 +83,7 @@ async function keepPicture(player) {
   keep(nameOf(player, "png"), await new Promise((done) => canvas.toBlob(done, "image/png")));
 }
 
-// What is seen: the canvas, or one with both runs that are played side by side, which each frame draws again.
+// Returns the canvas or, for two runs side by side, a canvas that shows both and is updated with each frame.
 async function together(player) {
   const { canvas, drawn } = player;
   if (!drawn.beside) return canvas;
@@ -119,8 +119,7 @@ function ending(kind) {
   return kind.startsWith("video/mp4") ? "mp4" : "webm";
 }
 
-/* Plays the run from its start to its end, or once round its loop, as fast as is chosen, and records the canvas
-   meanwhile; Pause ends it. */
+/* Plays the run from start to end, or a loop once, at the chosen speed, and records the canvas. Pause ends the film. */
 async function keepFilm(player, wish) {
   const recorder = new MediaRecorder((await together(player)).captureStream(FILM_RATE), {
     mimeType: filmKind(),
@@ -130,17 +129,17 @@ async function keepFilm(player, wish) {
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   const stopped = new Promise((done) => recorder.addEventListener("stop", done));
   player.play(false);
-  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // not that of the period
+  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // instead of the period's speed
   player.period = false;
   player.go(0);
   const begun = new Promise((done) => recorder.addEventListener("start", done));
   recorder.start();
-  await begun; // on a busy machine the run might be over before
+  await begun; // on a busy machine the run could otherwise end before the recording begins
   player.play(!wish.stop);
   await untilItEnds(player);
   for (let rest = 0; rest < REST; rest += REST / 8) {
     await new Promise((done) => setTimeout(done, REST / 8));
-    player.draw(); // a picture that stays is none in a film unless it is drawn
+    player.draw(); // a film includes a still picture only if it is drawn again
   }
   recorder.stop();
   await stopped;
@@ -161,7 +160,7 @@ function untilItEnds(player) {
         requestAnimationFrame(look);
         return;
       }
-      if (player.playing) player.go(player.last); // it was about to go round
+      if (player.playing) player.go(player.last); // it was about to repeat
       player.play(false);
       done();
     };

@@ -1,5 +1,5 @@
-// What the robot senses: range beams, straight from its centre to the first wall and without a sensor's noise, and the
-// target's bearing.
+// The robot's senses: range beams, straight from its centre to the first wall and without sensor noise, and the
+// bearing of the target.
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
 import { SOLID, stateAt } from "#player/decode.js";
@@ -25,21 +25,22 @@ function castBeam(cells, world, x, y, heading, longest) {
     iy = Math.floor(y);
   let toX = dx === 0 ? Infinity : (dx > 0 ? ix + 1 - x : x - ix) * perX;
   let toY = dy === 0 ? Infinity : (dy > 0 ? iy + 1 - y : y - iy) * perY;
-  let way = 0;
-  while (way < longest) {
+  // Go from cell to cell, always across the nearer of the next two cell borders.
+  let distance = 0;
+  while (distance < longest) {
     if (toX < toY) {
-      way = toX;
+      distance = toX;
       ix += stepX;
       toX += perX;
     } else {
-      way = toY;
+      distance = toY;
       iy += stepY;
       toY += perY;
     }
     if (stateAt(cells, world, ix, iy) === SOLID) break;
   }
-  way = Math.min(way, longest);
-  return [x + dx * way, y + dy * way];
+  distance = Math.min(distance, longest);
+  return [x + dx * distance, y + dy * distance];
 }
 
 /**

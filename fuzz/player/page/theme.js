@@ -1,4 +1,4 @@
-// Dark or light: as the system has it, until the page's button says otherwise.
+// Dark or light colours: those of the system, until the page's button changes them.
 
 function setTheme(theme, button, changed) {
   document.documentElement.dataset.theme = theme;
@@ -8,7 +8,7 @@ function setTheme(theme, button, changed) {
 }
 
 /**
- * Follows the system; the button changes over. `changed` draws again what is drawn on canvases.
+ * Follows the system until the button is used. `changed` redraws the canvases.
  * @param {HTMLElement} button
  * @param {() => void} changed
  */

@@ -3,7 +3,7 @@
 import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
 import { rimOf } from "#player/pen.js";
 
-// The wall cells that the robot touches, each with the step in which it first did: those nearest to its disc at a bump.
+// Returns the wall cells that the robot touches: those nearest to its disc at a bump, each with the first such step.
 function touchedCells(world, run) {
   const open = openRun(run);
   if (open.touched) return open.touched;

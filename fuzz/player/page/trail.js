@@ -1,13 +1,13 @@
-// The way of the robot: ahead faint, driven strong.
+// The path of the robot: faint ahead, strong where it has driven.
 
 import { openRun, poseAt, rowAt } from "#player/decode.js";
 import { drawLine } from "#player/long_line.js";
 import { line, stroke } from "#player/pen.js";
 
-const RECENT = 300; // rows of a long way that are drawn strongest
+const RECENT = 300; // rows of a long path that are drawn strongest
 
 /**
- * Ahead faint, driven strong; the period of a loop in its own colour, or stronger in the robot's.
+ * Draws the path; the period of a loop has its own colour, or a stronger line in the robot's colour.
  * @param {Pen} pen
  * @param {RunScene} scene
  */
@@ -25,6 +25,7 @@ export function drawTrail(pen, scene) {
     last = Math.min(end, entry + 1);
   const recent = Math.max(0, last - RECENT),
     part = (name, look) => drawLine(pen, open, name, { alpha: 1, once: scene.whole, ...look });
+  // From the lowest layer to the highest: ahead, driven long ago, driven recently, the loop.
   if (!scene.whole) part("ahead", { from: 0, to: rows, colour: colours.ahead, width: 1.25, alpha: 0.45 });
   part("before", { from: 0, to: recent + 1, colour: before, width: 1.75, alpha: 0.4 });
   context.globalAlpha = run.loop && scene.colour ? 0.5 : 1;
@@ -41,7 +42,7 @@ export function drawTrail(pen, scene) {
 }
 
 /**
- * Another robot's way until a row, and on to where it is.
+ * Draws another robot's path up to a row, and on to its current place.
  * @param {Pen} pen
  * @param {DrawnRun} run
  * @param {string} colour
@@ -55,7 +56,7 @@ export function drawOtherTrail(pen, run, colour, until, pose) {
   stroke(pen, colour, 2);
 }
 
-// The way of the step that breaks the world's rules.
+// Draws the path of the step that breaks the world's rules.
 function drawBreachPath(pen, run, scene) {
   const open = openRun(run);
   for (const mark of run.marks) {

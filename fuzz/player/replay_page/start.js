@@ -1,4 +1,4 @@
-// The page of one world: its robots, each of which can be put in front, and the player.
+// The page of one world: its robots, any of which can be shown in front, and the player.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { byId, el } from "#player/dom.js";
@@ -44,4 +44,4 @@ followSystem(byId("theme"), () => page.player && page.player.draw());
 addEventListener("keydown", onKey);
 addEventListener("resize", () => page.player && page.player.draw());
 if (data.world && page.looked >= 0) look(page.looked);
-else byId("main").replaceChildren(el("p", { class: "notice" }, "Nothing here can be drawn: the world is too large, or no robot has run."));
+else byId("main").replaceChildren(el("p", { class: "notice" }, "There is nothing to draw: the world is too large, or no robot has run."));

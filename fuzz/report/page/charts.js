@@ -1,10 +1,11 @@
-// How a campaign went: what was found when, by which lane, and the archive of behaviours. Each picture has its table.
+// The course of a campaign: what was found when and by which search strategy, and the archive of behaviours.
+// Each picture has its table.
 
 import { archivePlot, rangeOf, rounded, short } from "#player/archive.js";
 import { choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
 import { compareText } from "#report/overview.js";
 
-// As wide as the window lets it, so that its words are as large as the others.
+// As wide as the window allows, so that the text in it is as large as elsewhere.
 const PLOT = {
   width: Math.max(300, Math.min(640, innerWidth - 60)),
   height: 260,
@@ -13,7 +14,7 @@ const PLOT = {
   top: 12,
   bottom: 40,
 };
-const UNLINKED = "Classes without a link have no failure here: shrinking may have led to another class.";
+const UNLINKED = "Classes without a link have no failure here; shrinking may have led to another class.";
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
 /**
@@ -27,7 +28,7 @@ export function makeCampaign(section, campaigns, failures) {
   );
 }
 
-// Which failure of the page a class of a campaign is.
+// Returns the failure on this page of each class of a campaign.
 function linksOf(failures, index) {
   const links = new Map();
   for (const failure of failures)
@@ -55,7 +56,7 @@ function campaignPart(campaign, links, several) {
           `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((kind) => links.has(kind)) ? "" : UNLINKED}`,
       ),
       barChart(
-        "Verdicts at first look",
+      "Verdicts at screening",
         "verdict",
         campaign.verdicts,
         (verdict) => el("span", {}, verdictDot(verdict), ` ${verdict}`),
@@ -80,7 +81,7 @@ function chart(title, note, ...content) {
   );
 }
 
-// Found over time: a step up for each new class, a ring where a class was met in a smaller world.
+// Finds over time: a step up for each new class, a ring where a class was met in a smaller world.
 function foundChart(campaign, links) {
   if (campaign.found.length === 0) return chart("Found over time", "Nothing was found.");
   const curve = cumulated(campaign.found);
@@ -132,6 +133,7 @@ function foundPlot(campaign, curve, axis) {
     end = Math.max(campaign[axis], curve[curve.length - 1].find[axis], 1e-9);
   const x = (value) => PLOT.left + (value / end) * (PLOT.width - PLOT.left - PLOT.right);
   const y = (value) => PLOT.height - PLOT.bottom - (value / most) * (PLOT.height - PLOT.top - PLOT.bottom);
+  // The curve rises at each new class; every find is a dot with its details as a tooltip.
   let path = `M${x(0)},${y(0)}`;
   for (const point of curve) if (point.first) path += `H${x(point.find[axis]).toFixed(1)}V${y(point.total).toFixed(1)}`;
   path += `H${x(end)}`;
@@ -147,7 +149,7 @@ function foundPlot(campaign, curve, axis) {
       svg(
         "title",
         {},
-        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, lane ${point.find.lane}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.lane}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
       ),
     ),
   );
@@ -157,7 +159,7 @@ function foundPlot(campaign, curve, axis) {
       class: "plot",
       viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
       role: "img",
-      "aria-label": `Classes found over ${AXES[axis]}: ${most} in the end; the table below has each`,
+      "aria-label": `Classes found over ${AXES[axis]}: ${most} in the end; the table below lists them`,
     },
     axes(x, y, end, most, AXES[axis]),
     svg("path", { class: "under", d: `${path}V${y(0)}Z` }),
@@ -179,6 +181,7 @@ function axes(x, y, end, most, name) {
   return parts;
 }
 
+// Round numbers from 0 up to the largest value, about five of them.
 function ticks(most) {
   const raw = most / 5,
     power = 10 ** Math.floor(Math.log10(raw));
@@ -201,11 +204,11 @@ function laneChart(campaign) {
   ]);
   const best = [...campaign.lanes].sort((a, b) => b.classes - a.classes)[0];
   return chart(
-    "By lane",
+    "By search strategy",
     best.classes > 0
-      ? `Lane ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`
-      : "No lane found a class.",
-    table(["lane", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
+      ? `Strategy ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`
+      : "No strategy found a class.",
+    table(["strategy", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
   );
 }
 
@@ -241,7 +244,7 @@ function table(heads, rows) {
   );
   const cell = (content, k) => {
     if (k === 0) return el("th", { scope: "row" }, content);
-    return el("td", { class: content.nodeType ? "meter" : null }, content); // numbers are text, bars are not
+    return el("td", { class: content.nodeType ? "meter" : null }, content); // text is a number, an element is a bar
   };
   const body = rows.map((row) => el("tr", {}, row.map(cell)));
   const whole = el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, body));
@@ -261,7 +264,7 @@ function archiveChart(archive) {
   if (!archive) return null;
   const [across, up] = archive.names,
     [columns, rows] = archive.edges.map((edges) => edges.length + 1);
-  const note = `${plural(archive.cells.length, "kind")} of behaviour of ${grouped(columns * rows)}; the stronger, the higher its quality; letters begin the verdicts of runs that did not arrive.`;
+  const note = `${plural(archive.cells.length, "kind")} of behaviour out of ${grouped(columns * rows)}. Stronger colours mean higher quality. Letters are the initials of the verdicts of runs that did not arrive.`;
   const cells = archive.cells.map(([i, j, quality, verdict]) => [
     rangeOf(archive.edges[0], i),
     rangeOf(archive.edges[1], j),

@@ -1,4 +1,4 @@
-// One failure: its replay, the world before and after shrinking, numbers, the line that replays it, its file.
+// One failure: its replay, the world before and after shrinking, numbers, the command to replay it, its file.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { BURNING, openWorld } from "#player/decode.js";
@@ -95,7 +95,7 @@ function tooLarge(drawn) {
   return el(
     "p",
     { class: "notice" },
-    `The world of ${drawn.size} cells is too large to draw here; its file can be downloaded, and worldgen show draws it.`,
+    `The world of ${drawn.size} cells is too large to draw here. You can download its file and draw it with worldgen show.`,
   );
 }
 
@@ -104,11 +104,11 @@ function legend(failure) {
   const items = [
     ["start", "start"],
     ["target", "target"],
-    loop ? ["way", "the way in"] : null,
-    ["loop", loop ? "the period, for ever" : "the robot's way"],
+    loop ? ["way", "the path into the loop"] : null,
+    ["loop", loop ? "the period, repeated forever" : "the robot's path"],
     ["square touched", "wall touched"],
     failure.now.run && failure.now.run.marks.some((mark) => mark.cell)
-      ? ["square pierced", "wall gone into, or cell that goes wrong"]
+      ? ["square pierced", "wall that the robot entered, or cell that harmed it"]
       : null,
     hasMap(failure.now.run) ? ["memory", "the robot's own map"] : null,
     burnsAtAll(failure.now.world) ? ["square fire", "burning"] : null,

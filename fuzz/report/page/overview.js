@@ -1,4 +1,4 @@
-// The failures as cards, filtered, ordered and in groups.
+// The failures as cards that can be filtered, ordered and grouped.
 
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/map.js";
@@ -39,6 +39,7 @@ export function makeOverview(section, failures) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "verdict" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
+  // Draw a card's picture only when it is about to be seen: a page may have a thousand of them.
   const visible = new IntersectionObserver(
     (entries) => {
       for (const entry of entries) {
@@ -146,7 +147,7 @@ function verdictChips(failures, wanted, refresh) {
 
 function groupsOf(failures, nameOf, several) {
   if (failures.length === 0)
-    return [el("p", { class: "quiet" }, "No failure fits. Clear the search, or choose other verdicts.")];
+    return [el("p", { class: "quiet" }, "No failure matches. Clear the search, or choose other verdicts.")];
   const groups = new Map();
   for (const failure of failures) {
     const name = nameOf(failure);
@@ -209,7 +210,7 @@ function moveBetweenCards(event) {
   next()?.focus();
 }
 
-// Of the cards in other rows the one that is nearest, rows first.
+// Returns the nearest card in another row; the distance between rows counts most.
 function nearestCard(card, others) {
   const from = card.getBoundingClientRect();
   const away = others

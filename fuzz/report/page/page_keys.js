@@ -1,4 +1,4 @@
-// What the keys do.
+// The keyboard shortcuts.
 
 import { byId } from "#player/dom.js";
 import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
@@ -13,9 +13,9 @@ const KEYS = [
   [["n", "p"], "Next, previous failure"],
   [["Space"], "Play, pause"],
   [["←", "→"], "One step; with Shift ten"],
-  [["Home", "End"], "To the start, to the end"],
-  [["l"], "Play one period of a loop again and again"],
-  [["e"], "To the next marked step: entry, breach, last new cell"],
+  [["Home", "End"], "Go to the start, to the end"],
+  [["l"], "Play one period of a loop repeatedly"],
+  [["e"], "Go to the next marked step: entry, breach, last new cell"],
   [["b"], "Before or after shrinking"],
   [["+", "−", "0"], "Zoom; show the whole world"],
   [["r"], "Follow the robot"],
@@ -27,7 +27,7 @@ export function showKeys() {
 }
 
 /**
- * Returns what listens to the keys of a page, whose failures before and after one `neighboursOf` tells.
+ * Returns the keyboard listener of a page; `neighboursOf` returns the failures before and after one.
  * @param {{id: string, detail: Detail | null}} page
  * @param {(id: string) => Neighbours} neighboursOf
  * @returns {(event: KeyboardEvent) => void}

@@ -1,4 +1,4 @@
-// The page: its views by address, keys, colours.
+// Starts the page: its views by address, its keys and colours.
 
 import { short } from "#player/archive.js";
 import { byId, el, grouped } from "#player/dom.js";
@@ -27,7 +27,7 @@ function showTotals() {
   const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
   if (failures.length > 0)
     items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
-  const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // of one campaign
+  const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // one campaign's folder
   for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
     items.push(
       ["seed ", seed, ""],
@@ -39,7 +39,7 @@ function showTotals() {
   }
   if (campaigns.length > 1) items.push(some(campaigns.length, "campaign"));
   if (others > 0)
-    items.push(some(others, "world without a failure passed over", "worlds without a failure passed over"));
+    items.push(some(others, "world without a failure ignored", "worlds without a failure ignored"));
   byId("totals").append(...items.map(([before, value, after]) => el("span", {}, before, el("b", {}, value), after)));
 }
 
@@ -64,7 +64,7 @@ function neighboursOf(id) {
   return [all[here - 1], all[here + 1]];
 }
 
-// The address says what is seen: nothing, "campaign", or a failure's digest.
+// The address selects the view: empty, "campaign", or a failure's digest.
 function route() {
   const name = location.hash.slice(1),
     failure = failureOf(data.failures, name);
