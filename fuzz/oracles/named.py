@@ -55,7 +55,9 @@ def _accept(name: str, thing: Any) -> OracleFunction:
     return found
 
 
-_HOW = "write a function of a trial, or of a trial and a number; docs/reference/oracles.md shows one"
+_HOW = (
+    "write a function of a trial, or of a trial and a number; docs/reference/oracles.md shows one"
+)
 
 ORACLES: Registry[OracleFunction] = Registry("worldgen.oracles", "oracle", _accept)
 

@@ -151,7 +151,7 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
     details = reported.seen.failure.record.details
     rows = []
     if "found_by" in details:
-        rows.append(("found by lane", describe_value(details["found_by"])))
+        rows.append(("found by strategy", describe_value(details["found_by"])))
     if campaign is not None:
         kind = reported.entry.facts.kind
         if kind in campaign.met:

@@ -109,7 +109,7 @@ def test_every_failure_says_whether_it_replays(page):
 def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
     loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
     groups = {title: dict(rows) for title, rows in loop["groups"]}
-    assert groups["Search"]["found by lane"] == "native"
+    assert groups["Search"]["found by strategy"] == "native"
     assert groups["Search"]["class met"] == "17 times"
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
     assert groups["Run"]["period"] == "104 steps (1.56 s)"

@@ -225,6 +225,6 @@ test("a short line needs no picture", () => {
 });
 
 test("a picture is told in words", () => {
-  assert.equal(pictureLabel({ size: "9 x 3", solid: 21, events: 2, run: { steps: 1331 } }), "World of 9 x 3 cells, 21 solid, 2 changes of cells, the robot's way of 1,331 steps");
+  assert.equal(pictureLabel({ size: "9 x 3", solid: 21, events: 2, run: { steps: 1331 } }), "World of 9 x 3 cells, 21 solid, 2 changes of cells, the robot's path of 1,331 steps");
   assert.equal(pictureLabel({ size: "9 x 3", solid: 1021, events: 0, run: null }), "World of 9 x 3 cells, 1,021 solid");
 });

@@ -195,7 +195,7 @@ test("a robot that could not drive says why, and the others their results", () =
   let looked = null;
   showRobots(list, [good, { name: "mine", error: "no such file" }], 0, (number) => (looked = number), "No robot of this size can reach the target.");
   assert.match(list.textContent, /1 thesis-1\+slip=0\.2.*loop.*abc.*1,331 steps, 1\.500 s, 2\.00 m, 3 collisions.*every 104 steps.*No robot of this size/);
-  assert.match(list.querySelector(".failed").textContent, /mine did not drive.*no such file/);
+  assert.match(list.querySelector(".failed").textContent, /mine did not run.*no such file/);
   list.querySelector("button").click();
   assert.equal(looked, 0);
 });

@@ -42,7 +42,7 @@ test("verdicts and a search choose cards, and none says so", () => {
   assert.deepEqual(cards(), ["three"]);
   assert.match(list.textContent, /1 of 4 shown/);
   find("zzz");
-  assert.match(list.textContent, /No failure fits/);
+  assert.match(list.textContent, /No failure matches/);
   chip.click();
   find("");
   assert.equal(cards().length, 4);
@@ -112,7 +112,7 @@ test("a campaign has its charts, each with a label and its table", () => {
 test("the curve goes up at each new class, and its words say when the last one came", () => {
   const place = charts();
   assert.match(place.textContent, /2 classes; the last new one after 300 of 900 worlds\./);
-  assert.match(place.textContent, /Lane archive was the first to find 2 classes\./);
+  assert.match(place.textContent, /Strategy archive was the first to find 2 classes\./);
 });
 
 test("a class of which the page has a failure leads to it", () => {

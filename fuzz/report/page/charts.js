@@ -105,7 +105,7 @@ function foundChart(campaign, links) {
     holder,
     tableBehind(
       "Table of finds",
-      ["class", "lane", "unit", "cells", "worlds", "steps", "s"],
+      ["class", "strategy", "unit", "cells", "worlds", "steps", "s"],
       campaign.found.map((find) => [
         linked(find.kind, links),
         find.lane,
