@@ -114,7 +114,8 @@ def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
     assert groups["Run"]["period"] == "104 steps (1.56 s)"
     driven, witness = (
-        float(text.split()[0]) for text in (groups["Run"]["path length"], groups["World"]["witness"])
+        float(text.split()[0])
+        for text in (groups["Run"]["path length"], groups["World"]["witness"])
     )
     assert float(groups["Run"]["path / witness"]) == pytest.approx(driven / witness, rel=0.01)
 
