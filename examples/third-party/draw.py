@@ -1,6 +1,6 @@
-"""Draws the stored failures beside each other.
+"""Draw the stored failures next to each other.
 
-``python examples/third-party/draw.py``, with the packages installed.
+Run ``python examples/third-party/draw.py``, with the packages installed.
 """
 
 from pathlib import Path
@@ -11,7 +11,7 @@ HERE = Path(__file__).parent
 
 
 def main() -> None:
-    """Writes failures.png; run it in the repository's root, for the files name their controllers from there."""
+    """Write failures.png; run in the repository's root, where the controllers' paths begin."""
     entries = read_corpus([HERE / "failures"]).entries
     sheet = contact_sheet(
         sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid))

@@ -1,7 +1,4 @@
-"""The trained policy as a controller.
-
-The sensors of training, its weights, and the action that it thinks best.
-"""
+"""The trained policy as a controller: the sensors of training, the weights, and the best action."""
 
 from pathlib import Path
 
@@ -17,7 +14,7 @@ SEES = Interface(
 
 
 class Policy:
-    """Two hidden layers, and the best of five actions."""
+    """Two hidden layers, then the best of five actions."""
 
     senses = SEES.senses
     needs = SEES.needs

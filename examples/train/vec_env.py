@@ -1,7 +1,4 @@
-"""Gymnasium's vector environments as Stable-Baselines3 wants them.
-
-It has an interface of its own.
-"""
+"""Adapt Gymnasium's vector environments to the interface of Stable-Baselines3."""
 
 import gymnasium
 import numpy as np
@@ -9,7 +6,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 
 class Vectorised(VecEnv):
-    """A vector environment with autoreset in the same step."""
+    """A vector environment that resets finished episodes in the same step."""
 
     def __init__(self, envs: gymnasium.vector.VectorEnv):
         assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP
@@ -31,9 +28,9 @@ class Vectorised(VecEnv):
         self.returns += rewards
         self.lengths += 1
         over = terminated | truncated
-        told = [{} for _ in range(self.num_envs)]
+        infos = [{} for _ in range(self.num_envs)]
         for k in np.flatnonzero(over):
-            told[k] = {
+            infos[k] = {
                 "terminal_observation": information["final_obs"][k],
                 "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
                 "is_success": bool(information["final_info"]["is_success"][k]),
@@ -41,7 +38,7 @@ class Vectorised(VecEnv):
             }
             self.returns[k] = 0.0
             self.lengths[k] = 0
-        return observations, rewards.astype(np.float32), over, told
+        return observations, rewards.astype(np.float32), over, infos
 
     def close(self):
         self.envs.close()

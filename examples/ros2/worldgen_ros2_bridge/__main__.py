@@ -1,4 +1,4 @@
-"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts.
+"""The program ``python -m worldgen_ros2_bridge``, for ``worldgen fuzz --controller 'cmd:...'``.
 
 See README.md.
 """
@@ -21,29 +21,39 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         "--map",
         type=Path,
-        help=".grid file to publish as /map, with the origin of the map it came from",
+        help=".grid file to publish as /map, with the origin of the map that it was imported from",
     )
     parser.add_argument(
-        "--beam-range", type=float, default=Settings.beam_range, help="the run's +beam_range, m"
+        "--beam-range",
+        type=float,
+        default=Settings.beam_range,
+        help="+beam_range of the run, m (default %(default)s)",
     )
     parser.add_argument(
-        "--beam-field", type=float, default=Settings.beam_field, help="the run's +beam_field, rad"
+        "--beam-field",
+        type=float,
+        default=Settings.beam_field,
+        help="+beam_field of the run, rad (default %(default)s)",
     )
     parser.add_argument(
         "--timeout",
         type=float,
         default=Settings.timeout,
-        help="s of real time to wait for a command",
+        help="real time to wait for a command, s (default %(default)s)",
     )
     parser.add_argument(
         "--keep",
         type=float,
         default=Settings.keep,
-        help="s of simulated time for which a command holds",
+        help="simulated time for which a command holds, s (default %(default)s)",
     )
-    parser.add_argument("--stamped", action="store_true", help="/cmd_vel is a TwistStamped")
+    parser.add_argument("--stamped", action="store_true", help="expect TwistStamped on /cmd_vel")
     parser.add_argument(
-        "--reset", action="append", default=[], metavar="SERVICE", help="std_srvs/Trigger to call"
+        "--reset",
+        action="append",
+        default=[],
+        metavar="SERVICE",
+        help="std_srvs/Trigger service to call at the start of each episode; may be repeated",
     )
     return parser.parse_args()
 
@@ -52,22 +62,23 @@ def _grid(path: Path) -> Grid:
     try:
         return grid_of(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        sys.exit(f"--map {path}: {error}; give the .grid file that is run")
+        sys.exit(f"--map {path}: {error}; give the .grid file of the run")
 
 
 def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
-    """Serves the protocol on stdin and stdout until stdin ends."""
+    """Serve the protocol on stdin and stdout until stdin ends."""
+    # Keep the real stdout for answers; anything else that is printed goes to stderr.
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # whatever else prints, prints to stderr
+    os.dup2(2, 1)
     try:
-        import rclpy  # noqa: PLC0415 - slow, and --help needs none
+        import rclpy  # noqa: PLC0415 - slow, and --help does not need it
     except ModuleNotFoundError:
         sys.exit(
-            "rclpy is not there; source ROS 2's setup.bash, and run this with the python3 that ROS "
-            "uses"
+            "rclpy is not installed; source ROS 2's setup.bash, and run this with the python3 that "
+            "ROS uses"
         )
 
-    from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - likewise
+    from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - imports rclpy
 
     rclpy.init(args=[])
     node = rclpy.create_node("worldgen_bridge")
@@ -83,7 +94,7 @@ def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
 
 
 def main() -> None:
-    """What the command line asks for."""
+    """Run the bridge with the options on the command line."""
     given = _arguments()
     _drive(given, _grid(given.map) if given.map else None)
 
