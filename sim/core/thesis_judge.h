@@ -1,4 +1,4 @@
-// How a tick of the thesis's robot is judged.
+// Functions that judge a tick of the thesis's robot.
 
 #ifndef WG_THESIS_JUDGE_H
 #define WG_THESIS_JUDGE_H

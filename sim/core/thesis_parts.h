@@ -1,4 +1,4 @@
-// What the files of the thesis's simulator share.
+// Definitions shared by the files of the thesis's simulator.
 
 #ifndef WG_THESIS_PARTS_H
 #define WG_THESIS_PARTS_H
