@@ -1,13 +1,12 @@
-"""How often each registered controller arrives.
+"""Measure how often each registered controller arrives, by corpus and family.
 
-Over ``corpora/thesis``, and over many worlds of every family. ``python -m benchmarks.library``
-prints how each run ended, table by table, and then the two tables of ``docs/reference/library.md``; with
-``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the dynamic
-window's.
+``python -m benchmarks.library`` runs all controllers over ``corpora/thesis`` and over many worlds
+of every family. It prints how the runs ended, table by table, and then the two tables of
+``docs/reference/library.md``; ``--json`` prints one object. With 500 worlds of each family it takes
+half an hour, mostly for the dynamic window.
 
-Worlds are made here, each from its own seed, so they are the same on every machine, and so is every
-run. All controllers run under ``swept``, the thesis's three, too, each with the sensors that it
-needs.
+Each world is made here from its own seed, so worlds and runs are the same on every machine. All
+controllers run under ``swept``, including the thesis's three, each with the sensors that it needs.
 """
 
 from __future__ import annotations
@@ -33,20 +32,23 @@ from worldgen.world import Witness, World
 
 __all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
 
-WORLDS = 500  # of each family
-STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
+# Worlds of each family.
+WORLDS = 500
+
+# Five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide.
+STEPS = 20_000
 VERDICTS = (Verdict.REACHED, *UNENDED, Verdict.TUNNEL, Verdict.BURNED)
 
 
 @dataclass(frozen=True)
 class Row:
-    """What became of one controller in the worlds of one table.
+    """Outcomes of one controller in the worlds of one table.
 
     Args:
-        controller: Its name.
-        verdicts: Runs by verdict, those of ``VERDICTS`` and ``other``.
-        detour: Median, over the runs that arrived, of the driven way over the witness's; nan
-            without any.
+        controller: Name of the controller.
+        verdicts: Number of runs by verdict, those of ``VERDICTS`` and ``other``.
+        detour: Median ratio of the driven path to the witness's, over the runs that arrived; nan
+            if none did.
     """
 
     controller: str
@@ -55,15 +57,15 @@ class Row:
 
 
 def controllers() -> list[str]:
-    """Names of all registered controllers, of several names of one controller the first."""
+    """Return the names of all registered controllers, the first if one has several."""
     found = {id(CONTROLLERS.get(name)): name for name in reversed(CONTROLLERS.names())}
     return sorted(found.values())
 
 
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
-    """Each table's name and its worlds.
+    """Yield each table's name and worlds.
 
-    The corpus, then a number of each family with seeds from ``seed`` on.
+    These are the corpus, and then a number of worlds of each family with seeds from ``seed`` on.
     """
     files = sorted(
         (file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str
@@ -74,9 +76,9 @@ def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[st
 
 
 def family_worlds(family: str, count: int, seed: int) -> list[World]:
-    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
+    """Return worlds with rising seeds that take the family's words (shapes, algorithms) in turn.
 
-    As far as they go together.
+    Combinations that the family refuses are skipped.
     """
     words = {
         parameter.name: parameter.choices
@@ -94,7 +96,7 @@ def family_worlds(family: str, count: int, seed: int) -> list[World]:
 
 
 def rows_of(worlds: Sequence[World], names: Sequence[str], steps: int) -> list[Row]:
-    """Runs every controller once in every world."""
+    """Run every controller once in every world."""
     runs = simulate_many(worlds, names, motion="swept", steps=steps)
     return [_row(runs, index, worlds) for index in range(len(names))]
 
@@ -144,7 +146,7 @@ def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row],
 
 
 def main() -> None:
-    """Prints the tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"

@@ -1,12 +1,12 @@
-"""A foreign referee for swept moves: shapely is asked about every piece of the way of many discs.
+"""Check swept moves with an independent referee: shapely measures each piece of many discs' paths.
 
-``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with
-``--json`` as one object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse
-to dense, some with walls one cell thick and diagonal gaps; radii go from 0.05 to 6 cells, moves
-from a lattice unit to 300 cells.
+``python -m benchmarks.referee`` prints how many moves were tried and how many cut a wall;
+``--json`` prints one object; ``--moves`` is the number of moves (default 100,000). Rooms are
+random, from sparse to dense, some with walls one cell thick and diagonal gaps. Radii range from
+0.05 to 6 cells, moves from one lattice unit to 300 cells.
 
-Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below
-a millionth of a unit: that is the tolerance, a nanometre where a cell is a metre.
+Coordinates are lattice units, whole numbers below 2**20, so shapely's own rounding stays below a
+millionth of a unit. That is the tolerance: a nanometre if a cell is a metre.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ LENGTHS = (1, 30, 300, 700, 1024, 3000, 20_000, 300 * UNIT)  # lattice units
 
 @dataclass
 class Report:
-    """What the referee saw.
+    """The referee's report.
 
     Args:
         moves: Moves tried.
-        pieces: Straight pieces of their ways.
+        pieces: Straight pieces of their paths.
         contacts: Moves that a wall stopped or bent.
         cuts: Pieces that came nearer to a wall than the radius, by more than the tolerance.
-        deepest: How much nearer the worst piece came, lattice units; below 0 it stayed away.
-        seconds: What it took.
+        deepest: How much nearer the worst piece came, lattice units; below 0 if it stayed away.
+        seconds: Time taken, s.
     """
 
     moves: int = 0
@@ -88,11 +88,11 @@ def _place(
 
 
 def referee(moves: int, seed: int) -> Report:
-    """Tries so many moves.
+    """Try a number of moves.
 
     Args:
-        moves: At least so many.
-        seed: Of all chance.
+        moves: Least number of moves.
+        seed: Seed of all randomness.
     """
     stream = RandomStream(seed)
     report = Report()
@@ -119,7 +119,8 @@ def _drive(
     chain: np.ndarray,
     report: Report,
 ) -> None:
-    """Some moves from a place, all asked about at once."""
+    """Make some moves from a place, and check all of them together."""
+    # Drive, and collect the straight pieces of the path.
     pieces: list[list[tuple[int, int]]] = []
     x, y = place
     for _ in range(MOVES_A_ROOM):
@@ -138,6 +139,8 @@ def _drive(
         report.contacts += (nx, ny) != (0.0, 0.0)
     if not pieces:
         return
+
+    # Measure the distance from each piece to the walls near it.
     lines = shapely.linestrings(np.array(pieces, float))
     tree = _walls(cells)
     radius = math.sqrt(clear_sq)
@@ -150,13 +153,13 @@ def _drive(
 
 
 def main() -> None:
-    """Asks the referee and prints the report."""
+    """Run the referee, and print its report."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--moves", type=int, default=100_000, help="how many (default 100,000)")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--moves", type=int, default=100_000, help="moves to try (default 100,000)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of all randomness (default 1)")
     arguments = parser.parse_args()
     report = referee(arguments.moves, arguments.seed)
     if arguments.json:

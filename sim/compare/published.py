@@ -1,6 +1,7 @@
 """Read published tables of results, and measure how far a comparison agrees with them.
 
-``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are required.
+``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are
+required.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Present a comparison as text, CSV and JSON; ``docs/howto/compare.md`` describes columns and keys."""
+"""Present a comparison as text, CSV and JSON, as described in ``docs/howto/compare.md``."""
 
 from __future__ import annotations
 

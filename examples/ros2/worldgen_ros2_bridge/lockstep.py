@@ -1,7 +1,7 @@
 """The process protocol, with one exchange per step with the robot's driver.
 
-This module needs neither rclpy nor worldgen. ``docs/reference/controllers.md`` specifies the protocol. In
-each step the bridge publishes what the robot senses, waits for a command, and answers.
+This module needs neither rclpy nor worldgen. ``docs/reference/controllers.md`` specifies the
+protocol. In each step the bridge publishes what the robot senses, waits for a command, and answers.
 """
 
 from __future__ import annotations
