@@ -1,12 +1,12 @@
-"""Measure what campaigns cost, and estimate what a billion worlds would cost.
+"""What campaigns cost, and what a billion worlds would.
 
-``python -m benchmarks.campaigns`` prints tables; ``--json`` prints one object. It measures worlds
-and steps per second and core for each lane, including proof and classification of failures; for a
-whole campaign, the bytes on disk per unit, and the time to store a unit and to shrink a failure;
-and, with the extra ``[dask]``, the time that a task costs client and scheduler together.
-
-``--units`` is the number of units of each lane (default 3). Times are processor times, so other
-work on the machine matters little. Kernels are loaded before the clock starts.
+``python -m benchmarks.campaigns``, ``--json`` for one object. For each lane worlds and steps a
+second and core, with proof and classification of what fails. For a whole campaign bytes a unit on
+    disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
+        a piece
+of work costs client and scheduler together. ``--units`` is the number of units of each lane
+(default 3). Times are the processor's, so other work on the machine counts little; before the clock
+starts, kernels are loaded.
 """
 
 from __future__ import annotations
@@ -34,18 +34,13 @@ from sim.scenario import Scenario
 __all__ = ["measure", "model"]
 
 WORLDS = 1_000_000_000
-# Units that run first; after them every kernel is loaded.
-_WARM = 4
-
-# Empty tasks for the cluster.
-_TASKS = 300
-
-# Failures that are shrunk.
-_SHRUNK = 10
+_WARM = 4  # units that are done first: by then every kernel is loaded
+_TASKS = 300  # pieces of no work for the cluster
+_SHRUNK = 10  # failures
 
 
 def lanes(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
-    """Run units of each lane.
+    """Does units of each lane.
 
     Returns:
         ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and
@@ -71,11 +66,11 @@ def _do_units(
 
 
 def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, float]]:
-    """Run a campaign with its folder, and measure its parts.
+    """A campaign with its folder: what it leaves, and what parts of it take.
 
     Returns:
         Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds,
-        because the first units store most), ``save_s`` per unit and ``shrink_s`` per failure.
+        for the first units leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
     """
     with tempfile.TemporaryDirectory() as place:
         campaign_run = begin(config, Path(place) / "out", Budget(units=units))
@@ -99,7 +94,7 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
 
 
 def scheduler(config: CampaignConfig) -> float | None:
-    """Return the seconds per task of client and scheduler, both in this process.
+    """Seconds of client and scheduler, in one process here, for a piece of work.
 
     ``None`` without the extra.
     """
@@ -125,7 +120,7 @@ def scheduler(config: CampaignConfig) -> float | None:
 def model(
     rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None
 ) -> list[dict[str, float | str]]:
-    """Estimate the cost of a billion worlds of each lane.
+    """A billion worlds of each lane.
 
     Returns:
         ``lane``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.
@@ -146,7 +141,7 @@ def model(
 
 
 def measure(units: int, controller: str) -> dict[str, Any]:
-    """Measure everything: ``lanes``, ``campaign``, ``task_s`` and ``billion``."""
+    """Everything: ``lanes``, ``campaign``, ``task_s`` and ``billion``."""
     config = CampaignConfig(Scenario(controller), seed=1)
     state, costs = whole(config, _WARM + units)
     rates = list(lanes(config, units, state.memory))
@@ -166,11 +161,11 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Print the tables, or one JSON object."""
+    """Prints the tables, or one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--units", type=int, default=3, help="units of each lane (default 3)")
-    parser.add_argument("--controller", default="turn-right", help="default turn-right")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--units", type=int, default=3)
+    parser.add_argument("--controller", default="turn-right")
+    parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     result = measure(options.units, options.controller)
     if options.json:

@@ -1,14 +1,14 @@
-"""Judge worlds of other people's generators and collections: the table of docs/howto/census.md.
+"""The table of docs/howto/census.md: worlds of other people's generators and collections, judged.
 
 ``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown
-table, and below it the command for each row; ``--json`` prints one object. Sources that are not
-installed, or not given, are skipped and listed on stderr. Not all generators fit into one
-environment; ``--add`` takes rows of an earlier run elsewhere, from its ``--json``.
+table and under it the command of each row, with ``--json`` one object. What is not installed, or
+not given, is skipped, and said so on stderr. Not all generators go into one environment; ``--add``
+takes the rows of an earlier run elsewhere, from its ``--json``.
 
-- Generators are those of examples/census, each with the version in its file; another version gives
-  a warning.
-- ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge.
-- ``--movingai`` is a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2.
+- Generators are those of examples/census, each with the version that its file names; another
+  version is said loudly.
+- ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge,
+- ``--movingai`` a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2,
 - ``--arena`` is ``worlds`` of github.com/Arena-Rosnav/arena-simulation-setup.
 """
 
@@ -52,17 +52,17 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Row:
-    """A source of worlds, and how to judge it.
+    """A source and what is asked of it.
 
     Args:
-        name: Name in the table.
-        adapter: File in examples/census, for a generator.
-        package: Its name for pip, and the version used for the table.
-        options: Keywords of the generator; ``{barn}`` stands for the folder given with ``--barn``.
-        folders: Folders of a collection; ``{movingai}`` stands for the folder given.
-        radii: Radii in the form of ``--radius``.
-        pairs: Pairs of start and target per map.
-        clear_ends: The option of that name.
+        name: In the table.
+        adapter: File of examples/census, for a generator.
+        package: What pip installs for it, and the version that the table is of.
+        options: Keywords of the generator; ``{barn}`` stands for a folder that was given.
+        folders: Folders, for a collection; ``{movingai}`` likewise.
+        radii: As ``--radius`` takes them.
+        pairs: Starts and targets a map.
+        clear_ends: As the option.
     """
 
     name: str

@@ -1,14 +1,17 @@
-"""Measure how many worlds per second a campaign tries against controllers that users bring.
+"""How many worlds a campaign tries a second against controllers that users bring.
 
-``python -m benchmarks.classes`` prints a table for classes and programs; ``--json`` prints one
-object; ``--document docs/explanation/search.md`` writes the table to that page. Rates are per
-second of one core's processor time, without compilation. For a program they are per second of wall
-time, because most of its time is spent in another process.
+Classes, and programs. ``python -m benchmarks.classes`` prints a table, with ``--json`` one object;
+``--document docs/explanation/search.md`` writes it to that page, too. Rates are per second of one core's
+processor time, without compilation. For a program they are per second of wall time, because most of
+its time is spent in another process.
 
-``short``: screening runs of at most 60 steps. ``looks``: screening runs with their own budgets.
-``lane``: whole units of the lane ``native``, including the proofs of their failures. ``features``:
-the lane in which Hypothesis draws worlds, once the only one for such controllers. ``user``: the
-fraction of the time of ``looks`` that is spent in the controller's own code.
+``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets.
+    ``lane``: whole units
+of the lane ``native``, with the proofs of what they report. ``features``: the lane in which
+    Hypothesis draws worlds,
+which was all that such controllers had before. ``user``: the share of the time of ``looks`` that
+    passes in the
+controller's own code.
 """
 
 from __future__ import annotations
@@ -40,32 +43,32 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["CASES", "Row", "measure"]
 
-SHORT = 60  # steps of a short screening run
+SHORT = 60  # steps
 BEAMS = 36
 PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
 MARKS = (
     "<!-- table: python -m benchmarks.classes --document docs/explanation/search.md -->",
     "<!-- end of table -->",
 )
-_FOR = 0.5  # least duration of a measurement, s
+_FOR = 0.5  # s that a rate is measured for, at least
 _MOST_SCENES = 20_000
 
 
 @dataclass(frozen=True)
 class Widest:
-    """Drives into the widest of 36 beams that is nearly in the target's direction, using NumPy."""
+    """Drives into the widest of 36 beams that is nearly in the target's direction, worked out with NumPy."""
 
     senses = ("bump", "heading", "target_heading", "beams")
     needs = RobotOptions(beams=BEAMS)
 
     def reset(self) -> tuple[float, ...]:
-        """Return an empty memory."""
+        """It remembers nothing."""
         return ()
 
     def act(
         self, observation: Observation, memory: tuple[float, ...]
     ) -> tuple[Command, tuple[float, ...]]:
-        """Score each beam by its length and by how far it leads off the target's direction."""
+        """Scores each beam by its length and by how far it leads off."""
         bearings = np.linspace(0.0, 2 * np.pi, BEAMS, endpoint=False)
         off = np.cos(bearings - (observation.target_heading - observation.heading))
         best = bearings[int(np.argmax(np.minimum(observation.beams, 0.5) + 0.3 * off))]
@@ -102,14 +105,14 @@ def __getattr__(name: str) -> Any:
 
 @dataclass(frozen=True)
 class Row:
-    """Results for one controller; rates are per second of processor time.
+    """What one controller took; rates are per second of processor time.
 
     Args:
-        controller: Its name.
-        short: Worlds of screening runs with 60 steps.
-        looks: Worlds of screening runs.
+        controller: Name.
+        short: Worlds of first looks at 60 steps.
+        looks: Worlds of first looks.
         steps: Steps of these.
-        user: Fraction of their time in the controller's own code.
+        user: Share of their time in the controller's own code.
         lane: Worlds of units of the lane ``native``.
         features: Worlds of units of the lane ``features``.
     """
@@ -124,12 +127,12 @@ class Row:
 
     @property
     def gain(self) -> float:
-        """Worlds of ``lane`` per world of ``features``."""
+        """Worlds of ``lane`` for one of ``features``."""
         return self.lane / self.features
 
 
 def measure(name: str, controller: str, seconds: float) -> Row:
-    """Measure one controller under ``swept``."""
+    """Measures one controller under ``swept``."""
     scenario = Scenario(controller)
     clock = (
         time.monotonic
@@ -145,7 +148,7 @@ def measure(name: str, controller: str, seconds: float) -> Row:
 def _looks(
     scenario: Scenario, budget: int | None, clock: Callable[[], float]
 ) -> tuple[float, float]:
-    """Return worlds and steps per second of screening runs."""
+    """Worlds and steps a second of first looks."""
     _look(scenario, 20, budget)
     count = 100
     while True:
@@ -164,7 +167,7 @@ def _look(scenario: Scenario, count: int, budget: int | None) -> Screening:
 
 
 def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], float]) -> float:
-    """Return worlds per second of whole units, without units that compile."""
+    """Worlds a second of whole units; what compiles does not count."""
     config = CampaignConfig(scenario, seed=3, families=(lane,))
     run_unit(CampaignConfig(scenario, seed=3, families=(lane,), examples=8), 0)
     worlds = 0
@@ -177,7 +180,7 @@ def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], fl
 
 
 def _share_of_user(scenario: Scenario) -> float:
-    """Return the fraction of screening time in the controller's code or waiting for its program."""
+    """Share of the time of first looks that passes in the controller's own code, or in waiting for its program."""
     is_program = isinstance(CONTROLLERS.get(scenario.controller), ProcessController)
     began = Effort.so_far()
     _look(scenario, 20 if is_program else 400, None)
@@ -202,18 +205,18 @@ def _markdown(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    """Measure everything, and print the table."""
+    """Measures all and prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--controllers", default=";".join(CASES), help="names in the table, separated by semicolons"
+        "--controllers", default=";".join(CASES), help="names of the table, with semicolons between"
     )
     parser.add_argument(
-        "--seconds", type=float, default=4.0, help="processor time for each lane, s (default 4)"
+        "--seconds", type=float, default=4.0, help="of the processor for each lane (default 4)"
     )
-    parser.add_argument("--document", type=Path, help="write the table to this document as well")
+    parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()
     rows = [
         measure(name, CASES[name], arguments.seconds) for name in arguments.controllers.split(";")

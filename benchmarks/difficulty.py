@@ -1,11 +1,11 @@
-"""Find out which metrics of a world predict failures, and how well ``difficulty`` does.
+"""Which metrics of a world predict that a controller fails in it, and how well ``difficulty`` does.
 
-``python -m benchmarks.difficulty`` makes worlds of every family whose worlds do not change, with
-random parameters, and runs the library's controllers in them. It prints the tables of
-``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with
-bootstrap intervals, and the weights in ``worldgen/difficulty/model.py``. ``--json`` prints one
-object. ``--barn FOLDER``, a copy of the BARN challenge's repository, adds the correlations with the
-outcomes that the challenge publishes. It takes ten minutes.
+``python -m benchmarks.difficulty`` makes worlds of every family whose worlds stand still, with
+parameters drawn at random, runs the library's controllers in them, and prints the tables of
+``docs/howto/difficulty.md``: Spearman's rank correlation of every metric with failure, with bootstrap
+intervals, and the weights that ``worldgen/difficulty/model.py`` holds. With ``--json`` it prints
+one object, with ``--barn FOLDER`` also the correlations with the outcomes that the BARN challenge
+publishes, from a copy of its repository. Takes ten minutes.
 """
 
 from __future__ import annotations
@@ -37,14 +37,9 @@ from worldgen.world import Pose, Target, World
 __all__ = ["barn_worlds", "fitted", "spearman", "worlds_of"]
 
 FAMILIES_AT_REST = ("cave", "corridor", "forest", "maze", "rooms", "rubble", "trap")
-# Worlds of each family.
-WORLDS = 110
-
-# Two and a half minutes of 15 ms, enough to drive 300 m in worlds of about 3 m.
-STEPS = 10_000
-
-# Second names of controllers that run anyway.
-SKIPPED = ("thesis-1", "thesis-2", "thesis-3")
+WORLDS = 110  # of each family
+STEPS = 10_000  # two and a half minutes of 15 ms: time for 300 m in worlds of some 3 m
+SKIPPED = ("thesis-1", "thesis-2", "thesis-3")  # other names of controllers that are run anyway
 CANDIDATES = (
     "concavity",
     "detour",
@@ -60,7 +55,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
-    """Yield worlds of a family, each with its own parameters."""
+    """Worlds of a family, each with parameters of its own."""
     rng = RandomStream(seed).child("difficulty", name)
     family = FAMILIES.get(name)
     free = free_parameters(
@@ -76,7 +71,7 @@ def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
 
 
 def ranks(values: Floats) -> Floats:
-    """Return ranks from 1 on; equal values share the mean of theirs."""
+    """Ranks from 1 on; equal values share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     shared: Floats = (last - (counts - 1) / 2.0)[place]
@@ -84,7 +79,7 @@ def ranks(values: Floats) -> Floats:
 
 
 def spearman(one: Floats, other: Floats) -> float:
-    """Return Spearman's rank correlation; nan if one of the arguments is constant."""
+    """Spearman's rank correlation; nan where one of them is constant."""
     a = ranks(one)
     b = ranks(other)
     a = a - a.mean()
@@ -94,7 +89,7 @@ def spearman(one: Floats, other: Floats) -> float:
 
 
 def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[float, float]:
-    """Return the middle 95 % of the correlations of worlds drawn with replacement."""
+    """The middle 95 % of the correlations of worlds drawn with replacement."""
     drawn_again = rng.integers(0, len(one), (BOOTSTRAP, len(one)))
     found = [spearman(one[rows], other[rows]) for rows in drawn_again]
     low, high = np.nanpercentile(found, [2.5, 97.5])
@@ -102,7 +97,7 @@ def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[floa
 
 
 def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
-    """Return the probability that a failed run scores higher than one that arrived."""
+    """Chance that a failed run's score is higher than that of one that arrived."""
     lost = int(failed.sum())
     won = int((~failed).sum())
     return (
@@ -114,13 +109,13 @@ def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Campaign:
-    """The worlds' metrics and the outcomes of the runs.
+    """What was measured and what became of the runs.
 
     Args:
-        families: (n,) family of each world.
-        metrics: n tables of metrics.
-        radius: (n,) radius of the robot, m.
-        failed: (n,) bool by controller.
+        families: (n,) of each world.
+        metrics: n tables.
+        radius: (n,) of the robot, m.
+        failed: By controller, (n,) bool.
     """
 
     families: npt.NDArray[np.str_]
@@ -129,12 +124,12 @@ class Campaign:
     failed: Mapping[str, npt.NDArray[np.bool_]]
 
     def column(self, name: str) -> Floats:
-        """Return one metric, (n,); nan where it is empty."""
+        """(n,) one metric; nan where it is empty."""
         return np.array([table.get(name, np.nan) for table in self.metrics])
 
     @property
     def telling(self) -> list[str]:
-        """Return controllers that head for the target and fail neither very rarely nor mostly."""
+        """Controllers that go for the target, and fail neither hardly ever nor nearly always."""
         low, high = OFTEN
         return [
             name
@@ -144,13 +139,13 @@ class Campaign:
 
     @property
     def share(self) -> Floats:
-        """Fraction of the telling controllers that fail, (n,)."""
+        """(n,) share of the telling controllers that fail."""
         found: Floats = np.mean([self.failed[name] for name in self.telling], axis=0)
         return found
 
 
 def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
-    """Make worlds, measure them, and run the controllers."""
+    """Makes, measures and runs."""
     worlds = [world for name in FAMILIES_AT_REST for world in worlds_of(name, count, seed)]
     families = np.repeat(FAMILIES_AT_REST, count)
     failed = {
@@ -161,7 +156,7 @@ def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
 
 
 def correlations(campaign: Campaign) -> dict[str, dict[str, Any]]:
-    """Return each metric's correlation with failure, with its interval, and per controller."""
+    """By metric: with the share of the telling controllers that fail, its interval, and with each that ever fails."""
     rng = np.random.default_rng(0)
     found = {}
     for metric in METRICS:
@@ -186,11 +181,10 @@ def _with_interval(one: Floats, other: Floats, rng: np.random.Generator) -> dict
 def fitted(
     campaign: Campaign, rows: npt.NDArray[np.bool_]
 ) -> tuple[dict[str, tuple[float, float]], float]:
-    """Fit scales, weights without wrong signs, and the offset.
+    """Scales and weights, none of the wrong sign, and the offset.
 
-    The fit is least squares, by projected gradient steps.
+    Least squares by projected gradient steps.
     """
-    # Scale each metric by its median, and squash it as the model does.
     scales = {}
     columns = []
     for name in CANDIDATES:
@@ -201,8 +195,6 @@ def fitted(
         scales[name] = float(f"{max(float(np.median(plain[plain > 0])), 0.01):.2g}")
         pairs = zip(raw.tolist(), campaign.radius.tolist(), strict=True)
         columns.append([squashed(name, value, scales[name], radius) for value, radius in pairs])
-
-    # Descend the gradient; a weight of the wrong sign is set to 0 in each step.
     x = np.array(columns).T[rows]
     share = campaign.share[rows]
     sign = np.array([METRICS[name].harder for name in CANDIDATES], float)
@@ -214,8 +206,6 @@ def fitted(
         weights = weights - 2.0 * (x.T @ slope) / len(x)
         weights = np.where(weights * sign < 0.0, 0.0, weights)
         offset -= 2.0 * float(slope.mean())
-
-    # Drop weights that hardly matter.
     kept = zip(CANDIDATES, weights.tolist(), strict=True)
     return {
         name: (scales[name], round(weight, 2)) for name, weight in kept if abs(weight) >= 0.05
@@ -223,9 +213,9 @@ def fitted(
 
 
 def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> dict[str, float]:
-    """Return how well a score separates failed runs from others.
+    """How well a score tells failed runs from others.
 
-    The result is the area under the curve, over all runs and by controller.
+    The area under the curve, over all runs and by controller.
     """
     lost = {name: campaign.failed[name][rows] for name in campaign.telling}
     found = {
@@ -235,14 +225,14 @@ def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> di
 
 
 def scored(campaign: Campaign, weights: Mapping[str, tuple[float, float]], offset: float) -> Floats:
-    """Return the model's value for each world, (n,); empty metrics count as 0."""
+    """(n,) the model's value for each world; what is empty counts as 0."""
     rows = zip(campaign.metrics, campaign.radius.tolist(), strict=True)
     full = [(dict.fromkeys(weights, 0.0) | dict(table), radius) for table, radius in rows]
     return np.array([difficulty(table, radius, weights, offset) for table, radius in full])
 
 
 def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
-    """Yield number, world and fraction of failed DWA runs of the BARN challenge's worlds."""
+    """Number, world and share of failed runs of the BARN challenge's worlds in which its DWA planner was run."""
     outcomes: dict[int, list[bool]] = {}
     for line in (folder / "res" / "dwa_out.txt").read_text().splitlines():
         number, success = line.split()[:2]
@@ -265,7 +255,7 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
 
 
 def barn_table(folder: Path) -> dict[str, Any]:
-    """Return correlations of the metrics with the published fraction of failed runs."""
+    """Correlations of the metrics with the published share of failed runs."""
     rng = np.random.default_rng(0)
     found = list(barn_worlds(folder))
     tables = [measure(world).as_dict() for _, world, _ in found]
@@ -284,7 +274,7 @@ def barn_table(folder: Path) -> dict[str, Any]:
 
 
 def in_words(found: Mapping[str, Any], names: Sequence[str]) -> str:
-    """Return the table of correlations in Markdown."""
+    """The table of correlations in Markdown."""
     head = ["metric", "all, with its interval", *(f"`{name}`" for name in names)]
     lines = [f"| {' | '.join(head)} |", "| --- |" + " ---: |" * (1 + len(names))]
     for metric, row in sorted(found.items(), key=lambda item: -abs(item[1]["all"])):
@@ -295,7 +285,7 @@ def in_words(found: Mapping[str, Any], names: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"
@@ -321,7 +311,7 @@ def main() -> None:
 
 
 def report(campaign: Campaign) -> dict[str, Any]:
-    """Return everything that is printed about a campaign."""
+    """Everything that is printed of a campaign."""
     every = np.ones(len(campaign.families), np.bool_)
     even = np.arange(len(every)) % 2 == 0
     weights, offset = fitted(campaign, every)

@@ -1,9 +1,9 @@
-"""Compare the worlds that a guided search makes until one fits with drawing seed after seed.
+"""How many worlds a guided search makes until one fits, beside drawing seed after seed, in one run.
 
-``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``;
-``--json`` prints one object. Each requirement is searched for with several seeds. A search that
-finds nothing within ``--tries`` counts with that number, so the figure for drawing is then a lower
-bound. Drawing is done in two ways: with the family's defaults, and with random parameters.
+``python -m benchmarks.difficulty_search`` prints the table of ``docs/howto/difficulty.md``, with
+``--json`` one object. Each wish is searched for with several seeds; a search that finds nothing
+within ``--tries`` counts with that number, so what drawing needs is then a lower bound. Drawing
+comes in two kinds: with the family's defaults, and with parameters drawn at random.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ KINDS = {
 
 
 def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int:
-    """Return the number of worlds made until one fits, at most ``tries``."""
+    """Worlds made until one fits, at most ``tries``."""
     search = Search(FAMILIES.get(family), constraint_for(where), seed, {}, **how)
     while search.tried < tries and search.asked < 5 * tries:
         found = search.step()
@@ -49,13 +49,13 @@ def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--seeds", type=int, default=SEEDS, help=f"searches per requirement (default {SEEDS})"
+        "--seeds", type=int, default=SEEDS, help=f"searches for each wish (default {SEEDS})"
     )
     parser.add_argument(
-        "--tries", type=int, default=TRIES, help=f"most worlds per search (default {TRIES})"
+        "--tries", type=int, default=TRIES, help=f"worlds made at most (default {TRIES})"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()

@@ -1,11 +1,11 @@
-"""Measure how soon a campaign finds the seeded faults, compiled and as Python classes.
+"""How soon a campaign finds the seeded faults, compiled and as Python classes.
 
-``python -m benchmarks.faults_as_classes`` runs a campaign with its own plan and without shrinking
-against each fault of :mod:`fuzz.faults`, until it finds a failure that reveals the fault: with the
-expected verdict, confirmed by replay, in a world in which the controller without the fault arrives.
-It prints the CPU seconds of one core that this took; ``--json`` prints one object. ``class``: the
-fault as a class whose ``act`` calls the compiled function. ``interpreted``: the same with the
-function's own Python, as a user would have written it.
+``python -m benchmarks.faults_as_classes`` runs a campaign, its own plan and without shrinking,
+against each fault of :mod:`fuzz.faults` until it finds a failure that tells the fault: with the
+verdict expected of it, confirmed by replay, in a world in which the controller without the fault
+arrives. It prints the CPU seconds of one core that this took; with ``--json`` one object.
+``class``: the fault as a class whose ``act`` calls the compiled function. ``interpreted``: the same
+    with the function's own Python, as a user would have written it.
 """
 
 from __future__ import annotations
@@ -31,10 +31,9 @@ WAYS = {
     "class": "fuzz.faults.as_classes:",
     "interpreted": "tests.reference.fuzz.as_classes:",
 }
-"""The ways to bring a fault's controller, and the prefixes of its name."""
+"""How a fault's controller is brought, and how its name begins then."""
 
-# A seed whose units run before the clock starts, so that everything is compiled.
-_COMPILES = 1 << 40
+_COMPILES = 1 << 40  # a seed whose units are done before the clock runs
 
 
 @dataclass(frozen=True)
@@ -43,10 +42,10 @@ class Row:
 
     Args:
         fault: Name of the fault.
-        way: The way in which its controller was brought.
-        found: Whether a failure revealed it.
+        way: How its controller was brought.
+        found: Whether a failure told it.
         seconds: CPU seconds until then, or in all.
-        worlds: Worlds run until then, or in all.
+        worlds: Run until then, or in all.
     """
 
     fault: str
@@ -57,11 +56,11 @@ class Row:
 
 
 def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
-    """Run a campaign until a failure reveals a fault, or the time is over."""
+    """Run a campaign until a failure tells a fault, or its time is over."""
     controller = FAULTS[fault]
     scenario = Scenario.parse(f"{WAYS[way]}{fault.replace('-', '_')}{controller.variations}")
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,))
-    for lane in ("native", "archive", "features"):  # Compile everything that they need.
+    for lane in ("native", "archive", "features"):  # compiles what they need
         next(lanes(lane)(replace(config, seed=_COMPILES, examples=1)))
     worlds = 0
     begun = time.process_time()
@@ -99,7 +98,7 @@ def main() -> None:
     parser.add_argument(
         "--seconds", type=float, default=60.0, help="CPU seconds for each fault (default 60)"
     )
-    parser.add_argument("--faults", default=",".join(FAULTS), help="names, separated by commas")
+    parser.add_argument("--faults", default=",".join(FAULTS), help="names, with commas between")
     parser.add_argument(
         "--ways", default=",".join(WAYS), help="of compiled, class, interpreted (default all)"
     )

@@ -1,13 +1,13 @@
-"""Measure how well failures are found, over the seeded faults.
+"""How well failures are found.
 
-``python -m benchmarks.finding`` compares each lane, the whole plan, and simple alternatives. It
-gives every searcher (:mod:`benchmarks.searchers`) the same number of simulated steps against each
-fault of :mod:`fuzz.faults`, shrinks the failures, and prints the tables of
-``docs/explanation/finding.md``; ``--json`` prints one object. With ``--out DIR`` each cell of the
-table is a file. Cells that exist are not computed again, and several processes may work on the same
-table. ``--quick`` takes minutes, ``--full`` a day.
+Over the seeded faults, by each lane, the whole plan, and what one would do without.
+``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many
+simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the
+tables of ``docs/explanation/finding.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
+is a file: what is there already is not done again, and several processes may work at the same
+    table. ``--quick`` takes minutes, ``--full`` a day.
 
-A fault counts as found if a failure has the expected verdict, is confirmed by replay, and is in a
+A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a
 world in which the controller without the fault arrives.
 """
 
@@ -58,8 +58,7 @@ __all__ = [
     "tells",
 ]
 
-# Worlds in a unit, so that it is known which world revealed a fault.
-EXAMPLES = 1
+EXAMPLES = 1  # of a unit, so that it is known which world it was
 _FAILURES_ALONE = (
     "native",
     "archive",
@@ -68,9 +67,9 @@ _FAILURES_ALONE = (
 _FLOOR_SECONDS = (
     60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
 )
-_SHRINK_SECONDS = 60.0  # Wall time; slow controllers may not be done by then.
-_IDLE = 100  # Units without a world, after which a searcher has nothing left to try.
-_OTHER_SEED = 1 << 40  # Seed of the work before the clock starts, which compiles the kernels.
+_SHRINK_SECONDS = 60.0  # by the clock; slow controllers may not be done by then
+_IDLE = 100  # units without a world, after which a searcher has no more to try
+_OTHER_SEED = 1 << 40  # of what is done before the clock runs, so that kernels are compiled
 COMPLETE = (
     "bug1",
     "bug2",
@@ -90,10 +89,10 @@ ORACLES = (
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits at which a search without a find ends.
+    """Where a search ends without a find.
 
     Args:
-        steps: Steps simulated in screening runs.
+        steps: Simulated at first look.
         seconds: CPU seconds of one core.
     """
 
@@ -106,7 +105,7 @@ SIZES = {
     "": (Limits(1_000_000, 20.0), (1, 2, 3)),
     "full": (Limits(10_000_000, 600.0), (1, 2, 3, 4, 5)),
 }
-"""Limits and seeds of a table, by its size."""
+"""Limits and seeds of a table."""
 
 
 @dataclass(frozen=True)
@@ -114,21 +113,21 @@ class Row:
     """One search for one fault.
 
     Args:
-        fault: Name of the fault.
-        searcher: Name of the searcher.
-        seed: Seed of the search.
-        limits: Limits of the search.
-        found: Whether a failure distinguishes the fault from the controller without it.
-        worlds: Worlds simulated until that failure, or in all.
-        steps: Steps simulated until then, or in all.
-        seconds: CPU seconds until then, or in all.
-        wall_seconds: Wall time, s.
-        kind: Class of that failure after shrinking.
-        solid_cells: Solid cells of its world as found, and after shrinking.
-        cells: Cells of its world as found, and after shrinking.
-        shrink_seconds: CPU seconds of shrinking.
-        one_minimal: Whether the shrinker reports that the result is 1-minimal.
-        removable: Solid cells of the shrunk world that an independent check could remove, one at a
+        fault: Its name.
+        searcher: Its name.
+        seed: Of the search.
+        limits: Of the search.
+        found: Whether a failure tells the fault from the controller without it.
+        worlds: Simulated until that failure, or in all.
+        steps: Likewise.
+        seconds: CPU seconds, likewise.
+        wall_seconds: By the clock.
+        kind: Class of that failure, shrunk.
+        solid_cells: Of its world as found, and shrunk.
+        cells: Likewise.
+        shrink_seconds: CPU seconds.
+        one_minimal: Whether the shrinker says so.
+        removable: Solid cells of the shrunk world that a check of our own could take away, one at a
             time.
         shrunk_tells: Whether the controller without the fault arrives in the shrunk world, too.
     """
@@ -152,28 +151,27 @@ class Row:
 
 
 def controller_name(fault: Fault) -> str:
-    """Return the name under which commands accept the fault, with the variations of its run."""
+    """The name under which a command takes the fault, with the variations of its run."""
     return f"fuzz.faults:{fault.name.replace('-', '_')}{fault.variations}"
 
 
 def tells(fault: Fault, failure: Failure) -> bool:
-    """Return True if the controller without the fault arrives in the world of a failure."""
+    """Whether the controller without the fault arrives in the world of a failure."""
     if fault.base is None:
         return False
     return simulate(failure.world, fault.base, failure.options).verdict == Verdict.REACHED
 
 
 def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, Failure | None]:
-    """Search for one fault; return the result, and the shrunk failure that reveals it."""
-    # Compile everything before the clock starts.
+    """One search for one fault, and the failure that tells, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
     config = CampaignConfig(
         scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES
     )
     _compile(searcher)
-    next(SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4)))
-
-    # Search until a failure reveals the fault, or a limit is reached.
+    next(
+        SEARCHERS["features"](replace(config, seed=seed + _OTHER_SEED, examples=4))
+    )  # compiles the fault
     cpu = time.process_time()
     wall = time.monotonic()
     worlds = 0
@@ -204,12 +202,15 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
 
 @functools.cache
 def _compile(searcher: str) -> None:
-    """Run a unit against a fast controller, to compile all kernels before the clock starts."""
+    """Does a unit against a quick controller.
+
+    So that no kernel is compiled while the clock runs.
+    """
     next(SEARCHERS[searcher](CampaignConfig(Scenario("turn-right"), seed=_OTHER_SEED, examples=4)))
 
 
 def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
-    """Yield the results of a search, as long as it has worlds to try."""
+    """Results of a search, as long as it has worlds to try."""
     idle = 0
     for result in SEARCHERS[searcher](config):
         idle = 0 if result.worlds else idle + 1
@@ -219,12 +220,12 @@ def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def shows(fault: Fault, failure: Failure) -> bool:
-    """Return True if a failure reveals the fault and can be repeated."""
+    """Whether a failure shows the fault, and comes again."""
     return failure.verdict == fault.expected and tells(fault, failure) and replay(failure).confirmed
 
 
 def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
-    """Return row and world of a find after shrinking, or as found if shrinking loses the fault."""
+    """The row and the world of a find after shrinking; as it was found where that fails."""
     begun = time.process_time()
     try:
         small = shrink(found, seconds=_SHRINK_SECONDS).failure
@@ -248,9 +249,9 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
 
 
 def removable_cells(failure: Failure) -> int:
-    """Return how many of a failure's solid cells can be removed individually, by brute force.
+    """How many of a failure's solid cells can go, each by itself, by brute force.
 
-    This shares no code with the shrinker.
+    Shares no code with the shrinker.
     """
     found = 0
     for iy, ix in np.argwhere(failure.world.walls):
@@ -263,7 +264,7 @@ def removable_cells(failure: Failure) -> int:
 
 
 def _fails_likewise(failure: Failure, candidate: World) -> bool:
-    """Return True if a reachable world fails in the manner that shrinking preserved."""
+    """Whether a reachable world fails in the manner that shrinking kept."""
     record = failure.record
     options = failure.options
     proved = certified(candidate)
@@ -283,16 +284,16 @@ def _fails_likewise(failure: Failure, candidate: World) -> bool:
 
 @dataclass(frozen=True)
 class Alarm:
-    """Failures that one searcher found for a controller that is known to arrive.
+    """What one searcher found against a controller that is known to arrive.
 
-    Each of them is a false alarm.
+    Anything is a false alarm.
 
     Args:
-        controller: Name of the controller.
-        searcher: Name of the searcher.
-        worlds: Worlds simulated.
-        asked: Those of them that the oracles examined, too.
-        failures: Number of failures found, by class.
+        controller: Its name.
+        searcher: Its name.
+        worlds: Simulated.
+        asked: Those of them about which the oracles were asked, too.
+        failures: Met, by class.
     """
 
     controller: str
@@ -303,7 +304,7 @@ class Alarm:
 
 
 def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = None) -> Alarm:
-    """Search for failures of a controller without failures, and store any find in a folder."""
+    """Looks for failures of a controller that has none; keeps what it finds in a folder."""
     met = Counter[str]()
     looked = []
     for oracles, most in (
@@ -325,9 +326,9 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
 
 
 def floors() -> dict[str, float]:
-    """Return the median CPU seconds to the first proved loop of ``turn-right``.
+    """Median CPU seconds to the first proved loop of ``turn-right``.
 
-    Rates are measured by :mod:`benchmarks.native`.
+    Speeds are for :mod:`benchmarks.native`.
     """
     seconds = []
     for seed in range(10):
@@ -349,7 +350,7 @@ def floors() -> dict[str, float]:
 def _once(
     file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
-    """Return the work's result from a file with the same key, else compute and store it."""
+    """The work's result: from its file if it was done there with the same key, else done now, and kept."""
     if file is not None and file.exists():
         known: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if known["key"] == key:
@@ -366,7 +367,10 @@ def _once(
 def _rows(
     given: argparse.Namespace, limits: Limits, seeds: Sequence[int]
 ) -> Iterator[dict[str, Any]]:
-    """Yield every cell of the table, fault by fault, as kernels are compiled once per process."""
+    """Every cell of the table.
+
+    Of a fault all that belongs to it, for its kernels are compiled once a process.
+    """
     for name, seed, searcher in product(given.fault or FAULTS, seeds, given.searcher or SEARCHERS):
         file = given.out / "rows" / f"{searcher}.{name}.{seed}.json" if given.out else None
 
@@ -399,7 +403,7 @@ def _in_words(row: Row) -> str:
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return per searcher the fraction found, and quartiles; a search without a find is endless."""
+    """Per searcher: share found, and quartiles over all searches, where one without a find counts as endless."""
     found = []
     for name in _searchers(rows):
         own = [row for row in rows if row["searcher"] == name]
@@ -418,9 +422,9 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _quartiles(values: Sequence[float]) -> list[float | None]:
-    """Return lower quartile, median and upper quartile, each one of the values.
+    """Lower quartile, median, upper quartile, each one of the values.
 
-    A quartile that is endless or missing is ``None``.
+    ``None`` for what is endless or not there.
     """
     ranked = sorted(values)
     picked = (
@@ -432,7 +436,7 @@ def _quartiles(values: Sequence[float]) -> list[float | None]:
 
 
 def tables(rows: Sequence[dict[str, Any]]) -> str:
-    """Return the two tables of ``docs/explanation/finding.md``: by searcher, and by fault."""
+    """The two tables of ``docs/explanation/finding.md``: by searcher, and by fault."""
     columns = (
         "found",
         "worlds",
@@ -447,13 +451,9 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
         thousands = [value / 1000 if value is not None else None for value in entry["steps"]]
         cells = (
             f"{entry['found']} of {entry['searches']}",
-            _span(entry["worlds"]),
-            _span(thousands),
-            _span(entry["seconds"]),
-            _span(entry["solid_cells"]),
-            f"{entry['one_minimal']} ({entry['checked']})",
-            _span(entry["shrink_ms"]),
-        )
+            _span(entry["worlds"]), _span(thousands), _span(entry["seconds"]), _span(entry["solid_cells"]),
+            f"{entry['one_minimal']} ({entry['checked']})", _span(entry["shrink_ms"]),
+        )  # fmt: skip
         lines.append(f"| `{entry['searcher']}` | {' | '.join(cells)} |")
     searchers = _searchers(rows)
     lines += [
@@ -471,7 +471,7 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def _done_by_all(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the searches that every searcher has done, as the table may be incomplete."""
+    """The searches that every searcher has done, for a table made in pieces may not be whole yet."""
     done = {
         name: {(row["fault"], row["seed"]) for row in rows if row["searcher"] == name}
         for name in _searchers(rows)
@@ -484,9 +484,9 @@ def _searchers(rows: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _cell(rows: Sequence[dict[str, Any]]) -> str:
-    """Return the median worlds to the find, and how many searches found it if not all did.
+    """Median worlds to the find; how many searches found it where not all did.
 
-    The cell is empty if no search was done.
+    Nothing where none was done.
     """
     hits = [row["worlds"] for row in rows if row["found"]]
     if not hits:
@@ -502,7 +502,7 @@ def _span(three: Sequence[float | None]) -> str:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -532,13 +532,10 @@ def main() -> None:
         "--part",
         action="append",
         choices=("faults", "alarms", "floors"),
-        help="only this part; may be repeated",
+        help="only this; likewise",
     )
     parser.add_argument(
-        "--alarm-worlds",
-        type=int,
-        default=2000,
-        help="worlds per complete controller and searcher (default 2000)",
+        "--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher"
     )
     parser.add_argument(
         "--out", type=Path, help="folder that keeps every cell of the table, and the worlds"
@@ -561,13 +558,13 @@ def main() -> None:
     ]
     measured = floors() if "floors" in parts else {}
     if given.json:
-        result = {
+        told = {
             "limits": asdict(limits),
             "searchers": summary(rows),
             "alarms": alarmed,
             "floors": measured,
         }
-        click.echo(json.dumps({**result, "rows": rows}))
+        click.echo(json.dumps({**told, "rows": rows}))
         return
     click.echo(tables(rows) if rows else "", nl=bool(rows))
     for entry in alarmed:

@@ -1,23 +1,25 @@
-"""Compare the Gymnasium environments' steps per second with other libraries of environments.
+"""Steps a second of the Gymnasium environments, beside other libraries of environments.
 
-``python -m benchmarks.gymnasium`` prints a table; ``--json`` prints one object. It has the rate of
-each case and its ratio to each peer, all from one run. Every case and peer runs in its own process,
-and they alternate in every round, so that other work on the machine affects all of them equally;
-the best of all rounds counts. A peer runs in the interpreter given with its option, ``--envpool``,
-``--minigrid`` or ``--navix``, or else in this one. Peers that are not installed are skipped and
-listed.
+``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its
+rate and its ratio to each peer, all from one run. Every case and peer runs in a process of its own,
+and they take turns in every round, so that other work on the machine hits all alike; the best of
+all rounds counts. A peer runs in the interpreter that its option names, ``--envpool``,
+``--minigrid``, ``--navix``, else in this one; one that is not installed there is left out, and
+named.
 
-Rates are steps of one robot per second of the process's CPU time, over all its threads and over
-calls of ``step`` only; actions are drawn before or, for a policy, outside the clock. Everything in
-``step`` counts: the Python around the kernel, new observations, rewards, and episodes that begin.
+Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of
+``step`` only: actions are drawn before, or, of a policy, outside the clock. All that ``step`` does
+    counts: what Python does around the
+kernel, observations made anew, rewards, and episodes that begin.
 
-- ``random``: discrete actions with equal probability. Robots push along walls in nearly half of
-  their steps, which are the expensive ones.
+- ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their
+  steps, the dear ones.
 - ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one
   step of twenty.
 
-The peers do different things: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula,
-and envpool's PointMaze moves a ball among walls with MuJoCo.
+What peers do is not the same: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula;
+    envpool's PointMaze
+moves a ball among walls by MuJoCo.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ import worldgen.gym
 
 __all__ = ["CASES", "PEERS", "measure"]
 
-SECONDS = 1.5  # Duration of a measurement.
+SECONDS = 1.5  # of a measurement
 ROBOTS = 4096
 PLAIN = ("target_direction", "target_distance", "bump")
 MAZE = {"family": "maze", "params": {"size": 30}, "actions": "discrete", "turn_rate": 12.0}
@@ -71,9 +73,9 @@ def _turns_away(robots: int) -> Policy:
 def _many(
     policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any
 ) -> float:
-    """Return steps per second of the vector environment.
+    """Steps a second of the vector environment.
 
-    The kernels are compiled, and the robots are under way, before the clock starts.
+    The kernels are compiled, and the robots under way, before.
     """
     name = worldgen.gym.ENVIRONMENT
     limit = 1000
@@ -94,7 +96,7 @@ def _many(
 
 
 def _one() -> float:
-    """Return steps per second of the single environment, as ``gymnasium.make`` wraps it."""
+    """Steps a second of the single environment, with all that ``gymnasium.make`` puts around it."""
     env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
     actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
     env.reset(seed=1)
@@ -125,14 +127,14 @@ CASES: dict[str, Callable[[], float]] = {
 
 
 def _case(name: str) -> float:
-    """Return a case's rate, measured in its own process."""
+    """A case's rate, measured in a process of its own."""
     code = f"from benchmarks.gymnasium import CASES; print(CASES[{name!r}]())"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return float(done.stdout)
 
 
 def _peer(name: str, python: str) -> dict[str, Any] | None:
-    """Return a peer's version and rates; ``None`` if it is not installed."""
+    """A peer's version and rates, ``None`` if it is not installed."""
     script = Path(__file__).parent / "peers" / "environments.py"
     done = subprocess.run([python, str(script), name], check=False, capture_output=True, text=True)
     if done.returncode != 0:
@@ -144,7 +146,7 @@ def _peer(name: str, python: str) -> dict[str, Any] | None:
 
 
 def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
-    """Return the best rates of all rounds, in steps per second, and the load meanwhile."""
+    """Best rates of all rounds, steps a second, and the load meanwhile."""
     ours = dict.fromkeys(CASES, 0.0)
     theirs = {}
     versions = {}
@@ -176,7 +178,7 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Run everything, and print the table."""
+    """Runs all and prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -187,7 +189,7 @@ def main() -> None:
             f"--{peer}",
             default=sys.executable,
             metavar="PYTHON",
-            help=f"interpreter that has {peer} (default this one)",
+            help=f"interpreter that has {peer}",
         )
     arguments = parser.parse_args()
     result = measure(arguments.rounds, {peer: getattr(arguments, peer) for peer in PEERS})

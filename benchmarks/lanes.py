@@ -1,9 +1,10 @@
-"""Compare lanes, alone and together: classes of failures per CPU seconds of one core.
+"""What lanes bring, alone and together: classes of failures for equal CPU seconds of one core.
 
 ``python -m benchmarks.lanes`` gives every way of sharing a campaign's budget the same CPU seconds
 for each controller: the campaign's own plan, all its lanes in turn, and some lanes alone. It prints
-how many classes each finds, and how large their smallest worlds are before shrinking; ``--json``
-prints one object. Kernels are compiled before the clock starts.
+    how many classes each finds, and how
+large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled
+before that.
 """
 
 from __future__ import annotations
@@ -25,22 +26,16 @@ from sim.scenario import Scenario
 __all__ = ["CASES", "Row", "campaign", "lanes_at"]
 
 CASES = (
-    ("turn-right", "swept"),
-    ("turn-right", "stepped"),
-    ("turn-left", "endpoint"),
-    ("wall-left", "swept"),
-    ("vfh", "swept"),
-    ("three-layer", "swept"),
-    ("fuzz.faults:handedness_forgotten", "swept"),
-)
+    ("turn-right", "swept"), ("turn-right", "stepped"), ("turn-left", "endpoint"), ("wall-left", "swept"),
+    ("vfh", "swept"), ("three-layer", "swept"), ("fuzz.faults:handedness_forgotten", "swept"),
+)  # fmt: skip
 """Controllers and motion models of the table."""
 
 _ALONE = ("native", "archive", "features", "boundary")
-# Worlds in a unit, a quarter of a campaign's, so that lanes can be compared within a few seconds.
-_EXAMPLES = 100
-
-# A unit far from all others, to compile everything.
-_COMPILES = 10**6
+_EXAMPLES = (
+    100  # of a unit: a quarter of a campaign's, so that a lane's share can be told in few seconds
+)
+_COMPILES = 10**6  # a unit that is far from all others
 
 
 @dataclass(frozen=True)
@@ -48,16 +43,16 @@ class Row:
     """One way of sharing the budget, for one controller and one seed.
 
     Args:
-        controller: Name of the controller.
+        controller: Its name.
         motion: Motion model.
         way: ``plan``, ``in turn``, or a lane's name.
-        seed: Seed of the campaign.
-        units: Units done.
-        worlds: Worlds simulated.
-        steps: Steps simulated.
-        proved: Proved failures.
+        seed: Of the campaign.
+        units: Done.
+        worlds: Simulated.
+        steps: Likewise.
+        proved: Failures.
         classes: Their classes, sorted.
-        solid_cells: Solid cells of the smallest world of each class, added up.
+        solid_cells: Of the smallest world of each class, in all.
     """
 
     controller: str
@@ -73,7 +68,7 @@ class Row:
 
 
 def lanes_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
-    """Return a function that gives the lanes that a unit may belong to."""
+    """Which lanes a unit may be of."""
     if way == "plan":
         return lambda unit: ()
     names = lanes_for(config, SearchState()) if way == "in turn" else (way,)
@@ -81,7 +76,7 @@ def lanes_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...
 
 
 def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
-    """Run a campaign without shrinking for that many CPU seconds, after compiling all lanes."""
+    """A campaign without shrinking, for so many CPU seconds after the first unit of every lane is compiled."""
     config = CampaignConfig(
         Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
     )
@@ -102,21 +97,17 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
     brought = memory.lanes.values()
     failures = memory.failures
     return Row(
-        controller,
-        motion,
-        way,
-        seed,
-        unit,
+        controller, motion, way, seed, unit,
         worlds=sum(lane.worlds for lane in brought),
         steps=sum(lane.steps for lane in brought),
         proved=sum(lane.failures for lane in brought),
         classes=tuple(sorted(failures)),
         solid_cells=sum(failure.solid_cells for failure in failures.values()),
-    )
+    )  # fmt: skip
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--seconds", type=float, default=20.0, help="CPU seconds of each campaign (default 20)"

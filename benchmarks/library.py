@@ -1,12 +1,13 @@
-"""Measure how often each registered controller arrives, by corpus and family.
+"""How often each registered controller arrives.
 
-``python -m benchmarks.library`` runs all controllers over ``corpora/thesis`` and over many worlds
-of every family. It prints how the runs ended, table by table, and then the two tables of
-``docs/reference/library.md``; ``--json`` prints one object. With 500 worlds of each family it takes
-half an hour, mostly for the dynamic window.
+Over ``corpora/thesis``, and over many worlds of every family. ``python -m benchmarks.library``
+prints how each run ended, table by table, and then the two tables of ``docs/reference/library.md``; with
+``--json`` one object. With 500 worlds of each family it takes half an hour, most of it the dynamic
+window's.
 
-Each world is made here from its own seed, so worlds and runs are the same on every machine. All
-controllers run under ``swept``, including the thesis's three, each with the sensors that it needs.
+Worlds are made here, each from its own seed, so they are the same on every machine, and so is every
+run. All controllers run under ``swept``, the thesis's three, too, each with the sensors that it
+needs.
 """
 
 from __future__ import annotations
@@ -32,23 +33,20 @@ from worldgen.world import Witness, World
 
 __all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
 
-# Worlds of each family.
-WORLDS = 500
-
-# Five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide.
-STEPS = 20_000
+WORLDS = 500  # of each family
+STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
 VERDICTS = (Verdict.REACHED, *UNENDED, Verdict.TUNNEL, Verdict.BURNED)
 
 
 @dataclass(frozen=True)
 class Row:
-    """Outcomes of one controller in the worlds of one table.
+    """What became of one controller in the worlds of one table.
 
     Args:
-        controller: Name of the controller.
-        verdicts: Number of runs by verdict, those of ``VERDICTS`` and ``other``.
-        detour: Median ratio of the driven path to the witness's, over the runs that arrived; nan
-            if none did.
+        controller: Its name.
+        verdicts: Runs by verdict, those of ``VERDICTS`` and ``other``.
+        detour: Median, over the runs that arrived, of the driven way over the witness's; nan
+            without any.
     """
 
     controller: str
@@ -57,15 +55,15 @@ class Row:
 
 
 def controllers() -> list[str]:
-    """Return the names of all registered controllers, the first if one has several."""
+    """Names of all registered controllers, of several names of one controller the first."""
     found = {id(CONTROLLERS.get(name)): name for name in reversed(CONTROLLERS.names())}
     return sorted(found.values())
 
 
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
-    """Yield each table's name and worlds.
+    """Each table's name and its worlds.
 
-    These are the corpus, and then a number of worlds of each family with seeds from ``seed`` on.
+    The corpus, then a number of each family with seeds from ``seed`` on.
     """
     files = sorted(
         (file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str
@@ -76,9 +74,9 @@ def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[st
 
 
 def family_worlds(family: str, count: int, seed: int) -> list[World]:
-    """Return worlds with rising seeds that take the family's words (shapes, algorithms) in turn.
+    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
 
-    Combinations that the family refuses are skipped.
+    As far as they go together.
     """
     words = {
         parameter.name: parameter.choices
@@ -96,7 +94,7 @@ def family_worlds(family: str, count: int, seed: int) -> list[World]:
 
 
 def rows_of(worlds: Sequence[World], names: Sequence[str], steps: int) -> list[Row]:
-    """Run every controller once in every world."""
+    """Runs every controller once in every world."""
     runs = simulate_many(worlds, names, motion="swept", steps=steps)
     return [_row(runs, index, worlds) for index in range(len(names))]
 
@@ -146,7 +144,7 @@ def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row],
 
 
 def main() -> None:
-    """Print the tables."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"

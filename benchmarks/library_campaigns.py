@@ -1,9 +1,9 @@
-"""List what a campaign finds against each controller of the library, family by family.
+"""What a campaign finds against each controller of the library, family by family.
 
 ``python -m benchmarks.library_campaigns`` gives each controller the same units of feature layouts
-and of every family, and prints the table of ``docs/reference/library.md``; ``--json`` prints one
-object. A unit's worlds depend on the seed only, so the figures are the same on every machine.
-Failures are proved and classified, but not shrunk.
+and of every family and prints the table of ``docs/reference/library.md``, with ``--json`` one object. What a
+unit draws depends on the seed alone, so the figures are the same on every machine. Failures are
+proved and classified; they are not shrunk.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from worldgen.family import FAMILIES
 
 __all__ = ["Found", "search"]
 
-UNITS = 1  # units of each lane
+UNITS = 1  # of each lane
 FEATURES = "features"
 
 
 @dataclass(frozen=True)
 class Found:
-    """The finds of one controller's units in one lane.
+    """What one controller's units of one lane found.
 
     Args:
-        controller: Name of the controller.
+        controller: Its name.
         lane: A family, or feature layouts.
         worlds: Worlds tried.
-        failed: Number of proved and classified failures, by class; at most 24 per unit for each
-            verdict and cause.
+        failed: Proved failures that were classified, by class; of one verdict and cause at most 24
+            a unit.
     """
 
     controller: str
@@ -48,7 +48,7 @@ class Found:
 
 
 def search(controller: str, lane: str, *, units: int, seed: int) -> Found:
-    """Run a campaign of one controller in one lane."""
+    """A campaign of one controller over one lane."""
     config = CampaignConfig(Scenario.parse(controller), seed=seed, families=(lane,))
     worlds = 0
     met = Counter[str]()
@@ -73,12 +73,12 @@ def _in_words(found: Sequence[Found], lanes: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--units", type=int, default=UNITS, help=f"units of each lane (default {UNITS})"
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of every campaign (default 1)")
+    parser.add_argument("--seed", type=int, default=1, help="of every campaign (default 1)")
     parser.add_argument("--controller", action="append", help="only this one; may be repeated")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()

@@ -1,20 +1,20 @@
-"""Compare how fast mazes are made with other libraries, and measure the memory of a large one.
+"""How fast mazes are made, beside other libraries, and how much memory a large one takes.
 
-``python -m benchmarks.mazes`` prints tables; ``--json`` prints one object. Rates are million cells
-per second of processor time on one core, the best of ``--rounds``. The cells are those of the
-resulting square, with passages and walls one cell wide. ``tree`` is the maze alone, as links
-between chambers; ``grid`` is the maze as solid cells; ``world`` is a whole World, without its
-proof. ``fill`` is the time to write one byte per cell.
+``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a
+second of processor time on one core, the best of ``--rounds``; the cells are those of the square
+that comes out, with passages and walls one cell wide. ``tree`` is the maze alone, as links between
+chambers; ``grid`` is maze and solid cells; ``world`` is a whole World, without its proof. ``fill``
+is what writing one byte a cell takes.
 
-Peers run once at 60 and at each side of ``--sizes``, as long as a run is expected to take at most
-``--peer-seconds``; the ratio is for ``grid`` at the peer's largest side. Peers that are not
-installed are listed. The comparison is not exact: labmaze and tcod have other algorithms (labmaze:
-a maze between rooms, here without rooms; tcod: a binary space partition), and the Python peers
-produce their own kinds of grids or lattices.
+Peers run once at each side of ``--sizes``, and at 60, as far as a run is foreseen to take
+``--peer-seconds`` at most; the ratio is that of ``grid`` at the peer's largest side. A peer that is
+not installed is named. What is not the same: labmaze and tcod have none of these algorithms
+    (labmaze: a maze between rooms, here without rooms; tcod: a
+binary space partition), and the Python peers hand over grids or lattices of their own kind.
 
-``python -m benchmarks.mazes --memory`` makes one maze with each algorithm whose memory allows it,
-each in its own process, at the largest of ``--sizes``, and prints the peak memory beyond the grid
-itself.
+``python -m benchmarks.mazes --memory`` makes one maze for each algorithm that has room for it, each
+in a process of its own, at the largest of ``--sizes``, and says how much memory it took at most
+beyond the grid that it hands over.
 """
 
 from __future__ import annotations
@@ -51,8 +51,7 @@ LARGE = (
 )
 FIRST_PEER_SIDE = 60
 
-# Makes a maze with that many chambers along a side.
-Maker = Callable[[int], Any]
+Maker = Callable[[int], Any]  # of the chambers a side
 
 
 def _mazelib(name: str) -> Maker:
@@ -80,13 +79,8 @@ def _tcod() -> Maker:
         side = 2 * chambers + 1
         tree = library.BSP(0, 0, side, side)
         walls = np.ones((side, side), np.bool_)
-        tree.split_recursive(
-            depth=2 * side.bit_length(),
-            min_width=3,
-            min_height=3,
-            max_horizontal_ratio=2,
-            max_vertical_ratio=2,
-        )
+        tree.split_recursive(depth=2 * side.bit_length(), min_width=3, min_height=3, max_horizontal_ratio=2,
+                             max_vertical_ratio=2)  # fmt: skip
         for leaf in tree.pre_order():
             if not leaf.children:
                 walls[leaf.y + 1 : leaf.y + leaf.height, leaf.x + 1 : leaf.x + leaf.width] = False
@@ -95,7 +89,7 @@ def _tcod() -> Maker:
     return make
 
 
-# Peers: our algorithm to compare with, and how to create the peer's.
+# Peer: our algorithm that it is set beside, and how to get it.
 PEERS: dict[str, tuple[str, Callable[[], Maker]]] = {
     "mazelib BacktrackingGenerator": ("backtracker", lambda: _mazelib("BacktrackingGenerator")),
     "mazelib Wilsons": ("wilson", lambda: _mazelib("Wilsons")),
@@ -135,7 +129,7 @@ def _seconds(make: Callable[[], Any]) -> float:
 
 
 def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]:
-    """Yield algorithm, case and the function to time."""
+    """Algorithm, case and what to time."""
     chambers = (side - 1) // 2
     full = np.ones((chambers, chambers), np.bool_)
     yield "fill", "fill", partial(np.ones, (2 * chambers + 1) ** 2, np.bool_)
@@ -146,14 +140,14 @@ def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]
 
 
 def _rate(side: int, seconds: float) -> float:
-    """Return million cells per second."""
+    """Million cells a second."""
     return (2 * ((side - 1) // 2) + 1) ** 2 / max(seconds, 1e-9) / 1e6
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, float]]]:
-    """Return million cells per second, by algorithm, side and case.
+    """Million cells a second: of each algorithm, side and case.
 
-    The entry ``fill`` is for writing memory alone.
+    Under ``fill``, of writing memory alone.
     """
     best: dict[str, dict[int, dict[str, float]]] = {}
     for turn in range(rounds + 1):
@@ -168,9 +162,9 @@ def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, floa
 
 
 def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """Return million cells per second of each peer at each side that it could do in time.
+    """Million cells a second of each peer at each side that it could do in time.
 
-    The second result lists the missing peers and the reasons.
+    And what is missing, and why.
     """
     rates: dict[str, dict[str, Any]] = {}
     absent = []
@@ -213,9 +207,9 @@ def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
 
 
 def peak_memory(name: str, side: int) -> dict[str, float]:
-    """Return the cost of one large grid in a new process.
+    """What one large grid takes in a new process.
 
-    The cost is in seconds, and in bytes per cell beyond the grid itself.
+    Seconds, and bytes a cell beyond the grid itself.
     """
     code = f"from benchmarks.mazes import _take; _take({name!r}, {side})"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
@@ -223,7 +217,7 @@ def peak_memory(name: str, side: int) -> dict[str, float]:
 
 
 def _take(name: str, side: int) -> None:
-    _grid(name, 40, 1)  # Load everything that is loaded at first use.
+    _grid(name, 40, 1)  # what is loaded at first use does not count
     before = _status("VmRSS")
     begin = time.process_time()
     grid = _grid(name, (side - 1) // 2, 1)
@@ -271,20 +265,20 @@ _CASES = ("tree", "grid", "world")
 
 
 def main() -> None:
-    """Run everything, and print the tables."""
+    """Runs all and prints the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--sizes", default="600,2000", help="cells along a side, with commas (default 600,2000)"
+        "--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)"
     )
     parser.add_argument("--rounds", type=int, default=5, help="rounds; the best counts (default 5)")
     parser.add_argument(
         "--peer-seconds",
         type=float,
         default=10.0,
-        help="longest run of a peer, s (default 10); 0 skips peers",
+        help="longest run of a peer (default 10); 0: none",
     )
     parser.add_argument(
         "--memory", action="store_true", help="measure memory instead, at the largest size"

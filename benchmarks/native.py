@@ -1,15 +1,20 @@
-"""Measure the cost of native search, compared with the bare simulator and the Hypothesis lane.
+"""What native search costs.
 
-``python -m benchmarks.native`` prints a table of robot steps and worlds per second; ``--json``
-prints one object; ``--document docs/explanation/search.md`` writes the table to that page. All
-rates are per second of one core's processor time, without compilation.
+Robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
+``python -m benchmarks.native`` prints a table, with ``--json`` one object;
+``--document docs/explanation/search.md`` also puts it into that document. All rates are per second of one
+core's processor time, compilation left out.
 
-``lane``: units of the lane ``native`` as in a campaign: scenes are drawn, simulated and screened,
-and the failures are proved, judged by an oracle and classified. ``looks``: the same without the
-proofs. ``bare``: the simulator's step in the worlds of the same scenes, with everything ready
-before the clock starts, which is the upper bound for the lane. ``alone``: one long run in the maze
-of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same scenes through the
-library. ``features``: the lane in which Hypothesis draws feature layouts, one example per world.
+``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at;
+    what it reports
+proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the
+    simulator's step in
+the worlds of the same scenes, with everything ready before the clock starts: what the lane could be
+    at most.
+``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of
+    the same scenes
+through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a
+    world.
 """
 
 from __future__ import annotations
@@ -46,8 +51,8 @@ __all__ = ["NAMES", "Row", "measure"]
 
 NAMES = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
 ALONE_STEPS = 300_000
-LOOKS = 4_000  # scenes in screening runs
-SAME_WORLDS = 300  # worlds of simulate_many
+LOOKS = 4_000  # scenes
+SAME_WORLDS = 300  # of simulate_many
 MARKS = (
     "<!-- table: python -m benchmarks.native --document docs/explanation/search.md -->",
     "<!-- end of table -->",
@@ -56,13 +61,13 @@ MARKS = (
 
 @dataclass(frozen=True)
 class Row:
-    """Results for one controller; rates are per second of processor time.
+    """What one controller took; rates are per second of processor time.
 
     Args:
-        controller: Name of the controller.
+        controller: Name.
         alone: Steps of the simulator alone.
-        bare: Steps of the simulator alone, in the worlds of the screening runs.
-        looks_steps: Steps of screening runs.
+        bare: Steps of the simulator alone, in the worlds of the first looks.
+        looks_steps: Steps of first looks.
         looks_worlds: Their worlds.
         lane_steps: Steps of whole units of the lane ``native``.
         lane_worlds: Their worlds.
@@ -71,7 +76,7 @@ class Row:
         many_worlds: Its worlds.
         features_steps: Steps of whole units of the lane ``features``.
         features_worlds: Their worlds.
-        features_classes: Classes of proved failures in units of that lane, in the same time.
+        features_classes: Classes of proved failures in as many seconds of such units.
     """
 
     controller: str
@@ -90,7 +95,7 @@ class Row:
 
     @property
     def shares(self) -> dict[str, float]:
-        """The rates of screening runs and of whole units, as fractions of the bare step's rate."""
+        """The rates of first looks and of whole units, as shares of the bare step's."""
         return {
             "looks_share": self.looks_steps / self.bare,
             "lane_share": self.lane_steps / self.bare,
@@ -103,9 +108,9 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _units(scenario: Scenario, lane: str, budget: float) -> tuple[float, float, int]:
-    """Return steps and worlds per second of whole units, and all classes that they find.
+    """Steps and worlds a second of whole units, and all classes that they find.
 
-    Compilation does not count.
+    What compiles does not count.
     """
     config = CampaignConfig(scenario, seed=3, families=(lane,))
     run_unit(config, 0)
@@ -124,7 +129,7 @@ def _units(scenario: Scenario, lane: str, budget: float) -> tuple[float, float, 
 
 
 def _alone(scenario: Scenario, rounds: int) -> float:
-    """Return steps per second of one long run that nothing ends."""
+    """Steps a second of one long run that nothing ends."""
     run = prepare(maze(), scenario.controller, RunOptions("swept", ALONE_STEPS))
     run.run(10, find_loop=False, record=False, digest=False)
     taken = [
@@ -135,9 +140,9 @@ def _alone(scenario: Scenario, rounds: int) -> float:
 
 
 def _bare(scenario: Scenario, looks: Screening) -> float:
-    """Return steps per second of the screened runs.
+    """Steps a second of the runs of first looks.
 
-    Only the step and its search for recurrences count.
+    Nothing but the step and its search for recurrences.
     """
     controller = CONTROLLERS.get(scenario.controller)
     assert isinstance(controller, CompiledController)
@@ -158,7 +163,7 @@ def _bare(scenario: Scenario, looks: Screening) -> float:
 
 
 def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float, float]:
-    """Return steps and worlds per second: bare, in screening runs, and of ``simulate_many``."""
+    """Bare steps a second; steps and worlds of first looks, and of ``simulate_many`` in the same worlds."""
     drawn = scenes(RandomStream(3), LOOKS)
     seeds = np.arange(LOOKS, dtype=np.uint64)
     evaluate(drawn[:50], scenario, seeds[:50], 0.015)
@@ -178,7 +183,7 @@ def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float,
 
 
 def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Row]:
-    """Measure each controller under ``swept``, alternating between the cases."""
+    """Measures each controller under ``swept``, everything in turn."""
     rows = []
     for name in controllers:
         scenario = Scenario(name)
@@ -226,19 +231,19 @@ def _markdown(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    """Run everything, and print the table."""
+    """Runs all and prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--controllers", default=",".join(NAMES), help="names, with commas")
+    parser.add_argument("--controllers", default=",".join(NAMES), help="names, with commas between")
     parser.add_argument(
-        "--rounds", type=int, default=3, help="rounds, except lanes; the median counts (default 3)"
+        "--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)"
     )
     parser.add_argument(
-        "--seconds", type=float, default=10.0, help="processor time for each lane, s (default 10)"
+        "--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)"
     )
-    parser.add_argument("--document", type=Path, help="write the table to this document as well")
+    parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()
     rows = measure(tuple(arguments.controllers.split(",")), arguments.rounds, arguments.seconds)
     table = _markdown(rows)

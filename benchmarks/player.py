@@ -1,11 +1,10 @@
-"""Measure a frame of the player, drawn without a graphics card, in worlds of 2000 x 2000 cells.
+"""What a frame of the player costs, drawn by the processor alone, in worlds of 2000 x 2000 cells.
 
     python -m benchmarks.player
 
-Each frame is drawn completely and read back, so that no work is deferred. At 60 frames per second,
-a frame has 16.7 ms. One world changes 6,000 times a second. In the other, a robot's path has 30,000
-corners, as many as the studio's page keeps; all of them are visible, also when the robot is
-followed.
+Each frame is drawn whole and read back, so that nothing is put off; a frame of 60 a second has 16.7
+ms. One world changes 6,000 times a second, in the other a robot's way has 30,000 corners, as many
+as the studio's page holds; all of them are in sight, also where the robot is followed.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ _DRAW = """async ([world, run, how]) => {
 
 
 def main() -> None:
-    """Print a table."""
+    """Prints a table."""
     click.echo(f"{'':28} first ms   median ms   19 in 20 below")
     with (
         tempfile.TemporaryDirectory() as there,
@@ -91,7 +90,7 @@ def _world(changes: int) -> World:
 
 
 def _run(corners: int) -> dict[str, object]:
-    """Return a run of 10 s that strays through the world, up to 3 cells between two corners."""
+    """A run of 10 s that strays through the world, up to 3 cells from one corner to the next."""
     chance = np.random.default_rng(2)
     walked = (chance.integers(-3 * 1_024, 3 * 1_024 + 1, corners).cumsum() for _ in range(2))
     x, y = (np.clip(way + SIDE * 512, 3_000, (SIDE - 3) * 1_024) for way in walked)

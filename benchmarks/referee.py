@@ -1,12 +1,12 @@
-"""Check swept moves with an independent referee: shapely measures each piece of many discs' paths.
+"""A foreign referee for swept moves: shapely is asked about every piece of the way of many discs.
 
-``python -m benchmarks.referee`` prints how many moves were tried and how many cut a wall;
-``--json`` prints one object; ``--moves`` is the number of moves (default 100,000). Rooms are
-random, from sparse to dense, some with walls one cell thick and diagonal gaps. Radii range from
-0.05 to 6 cells, moves from one lattice unit to 300 cells.
+``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with
+``--json`` as one object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse
+to dense, some with walls one cell thick and diagonal gaps; radii go from 0.05 to 6 cells, moves
+from a lattice unit to 300 cells.
 
-Coordinates are lattice units, whole numbers below 2**20, so shapely's own rounding stays below a
-millionth of a unit. That is the tolerance: a nanometre if a cell is a metre.
+Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below
+a millionth of a unit: that is the tolerance, a nanometre where a cell is a metre.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ LENGTHS = (1, 30, 300, 700, 1024, 3000, 20_000, 300 * UNIT)  # lattice units
 
 @dataclass
 class Report:
-    """The referee's report.
+    """What the referee saw.
 
     Args:
         moves: Moves tried.
-        pieces: Straight pieces of their paths.
+        pieces: Straight pieces of their ways.
         contacts: Moves that a wall stopped or bent.
         cuts: Pieces that came nearer to a wall than the radius, by more than the tolerance.
-        deepest: How much nearer the worst piece came, lattice units; below 0 if it stayed away.
-        seconds: Time taken, s.
+        deepest: How much nearer the worst piece came, lattice units; below 0 it stayed away.
+        seconds: What it took.
     """
 
     moves: int = 0
@@ -88,11 +88,11 @@ def _place(
 
 
 def referee(moves: int, seed: int) -> Report:
-    """Try a number of moves.
+    """Tries so many moves.
 
     Args:
-        moves: Least number of moves.
-        seed: Seed of all randomness.
+        moves: At least so many.
+        seed: Of all chance.
     """
     stream = RandomStream(seed)
     report = Report()
@@ -119,8 +119,7 @@ def _drive(
     chain: np.ndarray,
     report: Report,
 ) -> None:
-    """Make some moves from a place, and check all of them together."""
-    # Drive, and collect the straight pieces of the path.
+    """Some moves from a place, all asked about at once."""
     pieces: list[list[tuple[int, int]]] = []
     x, y = place
     for _ in range(MOVES_A_ROOM):
@@ -139,8 +138,6 @@ def _drive(
         report.contacts += (nx, ny) != (0.0, 0.0)
     if not pieces:
         return
-
-    # Measure the distance from each piece to the walls near it.
     lines = shapely.linestrings(np.array(pieces, float))
     tree = _walls(cells)
     radius = math.sqrt(clear_sq)
@@ -153,13 +150,13 @@ def _drive(
 
 
 def main() -> None:
-    """Run the referee, and print its report."""
+    """Asks the referee and prints the report."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--moves", type=int, default=100_000, help="moves to try (default 100,000)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of all randomness (default 1)")
+    parser.add_argument("--moves", type=int, default=100_000, help="how many (default 100,000)")
+    parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     report = referee(arguments.moves, arguments.seed)
     if arguments.json:

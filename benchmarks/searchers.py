@@ -1,20 +1,19 @@
-"""Ways to search for a controller's failures, for ``benchmarks.finding`` to compare.
+"""Ways to look for a controller's failures, for ``benchmarks.finding`` to compare.
 
-All of them pass their failures through the same triage. Given a campaign's configuration, a
-searcher yields the results of one unit after another, endlessly, each with the number of worlds in
-the configuration. The lanes are those of the product. The other two are simple alternatives:
+All hand them in at the one door. A searcher makes of a campaign's configuration one unit's result
+after another, without end, each of as many worlds as the configuration says. The lanes are those of
+the product; the two others are what one would do without it:
 
-- ``random``: uniformly random cells. Arena, density, start, heading and target are drawn as well,
+- ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too,
   until a witness shows that the target can be reached.
 - ``genetic``: a genetic algorithm over the bytes of a feature layout. The more time a robot takes
-  beyond the straight path, the fitter is the layout. A layout in which the robot fails is a find,
-  and has no children.
+  beyond the straight way, the fitter the layout; who fails has been found, and has no children.
 
 Source: Dmytro Humeniuk, Foutse Khomh and Giuliano Antoniol, "A search-based framework for automatic
-    generation of testing environments for cyber-physical systems", Information and Software
-    Technology 149 (2022), for the robot's path as fitness, one-point crossover and mutation of an
-    environment's elements; Darrell Whitley, "The GENITOR algorithm and selection pressure", ICGA
-    1989, for one child at a time.
+    generation of
+testing environments for cyber-physical systems", Information and Software Technology 149 (2022),
+for the robot's way as fitness, one-point crossover and mutation of an environment's elements;
+Darrell Whitley, "The GENITOR algorithm and selection pressure", ICGA 1989, for one child at a time.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ __all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "lanes", "rando
 Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 
 STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
-"""Families whose worlds do not change; in worlds that do, no controller arrives everywhere."""
+"""Families whose worlds do not change: in those that do, no controller arrives everywhere."""
 
 _DENSITIES = (
     0.05,
@@ -61,19 +60,19 @@ _DENSITIES = (
     0.25,
     0.3,
 )  # beyond, hardly any way is left for a robot wider than a cell
-_SIDES = (8, 28)  # cells, as in feature layouts
+_SIDES = (8, 28)  # cells, as feature layouts have them
 _POPULATION = 50
 _CROSSOVER = 0.9
-_MUTATION = 2.0 / LAYOUT_BYTES  # probability for each byte
+_MUTATION = 2.0 / LAYOUT_BYTES  # of each byte
 _WORDS = LAYOUT_BYTES // 8
 
 
 def lanes(*names: str) -> Searcher:
-    """Return a searcher with these lanes; without any, the campaign's own plan."""
+    """The lanes of these names; without any, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
-        # One epoch after another, as in a campaign.
+        # by epoch, as in a campaign
         memory = SearchState()
         known = [SearchState(), SearchState()]
         for unit in count():
@@ -87,7 +86,7 @@ def lanes(*names: str) -> Searcher:
 
 
 def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
-    """Search uniformly random cells at several densities, with reachable targets."""
+    """Uniformly random cells at several densities, reachable."""
     stream = RandomStream(config.seed).child("random cells")
     while True:
         door = Triage(config, UnitResult(lane="random"))
@@ -100,9 +99,9 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
-    """Run a genetic algorithm over feature layouts, one child at a time.
+    """A genetic algorithm over feature layouts, one child at a time.
 
-    Each child replaces a less fit layout.
+    It takes the place of one that is less fit.
     """
     stream = RandomStream(config.seed).child("genetic")
     population: list[tuple[float, bytes]] = []
@@ -122,7 +121,7 @@ def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def _child(population: list[tuple[float, bytes]], stream: RandomStream) -> bytes:
-    """Return a child of two parents, by tournaments of two, one-point crossover and mutation."""
+    """Two parents by tournaments of two, one point of crossover, mutation."""
     mother, father = (
         population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2)
     )
@@ -139,9 +138,9 @@ def _two(stream: RandomStream) -> tuple[int, int]:
 
 
 def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStream) -> float:
-    """Run a reachable world.
+    """Runs a reachable world.
 
-    Return the time that the robot took divided by that of the straight path; 0 if it failed.
+    The time that the robot takes over that of the straight way, 0 if it does not arrive.
     """
     scenario = replace(config.scenario, seed=stream.below(1 << 32))
     budget = step_budget(world, scenario.time_step)
@@ -157,9 +156,9 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
 
 
 def _random_world(stream: RandomStream) -> World:
-    """Return a world whose cells are solid or not, independently of each other.
+    """Cells that are solid or not, each by itself.
 
-    Cells around start and target are free, and the border is solid.
+    Those round start and target are free, the border is solid.
     """
     height, width = (stream.between(*_SIDES) for _ in range(2))
     walls = stream.floats(height * width).reshape(height, width) < stream.choice(_DENSITIES)
@@ -193,7 +192,7 @@ SEARCHERS: dict[str, Searcher] = {
     "random": random_cells,
     "genetic": genetic,
 }
-"""The searchers by name, in the order of the table.
+"""By name, in the order of the table.
 
-``plan`` is the campaign as it is, in which lanes share by its own plan.
+``plan`` is the campaign as it is, with lanes that share by its own plan.
 """

@@ -1,10 +1,10 @@
-"""Measure how fast sets of worlds are made, on one core.
+"""How fast sets are made, on one core.
 
-``python -m benchmarks.sets`` prints a table; ``--json`` prints one object. For each family it
-measures worlds per second: made and discarded (``stream``), written to a folder or to archives, and
-measured as well. The ratio is to ``stream`` in the same run, and shows the cost of writing and
-measuring. ``--count`` is the number of worlds of each case (default 2,000). Times are processor
-times, so other work on the machine matters little. Kernels are loaded before the clock starts.
+``python -m benchmarks.sets``, with ``--json`` as one object. For each family worlds a second: made
+and thrown away (``stream``), written as a folder and as archives, and measured as well. The ratio
+is to ``stream`` in the same run; it says what writing and measuring cost. ``--count`` is the number
+of worlds of each case (default 2,000). Times are the processor's, so other work on the machine
+counts little; before the clock starts, kernels are loaded.
 """
 
 from __future__ import annotations
@@ -33,18 +33,17 @@ CASES: dict[str, dict[str, Any]] = {
     "tar.bz2": {"name": "set.tar.bz2", "metrics": False},
     "folder, metrics": {"name": "set", "metrics": True},
 }
-WARM = 1_000  # worlds that are made first, to load all compiled code
+WARM = 1_000  # worlds that are made first: by then compiled code has paid and is loaded
 
 
 def measure(count: int) -> Iterator[dict[str, Any]]:
-    """Time every case.
+    """Times every case.
 
     Args:
-        count: Worlds of each case.
+        count: Worlds of each.
 
     Returns:
-        ``family``, ``case``, ``worlds``, ``rate`` (worlds per second) and ``ratio`` (to
-        ``stream``).
+        ``family``, ``case``, ``worlds``, ``rate`` (worlds a second) and ``ratio`` (to ``stream``).
     """
     for family in FAMILIES:
         deque(stream(family, count=WARM), maxlen=0)
@@ -85,12 +84,12 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--count", type=int, default=2_000, help="worlds per case (default 2,000)")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--count", type=int, default=2_000)
+    parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     found = []
     for result in measure(options.count):

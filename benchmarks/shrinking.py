@@ -1,13 +1,14 @@
-"""Compare speed and quality of shrinking with Hypothesis on the same failures.
+"""How quick and how good shrinking is, beside Hypothesis on the same failures.
 
 ``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model
-with fixed seeds, shrinks each of them, and prints the table of ``docs/howto/shrinking.md``;
-``--json`` prints one object. ``--each N`` limits the failures per case (default 6), and
-``--hypothesis N`` those that Hypothesis shrinks too (default 1). Times are CPU milliseconds.
+with fixed seeds, shrinks each, and prints the table of ``docs/howto/shrinking.md``; with ``--json`` one
+object. ``--each N`` says how many failures a case contributes at most (default 6),
+``--hypothesis N`` how many Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 
 Hypothesis shrinks the bytes of the feature layout (:mod:`fuzz.search.features`) that the failure
-was drawn from, through public calls only: its property fails if the layout's world fails with the
-same verdict. It therefore always stays within feature layouts.
+was drawn from, through public calls only: its property fails where the layout's world fails with
+    the same
+verdict. So it never leaves the layouts.
 """
 
 from __future__ import annotations
@@ -39,18 +40,11 @@ from worldgen.random_streams import RandomStream
 __all__ = ["CASES", "Found", "failures_of", "measure", "tables"]
 
 CASES = (
-    ("turn-right", "swept", 0.015),
-    ("turn-left", "swept", 0.015),
-    ("wall-left", "swept", 0.015),
-    ("vfh", "swept", 0.015),
-    ("potential-field", "swept", 0.015),
-    ("tangent-bug", "swept", 0.015),
-    ("turn-right", "endpoint", 0.015),
-    ("turn-left", "endpoint", 0.06),
-    ("bug2", "endpoint", 0.06),
-    ("turn-right", "stepped", 0.015),
-    ("turn-random", "stepped", 0.015),
-)
+    ("turn-right", "swept", 0.015), ("turn-left", "swept", 0.015), ("wall-left", "swept", 0.015),
+    ("vfh", "swept", 0.015), ("potential-field", "swept", 0.015), ("tangent-bug", "swept", 0.015),
+    ("turn-right", "endpoint", 0.015), ("turn-left", "endpoint", 0.06), ("bug2", "endpoint", 0.06),
+    ("turn-right", "stepped", 0.015), ("turn-random", "stepped", 0.015),
+)  # fmt: skip
 _SEED = 3
 _DRAWS = 2_000
 _PROOF_STEPS = 20_000
@@ -67,13 +61,13 @@ class Found:
 
 @dataclass(frozen=True)
 class Row:
-    """Results of one way of shrinking for one case's failures.
+    """What one way of shrinking made of one case's failures.
 
     Args:
-        milliseconds: CPU time for each failure.
+        milliseconds: CPU time of each.
         solid: Solid cells of each result.
         cells: Cells of each result's grid.
-        minimal: How many results are 1-minimal.
+        minimal: How many are 1-minimal.
     """
 
     milliseconds: list[float]
@@ -82,7 +76,7 @@ class Row:
     minimal: int
 
     def summary(self) -> dict[str, Any]:
-        """Return median, 95th percentile and fraction."""
+        """Median, 95th percentile and share."""
         if not self.solid:
             return {"failures": 0}
         ordered = sorted(self.milliseconds)
@@ -97,7 +91,7 @@ class Row:
 
 
 def failures_of(controller: str, motion: str, time_step: float, most: int) -> list[Found]:
-    """Return failures in layouts of fixed seeds, the first of each verdict first."""
+    """Failures in layouts of fixed seeds, of as many verdicts as there are, the first of each first."""
     stream = RandomStream(_SEED).child(controller, CASES.index((controller, motion, time_step)))
     by_verdict: dict[str, list[Found]] = {}
     for number in range(_DRAWS):
@@ -123,7 +117,7 @@ def _failure(data: bytes, scenario: Scenario) -> Failure | None:
 
 
 def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
-    """Shrink each failure, and check outside the clock whether the result is 1-minimal."""
+    """Shrinks each failure and looks, apart from the clock, whether the result is 1-minimal."""
     row = Row([], [], [], 0)
     minimal = 0
     for one in found:
@@ -137,22 +131,19 @@ def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
 
 
 def by_passes(found: Found) -> Failure:
-    """Shrink with this program's shrinker."""
+    """The shrinker of this program."""
     return shrink(found.failure).failure
 
 
 def by_hypothesis(found: Found) -> Failure:
-    """Shrink the layout's bytes with Hypothesis, with the same exact judge."""
+    """What Hypothesis makes of the layout's bytes, with the same exact judge."""
     still_fails = StillFails.of(found.failure)
     best = found.data
 
     @settings(
-        database=InMemoryExampleDatabase(),
-        phases=[Phase.reuse, Phase.shrink],
-        deadline=None,
-        derandomize=False,
+        database=InMemoryExampleDatabase(), phases=[Phase.reuse, Phase.shrink], deadline=None, derandomize=False,
         suppress_health_check=list(HealthCheck),
-    )
+    )  # fmt: skip
     @given(data=layouts())
     def arrives(data: bytes) -> None:
         nonlocal best
@@ -175,11 +166,11 @@ def by_hypothesis(found: Found) -> Failure:
 
 
 class _Fails(Exception):
-    """The world fails as it did before."""
+    """The world fails as before."""
 
 
 def tables(each: int, hypothesis: int) -> dict[str, Any]:
-    """Return the results of every case, shrunk in every way, and of all cases together."""
+    """Every case by every way, and all cases together."""
     ways: dict[str, Callable[[Found], Failure]] = {"passes": by_passes}
     if hypothesis:
         ways["hypothesis"] = by_hypothesis
@@ -188,7 +179,7 @@ def tables(each: int, hypothesis: int) -> dict[str, Any]:
     for case in CASES:
         found = failures_of(*case, each)
         for one in found[:1]:
-            by_passes(one)  # Compile before the clock starts.
+            by_passes(one)  # compiled before the clock runs
         for way, reduce in ways.items():
             row = measure(found if reduce is by_passes else found[:hypothesis], reduce)
             whole[way].append(row)
@@ -209,15 +200,12 @@ def _together(parts: list[Row]) -> Row:
 
 
 def main() -> None:
-    """Print the table, or one JSON object."""
+    """Prints the table, or one JSON object."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--each", type=int, default=6, help="most failures per case (default 6)")
+    parser.add_argument("--each", type=int, default=6, help="failures of each case at most")
     parser.add_argument(
-        "--hypothesis",
-        type=int,
-        default=1,
-        help="failures per case that Hypothesis shrinks too (default 1)",
+        "--hypothesis", type=int, default=1, help="failures of each case that Hypothesis shrinks"
     )
     asked = parser.parse_args()
     made = tables(asked.each, asked.hypothesis)

@@ -1,18 +1,19 @@
-"""Compare the simulator's steps per second with other engines that drive a disc through a maze.
+"""Steps a second of the simulator, beside other engines that drive a disc through the same maze.
 
-``python -m benchmarks.simulator`` prints a table; ``--json`` prints one object. It has the rate of
-each case and its ratio to each peer, all from one run. Peers that are not installed are skipped and
-listed; pymunk and mujoco can be installed with pip.
+``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its
+rate and its ratio to each peer, all from one run. Peers that are not installed are left out, and
+    named: pymunk and mujoco come with pip.
 
-The maze has 60 x 60 cells, the disc has a radius of 0.7 cells, and a step is 0.3 cells long. The
-controller is a simple reactive one: ahead, and after a bump it turns on the spot for 5 to 24 steps.
-Rates are steps per second of processor time, except with several threads or processes, when they
-are per second of wall time; the best of all rounds counts. Cases and peers alternate in every
-round, so that other work on the machine affects all of them equally.
+The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller
+is a simple reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are
+    steps per second of processor
+time, but for those of several threads or processes, which are per second of wall time; the best of
+all rounds counts. Cases and
+peers take turns in every round, so that other work on the machine hits all alike.
 
-Two peers are our own C (``peers/plain_disc.c``): a disc that drives through the maze without a
-lattice, a verdict or a search for loops. ``plain C`` always moves, and is the yardstick for a
-simulator; ``plain C, bouncer`` turns on the spot as the cases do.
+Two peers are C of our own (``peers/plain_disc.c``): a disc that drives through the
+maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is
+what a simulator is measured by; ``plain C, bouncer`` turns on the spot as the cases do.
 """
 
 from __future__ import annotations
@@ -56,9 +57,9 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["CASES", "PEERS", "measure"]
 
-STEP = 0.015  # duration of a step, s
-RATE = 12.0  # turn rate while it turns, rad/s
-Rate = tuple[float, float]  # steps and seconds
+STEP = 0.015  # s
+RATE = 12.0  # rad/s while it turns
+Rate = tuple[float, float]  # steps, seconds
 
 
 def _act(observation: Any, memory: Any, command: Any) -> None:
@@ -80,7 +81,7 @@ BOUNCER = CompiledController(
 
 @functools.cache
 def _built() -> tempfile.TemporaryDirectory[str]:
-    """Return a folder with the benchmark's C, compiled; it is deleted when the process ends."""
+    """Return a folder with the C of the benchmark, compiled; it goes with the process."""
     here = Path(__file__).parent
     folder = tempfile.TemporaryDirectory()
     for source in (here / "bouncer.c", here / "peers" / "plain_disc.c"):
@@ -102,11 +103,11 @@ class Bouncer:
     senses = ("bump", "random")
 
     def reset(self) -> tuple[float, ...]:
-        """Return a memory without a turn to do."""
+        """No turn to begin with."""
         return (0.0,)
 
     def act(self, observation: Any, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
-        """Drive ahead, or continue the turn."""
+        """Ahead, or on with the turn."""
         rest = 5.0 + math.floor(observation.random * 20.0) if observation.bump else memory[0]
         if rest > 0.0:
             return Command(0.0, RATE, observation.bump), (rest - 1.0,)
@@ -120,11 +121,11 @@ class BouncerOfMany:
     senses = ("bump", "random")
 
     def reset(self) -> tuple[float, ...]:
-        """Return a memory without a turn to do."""
+        """No turn to begin with."""
         return (0.0,)
 
     def act_many(self, observation: Any, memory: Any) -> tuple[Commands, Any]:
-        """Drive ahead, or continue the turn."""
+        """Ahead, or on with the turn."""
         rest = np.where(observation.bump, 5.0 + np.floor(observation.random * 20.0), memory[:, 0])
         turns = rest > 0.0
         command = Commands(np.where(turns, 0.0, 2.0), np.where(turns, RATE, 0.0), observation.bump)
@@ -132,13 +133,13 @@ class BouncerOfMany:
 
 
 def maze(size: int = 60) -> World:
-    """Return the maze, with its target where no robot comes across it."""
+    """The maze, its target out of everybody's way."""
     world = generate("maze", seed=3, size=size)
     return replace(world, target=replace(world.target, radius=1e-6), certificate=None)
 
 
 def hall(side: int) -> World:
-    """Return a large hall with scattered pillars."""
+    """A large hall with scattered pillars."""
     cells = np.zeros((side, side), bool)
     cells[[0, -1], :] = cells[:, [0, -1]] = True
     cells[5:-5:10, 5:-5:10] = True
@@ -173,7 +174,7 @@ def _many(workers: int) -> Callable[[], Rate]:
 
 
 def _program() -> Callable[[], Rate]:
-    """Time a program: the Python class in its own process, whose time counts too."""
+    """A program: the Python class, served by a process of its own, whose time counts too."""
     program = ProcessController([sys.executable, "-m", "sim.host", "benchmarks.simulator:Bouncer"])
     run = prepare(maze(), program, RunOptions("swept", 20_000, STEP, 5))
 
@@ -211,7 +212,7 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 
 def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
-    """Yield the peers' controller: heading and whether to drive; send it whether a wall was met."""
+    """The controller for peers: heading and whether to drive; it is sent whether a wall was met."""
     heading = 0.0
     rest = 0
     bumped = yield heading, True
@@ -225,7 +226,7 @@ def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
 
 
 def _boxes(world: World) -> list[tuple[float, float, float, float]]:
-    """Return the walls as boxes, m, with runs of cells in a row merged."""
+    """Walls as boxes, runs of cells in a row merged, m."""
     side = world.cell_size
     found = []
     for iy in range(world.height):
@@ -236,8 +237,7 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
 
 
 def _plain(name: str) -> Callable[[], Rate]:
-    """Time a function of the plain disc in the maze of the cases; lengths are cells."""
-    # Pass the maze and the disc in cells.
+    """A function of the plain disc, in the maze of the cases; lengths are cells."""
     world = maze()
     steps = 2_000_000
     side = world.cell_size
@@ -252,7 +252,7 @@ def _plain(name: str) -> Callable[[], Rate]:
     )
     before = (*grid, *map(ctypes.c_double, pose))
     after = (ctypes.c_uint64(5), ctypes.c_int64(steps))
-    # Goals to head for: free cells whose four neighbours are free, so that the disc fits.
+    # Places to head for: free cells whose four neighbours are free, so that the disc fits.
     walls = np.pad(world.walls, 1, constant_values=True)
     shut = (
         walls[1:-1, 1:-1] | walls[:-2, 1:-1] | walls[2:, 1:-1] | walls[1:-1, :-2] | walls[1:-1, 2:]
@@ -301,7 +301,6 @@ def _shapely() -> Callable[[], Rate]:
 def _pymunk() -> Callable[[], Rate]:
     pymunk = importlib.import_module("pymunk")
 
-    # Build the walls as polygons, and the robot as a circle that never rotates.
     world = maze()
     steps = 20_000
     space = pymunk.Space()
@@ -333,7 +332,6 @@ def _mujoco() -> Callable[[], Rate]:
 
     world = maze()
     steps = 5_000
-    # Describe the walls as boxes, and the robot as a cylinder that slides along x and y.
     geoms = "".join(
         f'<geom type="box" pos="{(a + c) / 2} {(b + d) / 2} 0" size="{(c - a) / 2} {(d - b) / 2} '
         f'0.1"/>'
@@ -374,7 +372,7 @@ PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 
 def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
-    """Return the best rate of each case and peer, steps per second, and the missing peers."""
+    """Best rate of each case and peer, steps a second, and the peers that are not installed."""
     ready = {name: make() for name, make in CASES.items()}
     absent = []
     for name, make in PEERS.items():
@@ -391,7 +389,7 @@ def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
 
 
 def _first_call() -> float:
-    """Return the seconds until a new process has simulated its first step."""
+    """Seconds until a new process has simulated its first step."""
     code = (
         "from sim import simulate; from worldgen import generate;"
         "simulate(generate('maze', seed=3, size=60), 'turn-right', steps=1)"
@@ -402,14 +400,14 @@ def _first_call() -> float:
 
 
 def _bytes_per_robot() -> int:
-    """Return the bytes of the bouncer's episode, without the log for the search for loops."""
+    """Bytes of an episode of the bouncer, without the log that the search for loops keeps of each step."""
     state = 8 * (STATE_WORDS + len(BOUNCER.memory))
     corners = MOST_CORNERS * int(ffi.sizeof("WgCorner"))
     return int(ffi.sizeof("WgEpisode")) + 2 * state + corners + 8 * SENSES
 
 
 def main() -> None:
-    """Run everything, and print the table."""
+    """Runs all and prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

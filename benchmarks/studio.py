@@ -1,8 +1,10 @@
-"""Measure how smooth the studio is, by the times of its frames in headless Chromium.
+"""How smooth the studio is.
 
-Run ``python -m benchmarks.studio``. The world has 2000 x 2000 cells, and the run is long. The board
-is zoomed and drawn on in each frame, and the player plays a million steps, with the whole world in
-view and with the robot followed. At 60 frames per second, a frame has 16.7 ms; headless Chromium
+Times of frames in headless Chromium, in a world of 2000 x 2000 cells and a long run. python -m
+benchmarks.studio
+
+The board is zoomed and drawn on in each frame, the player plays a million steps, with the whole
+world in view and with the robot followed. A frame of 60 a second has 16.7 ms; headless Chromium
 draws without a graphics card.
 """
 
@@ -39,7 +41,7 @@ _FRAMES = """async (act) => {
 
 
 def main() -> None:
-    """Print a table."""
+    """Prints a table."""
     with tempfile.TemporaryDirectory() as there:
         write_world(generate("cave", 3, size=SIDE), Path(there) / "big.grid")
         with (

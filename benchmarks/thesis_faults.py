@@ -1,7 +1,8 @@
-"""Count how often the thesis's robots enter walls, by rule, cause and repair.
+"""How often the thesis's robots enter walls.
 
-``python -m benchmarks.thesis_faults`` prints the figures of ``docs/explanation/thesis-faults.md``
-for scattered worlds and U traps; ``--json`` prints one object. It takes about four minutes.
+Scattered worlds and U traps, by rule, cause and repair. ``python -m benchmarks.thesis_faults``
+prints the figures of ``docs/explanation/thesis-faults.md``, with ``--json`` as one object. It takes some four
+minutes.
 """
 
 from __future__ import annotations
@@ -30,21 +31,16 @@ __all__ = ["KINDS", "draw_worlds", "tally"]
 
 SIDE = 30  # cells
 STEPS = 20_000  # five minutes at the thesis's 15 ms
-# The thesis's heading of 4.5 on its screen, as a heading in a world, rad.
-_HEADING = -1.3584073464102069
-
-# The thesis's default start, (35, 35) px from the upper left, as a cell.
-_START = (3, SIDE - 4)
-
-# Target cells: near the centre, or in the far corner.
-_TARGETS = ((SIDE // 2, SIDE // 2 - 1), (SIDE - 3, 2))
+_HEADING = -1.3584073464102069  # rad: the thesis's 4.5 on its screen, as a world's heading
+_START = (3, SIDE - 4)  # the thesis's default, (35, 35) px from the upper left
+_TARGETS = ((SIDE // 2, SIDE // 2 - 1), (SIDE - 3, 2))  # near the centre, or in the far corner
 _REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 Walls = npt.NDArray[np.bool_]
 
 
 def scattered(stream: RandomStream) -> Walls:
-    """Return a hall with a border and 10 to 30 blocks of 1 to 3 by 1 to 3 cells, anywhere."""
+    """10 to 30 blocks of 1 to 3 by 1 to 3 cells, anywhere in a hall with a border."""
     walls = _hall()
     for _ in range(stream.between(10, 30)):
         width = stream.between(1, 3)
@@ -56,9 +52,9 @@ def scattered(stream: RandomStream) -> Walls:
 
 
 def u_traps(stream: RandomStream, count: int) -> Walls:
-    """Return a hall with Us of 5 to 12 by 4 to 12 cells, one or two cells thick, in any direction.
+    """Us of 5 to 12 by 4 to 12 cells, walls one or two cells thick, open to any side.
 
-    The Us may overlap.
+    They may cut each other.
     """
     walls = _hall()
     for _ in range(count):
@@ -82,7 +78,7 @@ KINDS: dict[str, Callable[[RandomStream], Walls]] = {
 
 
 def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
-    """Yield worlds of a kind whose target can be reached; others are drawn again."""
+    """Worlds of a kind whose target can be reached; others are drawn again."""
     stream = RandomStream(seed).child(kind)
     while count:
         walls = KINDS[kind](stream)
@@ -97,7 +93,7 @@ def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
 
 
 def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[str]:
-    """Count runs that overlap a wall (``overlap``) or enter one (``tunnel``), and that arrive."""
+    """How many runs overlap a wall (``overlap``), enter one (``tunnel``), by which cause, and how many arrive."""
     scenario = Scenario.parse(controller, motion="stepped")
     counts = Counter[str]()
     for number, world in enumerate(worlds):
@@ -131,7 +127,7 @@ def _centre(index: int) -> float:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=4000, help="worlds of each kind (default 4000)"

@@ -1,7 +1,7 @@
-"""Train the library's Q-learning robot, and write its table, which has the same bits every time.
+"""Trains the library's Q-learning robot and writes its table.
 
-``python -m benchmarks.train_q_learning`` takes a minute or two. ``--check`` compares the table
-instead of writing it.
+The same table each time, bit for bit. ``python -m benchmarks.train_q_learning`` takes a minute or
+two. With ``--check`` it compares instead of writing.
 """
 
 from __future__ import annotations
@@ -28,39 +28,36 @@ __all__ = ["TABLE", "Learner", "as_c", "train"]
 TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "q_table.c"
 
 EPISODES = 12_000
-_ON_A_LINE = 2  # situations per line of the file
+_ON_A_LINE = 2  # situations in a line of the file
 _BUDGET = 800  # steps of an episode
 _SEED = 1
-_WORLDS = 150  # worlds of each kind
-
-# Weight of the value after a decision.
-_DISCOUNT = 0.98
-
-# Fraction of the surprise that is learnt, at first and at last.
+_WORLDS = 150  # of each kind
+_DISCOUNT = 0.98  # of the worth of what comes after a decision
+# share of the surprise that is learnt, at first and at last
 _LEARN = 0.3
 _LEARN_LEAST = 0.02
-
-# Fraction of decisions that are random, at first and at last.
+# share of decisions that are drawn, likewise
 _EXPLORE = 0.4
 _EXPLORE_LEAST = 0.05
-
-# Rewards.
+# rewards
 _ARRIVED = 30.0
 _BUMP = -1.0
 _DECISION = -0.2
-_TRACE = 0.8  # fraction of a surprise that each earlier decision gets
-_PER_METRE = 5.0  # reward per metre nearer to the target
+_TRACE = 0.8  # share of a surprise that the decision before gets, and so on
+_PER_METRE = 5.0  # reward for coming nearer
 
 
 class Learner:
     """Drives by a table, and learns it: ``act`` changes the table.
 
     Args:
-        stream: Source of randomness.
+        stream: Of what is drawn.
 
-    Source: Watkins and Dayan (1992), equation 1. Progress is rewarded as a potential, which does
-        not change the best policy: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy
-        invariance under reward transformations" (1999).
+    Source: Watkins and Dayan (1992), equation 1. Coming nearer is rewarded as a potential, which
+        leaves the best policy
+    what it was: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward
+        transformations"
+    (1999).
     """
 
     senses = (*SENSES, "target_distance")
@@ -75,13 +72,16 @@ class Learner:
         self._traces: dict[tuple[int, int], float] = {}
 
     def reset(self) -> Memory:
-        """Begin an episode."""
+        """Begins an episode."""
         self._before = None
         self._traces.clear()
         return AT_RESET
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Decide if it is time to, as the robot does, and learn from the previous decision."""
+        """Decides if it is time to.
+
+        As the robot does, and learns from what came of the decision before.
+        """
         wait, turned = memory
         turn = 0
         if wait <= 0.0 or observation.bump:
@@ -96,7 +96,7 @@ class Learner:
         return Command(observation.top_speed, rate), (wait - 1.0, turned)
 
     def arrived(self) -> None:
-        """Learn that the last decision led to the target."""
+        """Learns that the last decision led to the target."""
         if self._before is not None:
             now, choice, _ = self._before
             self._credit(now, choice, _ARRIVED - self.table[now, choice])
@@ -111,7 +111,7 @@ class Learner:
         self._credit(before, choice, worth - self.table[before, choice])
 
     def _credit(self, now: int, choice: int, surprise: float) -> None:
-        """Spread a surprise over the decisions that led to it."""
+        """Spreads a surprise over the decisions that led to it."""
         self._traces[now, choice] = 1.0
         for (situation_before, choice_before), share in list(self._traces.items()):
             self.table[situation_before, choice_before] += self.learn * share * surprise
@@ -126,12 +126,12 @@ class Learner:
             return best
         choice = self._stream.below(len(TURNS))
         if choice != best:
-            self._traces.clear()  # Earlier decisions do not deserve the result of a random one.
+            self._traces.clear()  # what comes of it is no merit of what was done before
         return choice
 
 
 def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
-    """Return the table after a number of episodes, in thousandths."""
+    """The table after so many episodes, in thousandths."""
     stream = RandomStream(seed)
     learner = Learner(stream.child("decisions"))
     choose = stream.child("worlds")
@@ -147,7 +147,7 @@ def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
 
 
 def _situation(observation: Observation, memory: Memory) -> int:
-    """Return the number of the situation that the robot observes."""
+    """Return the number of the situation that the robot sees."""
     ffi: Any = _core.ffi
     beams = ffi.new("double[]", observation.beams)
     seen = ffi.new("WgObservation *", (*observation[:-1], beams, len(beams)))
@@ -168,9 +168,9 @@ def as_c(table: npt.NDArray[np.int64]) -> str:
 
 
 def main() -> None:
-    """Write the table, or report whether it equals the existing one."""
+    """Writes the table, or says whether it is the one that is there."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="compare with the existing table")
+    parser.add_argument("--check", action="store_true", help="compare with the table that is there")
     given = parser.parse_args()
     path = TABLE
     text = as_c(train())

@@ -1,11 +1,11 @@
-"""Measure how fast whole worlds are made, proved, checked, written and read, also by peers.
+"""How fast whole worlds are made, proved, checked, written and read, beside what else answers the same questions.
 
-``python -m benchmarks.worlds`` prints tables; ``--json`` prints one object; ``--document
-docs/explanation/speed.md`` writes the tables to that page, between its marks. Times are one core's
-processor times, the best of ``--rounds``, without compilation. Start-up is wall time, also without
-compilation.
+``python -m benchmarks.worlds`` prints tables, with ``--json`` one object;
+``--document docs/explanation/speed.md`` also puts the tables into a document, between its marks. Times are of
+one core's processor, the best of ``--rounds``; compilation is not counted. Start-up is what the
+clock on the wall shows, compilation not counted either.
 
-- ``worlds``: million cells per second of a layout alone, and of ``generate``: layout, proof and
+- ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and
   world.
 - ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the
   certificate.
@@ -14,11 +14,12 @@ compilation.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
-Peers of the proof work on whole cells. Walls are widened by the radius (scipy's exact distance
-transform, from cell to cell), and the rest is labelled (scipy) or searched (tcod). That is faster,
-but not the same question: their robot is always in the middle of a cell, so a passage of two cells
-stops a disc of 1.4. ``agrees`` tells whether the peer's answer was the true one. Peers that are not
-installed are listed.
+Peers of the proof look at whole cells: walls are widened by the radius (scipy's exact distance
+    transform, from cell to
+cell), and what is left is labelled (scipy) or searched (tcod). That is quicker, and not the same
+question: the robot stands in the middle of a cell, so a passage of two cells stops a disc of 1.4.
+    ``agrees`` says whether the peer's
+answer was the true one. A peer that is not installed is named.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def _layout(name: str, size: int, seed: int = 1, **params: Any) -> World:
 
 
 def _best(work: Callable[[], Any], rounds: int) -> float:
-    """Return the least processor time, s; the first run only compiles and loads."""
+    """Least seconds of processor time; the first run only compiles and loads."""
     work()
     best = float("inf")
     for _ in range(rounds):
@@ -86,7 +87,7 @@ def _rates(sizes: list[int], rounds: int) -> dict[str, Any]:
 
 
 def _scattered(side: int, radius: float, *, blocked: bool) -> World:
-    """Return a hall of single cells that a disc can pass, and perhaps a row that stops it."""
+    """Single cells, few enough for a disc of ``radius`` cells to get through, and perhaps a row that stops it."""
     chance = np.random.default_rng(7)
     walls = np.zeros((side, side), np.bool_)
     room = int(radius) + 3
@@ -101,7 +102,7 @@ def _scattered(side: int, radius: float, *, blocked: bool) -> World:
 
 
 def _asked(side: int) -> Iterator[tuple[str, World]]:
-    """Yield the worlds to prove: worlds of every kind, and discs of many widths."""
+    """What is proved: worlds of every kind, and discs of many widths."""
     for name in STILL:
         yield name, _layout(name, side)
     yield "maze, backtracker", _layout("maze", side, algorithm="backtracker")
@@ -124,7 +125,7 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
 
 
 def _widened(world: World) -> Any:
-    """Return cells whose centre is clear of solid cells, along rows and columns; the usual way."""
+    """Cells from whose centre every solid cell is at least the radius away, along rows and columns; the usual way."""
     ndimage: Any = importlib.import_module("scipy.ndimage")
     distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[
         1:-1, 1:-1
@@ -208,7 +209,7 @@ def _batch(rounds: int) -> dict[str, Any]:
 
 
 def _walled(world: World) -> World:
-    """Return the world with a wall halfway between start and target, all the way across."""
+    """The world with a wall halfway between start and target, across all of it."""
     walls = world.walls.copy()
     (from_row, from_column), (to_row, to_column) = (
         _cell(world, world.start),
@@ -249,7 +250,7 @@ def _files(side: int, rounds: int) -> dict[str, Any]:
 
 
 def _start(rounds: int) -> dict[str, float]:
-    """Return the wall time of whole commands, s."""
+    """Seconds on the wall of whole commands."""
     commands = {
         "worldgen --help": ["--help"],
         "worldgen maze": ["maze", "--seed", "1"],
@@ -270,7 +271,7 @@ def _start(rounds: int) -> dict[str, float]:
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, Any]:
-    """Measure everything, as one object."""
+    """All of it, as one object."""
     absent: set[str] = set()
     side = sizes[-1]
     return {
@@ -290,7 +291,7 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def _markdown(result: dict[str, Any]) -> str:
-    """Return the tables of one run in Markdown."""
+    """The tables of one run."""
     side = result["side"]
     sizes = [int(size) for size in next(iter(result["worlds"].values()))]
     by_size = [[rates[size] for size in rates] for rates in result["worlds"].values()]
@@ -349,7 +350,7 @@ def _peer(one: dict[str, Any] | None) -> str:
 
 
 def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
-    """Return a document with new tables between its marks.
+    """A document with new tables between its marks.
 
     Raises:
         ValueError: If it has no marks.
@@ -362,16 +363,16 @@ def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
 
 
 def main() -> None:
-    """Run everything, and print the tables."""
+    """Runs all and prints the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--sizes", default="600,2000", help="cells along a side, with commas (default 600,2000)"
+        "--sizes", default="600,2000", help="cells a side, with commas between (default 600,2000)"
     )
     parser.add_argument("--rounds", type=int, default=3, help="rounds; the best counts (default 3)")
-    parser.add_argument("--document", type=Path, help="write the tables to this document as well")
+    parser.add_argument("--document", type=Path, help="put the tables into this document too")
     arguments = parser.parse_args()
     result = measure(sorted(int(size) for size in arguments.sizes.split(",")), arguments.rounds)
     tables = _markdown(result)

@@ -1,7 +1,7 @@
-"""The build backend: setuptools, plus a C compiler from a wheel if the machine lacks one.
+"""The build backend: setuptools, and a C compiler from a wheel where the machine has none.
 
-pip calls ``get_requires_for_build_wheel`` before it builds, so the 90 MB of ``ziglang`` are
-downloaded only if needed.
+pip reads ``get_requires_for_build_wheel`` before it builds, so the 90 MB of ``ziglang`` are fetched
+only if needed.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def _compiler_wheel() -> list[str]:
 
 
 def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
-    """Return the requirements of a build in addition to ``build-system.requires``."""
+    """Return what a build needs in addition to ``build-system.requires``."""
     return [*build_meta.get_requires_for_build_wheel(config_settings), *_compiler_wheel()]
 
 
 def get_requires_for_build_editable(config_settings: Any = None) -> list[str]:
-    """Return the requirements of an editable build in addition to ``build-system.requires``."""
+    """Return what an editable build needs in addition to ``build-system.requires``."""
     return [*build_meta.get_requires_for_build_editable(config_settings), *_compiler_wheel()]

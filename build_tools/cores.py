@@ -1,13 +1,13 @@
 """Compile the C cores of the packages into extension modules.
 
-Each package owns its C code: ``worldgen/core`` is the prover and the generators, ``sim/core`` the
-simulator, ``fuzz/core`` the search. Prover and simulator share only
-``worldgen/include/wg_types.h``.
+Each package owns its C: ``worldgen/core`` is the prover and the generators, ``sim/core`` the
+    simulator, ``fuzz/core``
+the search. ``worldgen/include/wg_types.h`` is all that prover and simulator have in common.
 
-The declarations that Python sees are read from the headers themselves, so they exist only once.
-cffi writes the binding against Python's stable ABI, so one build serves every Python from 3.11 on.
+The declarations that Python sees are read from the headers themselves, so that they exist once.
+cffi writes the binding, against Python's stable ABI: one build serves every Python from 3.11 on.
 
-``python -m build_tools.cores`` compiles the files that have changed, in place.
+``python -m build_tools.cores`` compiles what has changed, in place.
 """
 
 from __future__ import annotations
@@ -35,17 +35,18 @@ FLAGS = (
     "-O3",
     "-fPIC",
     "-fvisibility=hidden",
-    # A fused multiply-add rounds once instead of twice, which would make results depend on the
+    # A fused multiply-add rounds once where two operations round twice: results would depend on the
     # machine.
     "-ffp-contract=off",
-    # Internal functions assert what their callers guarantee; only builds with sanitizers check it.
+    # Internal functions assert what their callers have made sure of; builds with sanitizers check
+    # it.
     "-DNDEBUG",
-    # sqrt() does not need errno. Results are the same, and it becomes one instruction.
+    # sqrt() needs no errno; results are the same, and it becomes one instruction.
     "-fno-math-errno",
 )
-# For developers only, because a compiler that we have not tried may warn of something new.
+# For developers only: a compiler that we have not seen may warn of something new.
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
-# The process that loads such a module must have loaded the sanitizer first; .ci/run shows how.
+# The process that loads such a module must have loaded the sanitizer before; .ci/run shows how.
 SANITIZE = (
     "-fsanitize=address,undefined",
     "-fno-sanitize-recover=all",
@@ -54,7 +55,7 @@ SANITIZE = (
     "-O1",
     "-UNDEBUG",
 )
-# cffi's output does not follow our rules. Its Python.h is ours, and declares only the stable ABI.
+# What cffi generates keeps to no such rules. Its Python.h is ours, which declares the stable ABI.
 _STABLE_ABI = "build_tools/stable_abi"
 BINDING = ("-w", "-DPy_LIMITED_API=0x030B0000", f"-I{ROOT / _STABLE_ABI}")
 
@@ -65,7 +66,7 @@ _INLINE = re.compile(r"^static inline [^;{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 @dataclass(frozen=True)
 class Core:
-    """The C code of one package.
+    """One package's C.
 
     Args:
         module: Dotted name of the extension module.
@@ -81,7 +82,7 @@ class Core:
 
     @property
     def exists(self) -> bool:
-        """True if the core's own header exists."""
+        """Whether its own header is there."""
         return (ROOT / self.headers[-1]).is_file()
 
     def c_files(self) -> list[Path]:
@@ -89,9 +90,9 @@ class Core:
         return sorted(file for folder in self.sources for file in (ROOT / folder).rglob("*.c"))
 
     def declarations(self) -> str:
-        """Return the declarations in the headers in the form that cffi reads.
+        """Return what the headers declare, without directives and inline functions.
 
-        Directives and inline functions are removed.
+        As cffi reads it.
         """
         texts = []
         for header in self.headers:
@@ -165,8 +166,8 @@ CORES = (
 def compiler(target: Target | None = None) -> list[str]:
     """Return the command of the C compiler.
 
-    It is ``$CC``, or a compiler on the path, or the one in the wheel ``ziglang``. To compile for
-    another system, it is always the last.
+    That is ``$CC``, else one on the path, else the one in the wheel ``ziglang``; for another system
+    always the last.
 
     Raises:
         RuntimeError: If no compiler is found.
@@ -181,13 +182,13 @@ def compiler(target: Target | None = None) -> list[str]:
     command = zig()
     if not command:
         raise RuntimeError("no C compiler found: install gcc or clang, or `pip install ziglang`")
-    # Without -mcpu the result would run only on processors like this one.
+    # Without -mcpu the result would run on processors like this one only.
     aim = [] if target is None else ["-target", target.triple]
     return [*command, "cc", *aim, "-mcpu=baseline"]
 
 
 def suffix(target: Target | None = None) -> str:
-    """Return the suffix of extension modules for the stable ABI."""
+    """Return how the file of an extension module for the stable ABI ends."""
     on_windows = sys.platform == "win32" if target is None else target.is_windows
     return ".pyd" if on_windows else ".abi3.so"
 
@@ -198,29 +199,23 @@ def compile_core(
     """Compile one core.
 
     Args:
-        core: The core.
+        core: Which.
         made: File of the extension module.
-        work: Folder for object files; those whose sources have not changed are reused.
-        target: The system to compile for; None for this one.
-        flags: Flags to add to ours.
+        work: Folder for object files; those whose sources are unchanged are used again.
+        target: The system that it is for; None is this one.
+        flags: Added to ours.
 
     Raises:
-        subprocess.CalledProcessError: If the compiler rejects something; its message has been
-            printed.
+        subprocess.CalledProcessError: If the compiler refuses something; it has said what.
     """
     command = compiler(target)
     work.mkdir(parents=True, exist_ok=True)
-
-    # Write the binding, and collect everything that an object file depends on.
     binding = work / "binding.c"
     _write_binding(core, binding)
     includes = [f"-I{ROOT / folder}" for folder in core.includes]
     headers = sorted(
         file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h")
     )
-
-    # Compile each source whose command, text or headers have changed; the file's name is the digest
-    # of all of them.
     objects = []
     jobs = []
     for source in [*core.c_files(), binding]:
@@ -234,7 +229,6 @@ def compile_core(
         if not compiled.exists():
             jobs.append([*line, "-c", str(source), "-o", str(compiled)])
     _run_side_by_side(jobs)
-    # Link the objects.
 
     made.parent.mkdir(parents=True, exist_ok=True)
     fresh = work / f"linked{suffix(target)}"
@@ -242,7 +236,7 @@ def compile_core(
     subprocess.run(
         [*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True
     )
-    # A running process may have the old module open; renaming leaves that file intact.
+    # A running process may have the old module open; a rename leaves that one as it is.
     replacement = made.with_name(f".{made.name}.{os.getpid()}")
     shutil.copyfile(fresh, replacement)
     replacement.replace(made)
@@ -251,7 +245,7 @@ def compile_core(
 def _libraries(target: Target | None, work: Path) -> list[str]:
     """Return the linker's other inputs.
 
-    Python's own functions come from the program that loads the module.
+    Python's functions come from the program that loads the module.
     """
     if sys.platform == "win32" if target is None else target.is_windows:
         return [str(import_library(work))]
@@ -261,7 +255,7 @@ def _libraries(target: Target | None, work: Path) -> list[str]:
 
 
 def _write_binding(core: Core, file: Path) -> None:
-    """Let cffi write the C file that makes a core a module; unchanged, it keeps its time stamp."""
+    """Have cffi write the C file that makes a core a module; an unchanged one keeps its time."""
     from cffi import FFI  # noqa: PLC0415 - only the build needs it
 
     ffi = FFI()
@@ -271,7 +265,7 @@ def _write_binding(core: Core, file: Path) -> None:
 
 
 def _run_side_by_side(jobs: list[list[str]]) -> None:
-    """Run commands in parallel, as many as there are processors."""
+    """Run commands, as many at once as there are processors."""
     running: list[tuple[list[str], subprocess.Popen[bytes]]] = []
     waiting = list(jobs)
     while waiting or running:
@@ -292,7 +286,7 @@ def main() -> None:
     parser.add_argument(
         "--sanitize",
         action="store_true",
-        help="end the process at any fault of memory or arithmetic; for tests",
+        help="end the process at each fault of memory or arithmetic",
     )
     flags = (*STRICT, *(SANITIZE if parser.parse_args().sanitize else ()))
     for core in CORES:

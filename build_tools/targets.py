@@ -16,11 +16,11 @@ _HERE = Path(__file__).parent
 
 @dataclass(frozen=True)
 class Target:
-    """A system to build for.
+    """A system.
 
     Args:
-        name: Its name in ``WORLDGEN_TARGET``.
-        triple: Its name for zig, with the oldest supported version of the system's C library.
+        name: As ``WORLDGEN_TARGET`` names it.
+        triple: As zig names it, with the oldest version of the system's library that is supported.
         platform: Platform tag of its wheels.
     """
 
@@ -30,12 +30,12 @@ class Target:
 
     @property
     def is_windows(self) -> bool:
-        """True if modules end in ``.pyd`` and name the library that they import from."""
+        """Whether modules end in ``.pyd`` and name the library that they import from."""
         return "windows" in self.triple
 
     @property
     def is_macos(self) -> bool:
-        """True if the linker must leave Python's symbols for the loader to resolve."""
+        """Whether the linker must be told that Python's symbols are found when the module is loaded."""
         return "macos" in self.triple
 
 
@@ -49,7 +49,7 @@ TARGETS = (
 
 
 def chosen_target() -> Target | None:
-    """Return the system in ``WORLDGEN_TARGET``; None means this machine.
+    """Return the system that ``WORLDGEN_TARGET`` names; None is this machine.
 
     Raises:
         ValueError: If the name is unknown.
@@ -61,20 +61,20 @@ def chosen_target() -> Target | None:
         if target.name == name:
             return target
     known = ", ".join(target.name for target in TARGETS)
-    raise ValueError(f"{VARIABLE}={name} is not a known target; choose from {known}")
+    raise ValueError(f"{VARIABLE}={name}: there is no such target; choose from {known}")
 
 
 def zig() -> list[str]:
-    """Return the command of the compiler in the wheel ``ziglang``; empty if it is not installed."""
+    """Return the command of the compiler in the wheel ``ziglang``, or nothing if it is not installed."""
     try:
-        import ziglang  # noqa: F401, PLC0415 - only if no other compiler is found
+        import ziglang  # noqa: F401, PLC0415 - only where there is nothing else
     except ImportError:
         return []
     return [sys.executable, "-m", "ziglang"]
 
 
 def import_library(folder: Path) -> Path:
-    """Create the library that tells the Windows linker which functions ``python3.dll`` has.
+    """Make the library that tells Windows' linker what ``python3.dll`` offers.
 
     Raises:
         subprocess.CalledProcessError: If zig cannot make it.

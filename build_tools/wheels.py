@@ -1,6 +1,6 @@
 """Build the wheels of all systems on this one: ``python -m build_tools.wheels --out dist``.
 
-It needs the packages ``build`` and ``ziglang``. Each wheel serves every Python from 3.11 on.
+Needs the packages ``build`` and ``ziglang``. Each wheel serves every Python from 3.11 on.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ ROOT = Path(__file__).parent.parent
 def build_wheel(target: Target, out: Path) -> Path:
     """Build the wheel of one system.
 
-    setuptools builds in the source tree, so this builds in a copy: files left by one system must
-    not be packed for another.
+    setuptools builds in the source tree, so that a copy is built: what one system leaves is not
+        packed for another.
 
     Args:
         target: The system.
@@ -34,8 +34,7 @@ def build_wheel(target: Target, out: Path) -> Path:
         The wheel.
 
     Raises:
-        subprocess.CalledProcessError: If something does not compile; the compiler's message has
-            been printed.
+        subprocess.CalledProcessError: If something does not compile; the compiler has said what.
     """
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "source"
@@ -65,17 +64,12 @@ def build_wheel(target: Target, out: Path) -> Path:
 
 
 def main() -> None:
-    """Build the wheels requested on the command line."""
+    """Build what the command line asks for."""
     names = [target.name for target in TARGETS]
     parser = argparse.ArgumentParser(prog="python -m build_tools.wheels", description=__doc__)
+    parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder for the wheels")
     parser.add_argument(
-        "--out", type=Path, default=ROOT / "dist", help="folder for the wheels (default dist)"
-    )
-    parser.add_argument(
-        "--target",
-        action="append",
-        choices=names,
-        help="build only for this system (default all); may be repeated",
+        "--target", action="append", choices=names, help="only this system; may be repeated"
     )
     chosen = parser.parse_args()
     for target in TARGETS:

@@ -1,5 +1,6 @@
-// A disc that drives through a grid of cells, in the plainest C: only floating point, without a
-// lattice, a verdict or a search for loops. The simulator's extra cost is the price of its promises.
+// A disc that drives through a grid of cells, as plainly as C can have it: floating point alone, no
+// lattice, no verdict, no search for loops. What the simulator costs more than this is the price of
+// its promises.
 //
 // Lengths are cells, x runs right, y up; cells are stored row by row, not 0 where they are solid.
 

@@ -1,10 +1,10 @@
-"""Drive the robot of an exported world in IR-SIM, and record a trajectory for ``worldgen audit``.
+"""Drives the robot of an exported world in IR-SIM and writes its trajectory, for ``worldgen audit``.
 
 python irsim_drive.py wall.yaml --speed 12 --out recorded.csv
 
-It needs only ir-sim. The robot turns to the next place of its route, then drives there; the route
-ends at the world's target. One JSON object is printed, with versions, samples, and the number of
-steps in which IR-SIM reported a collision.
+Needs ir-sim alone. The robot turns to the next place of its way, then drives there; the way ends at
+the world's target. Prints one JSON object: versions, samples, and how often IR-SIM said that the
+robot collides.
 """
 
 import argparse
@@ -23,27 +23,24 @@ import numpy as np
 
 
 def drive(file, via, speed, steps):
-    """Drive the robot along a route.
+    """The trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision.
 
-    Returns:
-        The trajectory as rows t, x, y, heading; the number of steps in which IR-SIM saw a
-        collision; and whether the robot arrived.
+    Whether it arrived.
     """
     env = irsim.make(str(file), display=False, save_ani=False, log_level="ERROR")
     step = env.step_time
     robot = env.robot
-    route = [*via, (float(robot.goal[0, 0]), float(robot.goal[1, 0]))]
+    way = [*via, (float(robot.goal[0, 0]), float(robot.goal[1, 0]))]
     rows = []
     collisions = 0
     for k in range(steps + 1):
         x, y, heading = (float(value) for value in robot.state[:3, 0])
         rows.append((k * step, x, y, heading))
-        # A place counts as reached within half a step, which the robot could not improve on.
-        while len(route) > 1 and math.dist((x, y), route[0]) < max(0.05, 0.5 * speed * step):
-            del route[0]
-        if math.dist((x, y), route[0]) < max(0.05, 0.5 * speed * step):
+        while len(way) > 1 and math.dist((x, y), way[0]) < max(0.05, 0.5 * speed * step):
+            del way[0]
+        if math.dist((x, y), way[0]) < max(0.05, 0.5 * speed * step):
             break
-        turn = math.remainder(math.atan2(route[0][1] - y, route[0][0] - x) - heading, 2.0 * math.pi)
+        turn = math.remainder(math.atan2(way[0][1] - y, way[0][0] - x) - heading, 2.0 * math.pi)
         ahead = speed if abs(turn) < 0.1 else 0.0
         env.step(np.array([[ahead], [max(-1.0, min(1.0, turn / step))]]))
         collisions += bool(robot.collision)
@@ -51,20 +48,20 @@ def drive(file, via, speed, steps):
     return (
         rows,
         collisions,
-        len(route) == 1 and math.dist(rows[-1][1:3], route[0]) < max(0.05, 0.5 * speed * step),
+        len(way) == 1 and math.dist(rows[-1][1:3], way[0]) < max(0.05, 0.5 * speed * step),
     )
 
 
 def main():
-    """Drive, write the trajectory, and report."""
+    """Drives, writes, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("world", help="file that `worldgen export --to irsim` wrote")
+    parser.add_argument("world", help="what `worldgen export --to irsim` wrote")
     parser.add_argument(
-        "--via", nargs="*", default=[], metavar="X,Y", help="places along the route, m"
+        "--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m"
     )
-    parser.add_argument("--speed", type=float, default=1.0, help="m/s (default 1)")
-    parser.add_argument("--steps", type=int, default=500, help="most steps (default 500)")
-    parser.add_argument("--out", required=True, help="CSV file to write: t,x,y,heading")
+    parser.add_argument("--speed", type=float, default=1.0, help="m/s")
+    parser.add_argument("--steps", type=int, default=500, help="at most")
+    parser.add_argument("--out", required=True, help="CSV: t,x,y,heading")
     given = parser.parse_args()
     via = [tuple(float(number) for number in place.split(",")) for place in given.via]
     rows, collisions, arrived = drive(given.world, via, given.speed, given.steps)
@@ -72,8 +69,8 @@ def main():
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("t", "x", "y", "heading"))
         table.writerows([f"{value:.9g}" for value in row] for row in rows)
-    report = {"simulator": f"ir-sim {version('ir-sim')}", "samples": len(rows), "arrived": arrived}
-    sys.stdout.write(json.dumps(report | {"collisions": collisions}) + "\n")
+    said = {"simulator": f"ir-sim {version('ir-sim')}", "samples": len(rows), "arrived": arrived}
+    sys.stdout.write(json.dumps(said | {"collisions": collisions}) + "\n")
 
 
 if __name__ == "__main__":

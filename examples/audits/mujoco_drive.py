@@ -1,11 +1,12 @@
-"""Drive a ball through an exported world in MuJoCo, and record a trajectory for the audit.
+"""Drives a ball through an exported world in MuJoCo and writes its trajectory, for ``worldgen audit``.
 
 python mujoco_drive.py wall.xml --speed 20 --out recorded.csv
 
-It needs only mujoco. Start, target and the ball's radius come from the file. The ball weighs 1 kg,
-floats just above the floor, and is pushed towards the next place of its route by a force that keeps
-it at the desired velocity. One JSON object is printed, with versions, samples, and the number of
-steps in which MuJoCo had a contact between the ball and anything else.
+Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats
+just above the floor, and is pushed towards the next place of its way by a force that makes its
+velocity the one wanted. Prints one JSON object: versions, samples, and in how many steps MuJoCo had
+    a contact between the ball
+and anything else.
 """
 
 import argparse
@@ -17,13 +18,12 @@ from pathlib import Path
 
 import mujoco
 
-# Gain of the force that corrects the velocity, N s/m, and the largest force, N.
-GAIN = 200.0
-MOST_FORCE = 200.0
+GAIN = 200.0  # N s/m: of the force that corrects the velocity
+MOST_FORCE = 200.0  # N
 
 
 def with_ball(file, radius, start, time_step):
-    """Return the exported world with a ball that slides along x and y."""
+    """The exported world with a ball that slides along x and y."""
     spec = mujoco.MjSpec.from_file(str(file))
     if time_step:
         spec.option.timestep = time_step
@@ -34,31 +34,27 @@ def with_ball(file, radius, start, time_step):
     return spec.compile()
 
 
-def drive(model, route, speed, seconds):
-    """Drive the ball along a route.
+def drive(model, way, speed, seconds):
+    """The trajectory as rows t, x, y; in how many steps the ball touched something.
 
-    Returns:
-        The trajectory as rows t, x, y; the number of steps in which the ball touched something; and
-        whether it arrived.
+    Whether it arrived.
     """
     data = mujoco.MjData(model)
     rows = []
     touched = 0
-    start = route.pop(0)
+    start = way.pop(0)
     step = model.opt.timestep
-    data.qvel[:] = [speed * part for part in _direction(start, route[0])]
+    data.qvel[:] = [speed * part for part in _direction(start, way[0])]
     near = max(0.05, 0.5 * speed * step)
     for _ in range(int(seconds / step) + 1):
         place = (start[0] + float(data.qpos[0]), start[1] + float(data.qpos[1]))
         rows.append((float(data.time), *place))
-        while len(route) > 1 and math.dist(place, route[0]) < near:
-            del route[0]
-        if math.dist(place, route[0]) < near:
+        while len(way) > 1 and math.dist(place, way[0]) < near:
+            del way[0]
+        if math.dist(place, way[0]) < near:
             return rows, touched, True
-
-        # The force that corrects the velocity is limited, like that of a real drive.
-        desired = [speed * part for part in _direction(place, route[0])]
-        missing = [GAIN * (goal - float(now)) for goal, now in zip(desired, data.qvel, strict=True)]
+        wanted = [speed * part for part in _direction(place, way[0])]
+        missing = [GAIN * (wish - float(now)) for wish, now in zip(wanted, data.qvel, strict=True)]
         data.qfrc_applied[:] = [max(-MOST_FORCE, min(MOST_FORCE, force)) for force in missing]
         mujoco.mj_step(model, data)
         touched += data.ncon > 0
@@ -71,16 +67,16 @@ def _direction(here, there):
 
 
 def main():
-    """Drive, write the trajectory, and report."""
+    """Drives, writes, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("world", help="file that `worldgen export --to mjcf` wrote")
+    parser.add_argument("world", help="what `worldgen export --to mjcf` wrote")
     parser.add_argument(
-        "--via", nargs="*", default=[], metavar="X,Y", help="places along the route, m"
+        "--via", nargs="*", default=[], metavar="X,Y", help="places on the way to the target, m"
     )
-    parser.add_argument("--speed", type=float, default=1.0, help="m/s (default 1)")
-    parser.add_argument("--time-step", type=float, help="s (default: the file's)")
-    parser.add_argument("--seconds", type=float, default=20.0, help="most time, s (default 20)")
-    parser.add_argument("--out", required=True, help="CSV file to write: t,x,y")
+    parser.add_argument("--speed", type=float, default=1.0, help="m/s")
+    parser.add_argument("--time-step", type=float, help="s [default: the file's]")
+    parser.add_argument("--seconds", type=float, default=20.0, help="at most")
+    parser.add_argument("--out", required=True, help="CSV: t,x,y")
     given = parser.parse_args()
     via = [tuple(float(number) for number in place.split(",")) for place in given.via]
     world = mujoco.MjModel.from_xml_path(given.world)
@@ -93,8 +89,8 @@ def main():
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(("t", "x", "y"))
         table.writerows([f"{value:.9g}" for value in row] for row in rows)
-    report = {"simulator": f"mujoco {mujoco.__version__}", "samples": len(rows), "arrived": arrived}
-    sys.stdout.write(json.dumps(report | {"contacts": touched}) + "\n")
+    said = {"simulator": f"mujoco {mujoco.__version__}", "samples": len(rows), "arrived": arrived}
+    sys.stdout.write(json.dumps(said | {"contacts": touched}) + "\n")
 
 
 if __name__ == "__main__":

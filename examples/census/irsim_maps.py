@@ -1,6 +1,6 @@
 """Perlin maps of IR-SIM (MIT licence; 2.12.0): ``pip install ir-sim==2.12.0``.
 
-These are a simulator's obstacle maps, with its defaults; they come without start and target.
+A simulator's obstacle maps, with its own defaults; it has no start or target for them.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from irsim.world.map.perlin_map_generator import PerlinGridGenerator
 def maps(
     seed: int, *, side: int = 100, fill: float = 0.38, complexity: float = 0.142857
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield maps of ``side`` x ``side`` cells; values above 50 are obstacles, as in IR-SIM."""
+    """``side`` x ``side`` cells; values above 50 are obstacles, as the simulator reads them."""
     for number in count():
         made = PerlinGridGenerator(
             side, side, complexity=complexity, fill=fill, seed=(seed + number) % 2**31

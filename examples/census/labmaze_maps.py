@@ -1,6 +1,7 @@
 """Rooms and mazes of labmaze (Apache licence 2.0; 1.0.6): ``pip install labmaze==1.0.6``.
 
-The first spawn point is the start, and the first object is the target, as for agents in such mazes.
+The first spawn point is the start, the first object the target: what an agent in such a maze is
+    sent for.
 """
 
 from collections.abc import Iterator
@@ -14,20 +15,15 @@ import numpy as np
 def maps(
     seed: int, *, side: int = 31, rooms: int = 6, extra: float = 0.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield mazes of ``side`` x ``side`` cells (odd) with at most ``rooms`` rooms.
+    """Mazes of ``side`` x ``side`` cells (odd) with up to so many rooms.
 
-    ``extra`` is the probability of further connections.
+    ``extra`` links open with that chance.
     """
     for number in count():
         maze = labmaze.RandomMaze(
-            side,
-            side,
-            max_rooms=rooms,
-            extra_connection_probability=extra,
-            spawns_per_room=1,
-            objects_per_room=1,
+            side, side, max_rooms=rooms, extra_connection_probability=extra, spawns_per_room=1, objects_per_room=1,
             random_seed=(seed + number) % 2**31,
-        )
+        )  # fmt: skip
         drawn = np.array(maze.entity_layer)
         walls = drawn == "*"
         start, target = (tuple(map(int, np.argwhere(drawn == letter)[0])) for letter in "PG")

@@ -1,7 +1,7 @@
 """Mazes of maze-dataset (its repository says MIT; 1.4.2).
 
-Install it with ``pip install maze-dataset==1.4.2 "muutils<0.9"``. The library's own tasks run
-between two cells of its lattice; here they run from the first corner to the last.
+``pip install maze-dataset==1.4.2 "muutils<0.9"``. The library's own tasks run between two cells of
+its lattice; here from the first corner to the last.
 """
 
 import random
@@ -16,7 +16,7 @@ from maze_dataset.generation import LatticeMazeGenerators
 def maps(
     seed: int, *, generator: str = "gen_dfs", side: int = 20, p: float = -1.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield mazes of ``side`` x ``side`` chambers; ``p`` is for generators by percolation."""
+    """Mazes of ``side`` x ``side`` chambers; ``p`` of percolation, where the generator takes it."""
     make = getattr(LatticeMazeGenerators, generator)
     options = {"p": p} if p >= 0 else {}
     for number in count():
@@ -25,8 +25,7 @@ def maps(
         maze = make(np.array([side, side]), **options)
         walls = np.ones((2 * side + 1, 2 * side + 1), np.bool_)
         walls[1::2, 1::2] = False
-        # Links to the chamber below, and to the chamber on the right.
-        down, across = maze.connection_list
+        down, across = maze.connection_list  # links to the cell below, to the cell on the right
         walls[2::2, 1::2] = ~down
         walls[1::2, 2::2] = ~across
         yield f"{generator}-{number}", walls, (1, 1), (2 * side - 1, 2 * side - 1)

@@ -1,7 +1,7 @@
 """Rooms of MiniGrid (MIT licence; 3.2.0): ``pip install minigrid==3.2.0``.
 
-The start is the agent's position, and the target is the goal. Walls and lava are solid; doors, keys
-and balls count as free.
+The start is the agent's, the target the goal. Walls and lava are solid; doors, keys and balls count
+as free.
 """
 
 from collections.abc import Iterator
@@ -18,9 +18,10 @@ _SOLID = ("wall", "lava")
 def maps(
     seed: int, *, environment: str = "MiniGrid-SimpleCrossingS11N5-v0"
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield one map for each reset of an environment."""
-    # The prefix makes Gymnasium import minigrid, which registers the environment.
-    world: Any = gymnasium.make(f"{minigrid.__name__}:{environment}").unwrapped
+    """One map for each reset of an environment."""
+    world: Any = gymnasium.make(
+        f"{minigrid.__name__}:{environment}"
+    ).unwrapped  # imports it, so that it registers
     for number in count():
         world.reset(seed=(seed + number) % 2**31)
         kinds = [None if thing is None else thing.type for thing in world.grid.grid]

@@ -1,7 +1,7 @@
 """Crossings of NAVIX, a port of MiniGrid to JAX (Apache licence 2.0): ``pip install navix``.
 
-The start is the player's position, and the target is the goal. Walls and lava are solid; doors,
-keys and balls count as free.
+The start is the player's, the target the goal. Walls and lava are solid; doors, keys and balls
+count as free.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ import numpy as np
 def maps(
     seed: int, *, environment: str = "Navix-SimpleCrossingS11N5-v0"
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield one map for each reset of an environment."""
+    """One map for each reset of an environment."""
     world = navix.make(environment)
     reset = jax.jit(world.reset)
     for number in count():

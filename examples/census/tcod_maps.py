@@ -1,7 +1,7 @@
-"""Caves from python-tcod's noise (BSD licence, 2 clauses; 21.2.2): ``pip install tcod==21.2.2``.
+"""Caves of python-tcod's noise (BSD licence, 2 clauses; 21.2.2): ``pip install tcod==21.2.2``.
 
-Cells are solid where the noise is above a level, the usual way to make a cave in a few lines. There
-is neither start nor target.
+Solid where the noise is above a level: the usual way to a cave in a few lines. It has no start or
+    target.
 """
 
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ import tcod.noise
 def maps(
     seed: int, *, side: int = 60, scale: float = 0.15, level: float = 0.15, octaves: float = 4.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Yield turbulence or, for ``octaves`` 1, simplex noise over ``side`` x ``side`` cells."""
+    """Turbulence or, for ``octaves`` 1, plain simplex noise over ``side`` x ``side`` cells."""
     for number in count():
         noise = tcod.noise.Noise(
             dimensions=2,

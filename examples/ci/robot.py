@@ -1,42 +1,32 @@
-"""A small robot: it heads for its target, and follows by touch any wall in between."""
+"""A small robot: heads for its target, and follows by touch the wall that is in its way."""
 
 import math
 
 from sim import Command
 
-# Where the robot touches its wall, it turns this much further than along it, rad.
-AWAY = 0.1
-
-# Where it does not touch it, it turns back towards it by this much per step, rad.
-BACK = 0.5
-
-# A distance that is greater than any in a world, m.
-FAR = 1e6
+AWAY = 0.1  # rad: where it touches the wall, it turns this much further than along it
+BACK = 0.5  # rad a step: where it does not, it turns back to it
+FAR = 1e6  # m
 
 
 class Robot:
-    """Follows a wall on its left until it is nearer to the target than it ever met one."""
+    """Follows a wall on its left until it is nearer to the target than it has ever met one."""
 
     def reset(self):
-        """Return the memory at the start.
-
-        It holds whether the robot follows a wall, and the least distance from the target at which
-        it met one, m.
-        """
-        return (0.0, FAR)
+        """The memory to start with."""
+        return (
+            0.0,
+            FAR,
+        )  # whether it follows a wall; the least distance from the target at which it met one, m
 
     def act(self, seen, memory):
-        """Return the command for one step, and the new memory."""
+        """What to do in a step, and what to keep in mind."""
         follows, nearest = memory
-
-        # Leave a wall when nearer to the target, and take one up at a bump.
         if follows and not seen.bump and seen.target_distance < nearest - seen.radius:
             follows = 0.0
         if seen.bump and not follows:
             follows = 1.0
             nearest = min(nearest, seen.target_distance)
-
-        # Head for the target, or turn away from the wall, or back to it.
         if not follows:
             turn = wrapped(seen.target_heading - seen.heading)
         elif seen.bump:
@@ -47,5 +37,5 @@ class Robot:
 
 
 def wrapped(angle):
-    """Return the equivalent angle between -pi and pi."""
+    """The same angle between -pi and pi."""
     return (angle + math.pi) % (2 * math.pi) - math.pi

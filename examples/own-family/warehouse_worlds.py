@@ -1,4 +1,4 @@
-"""A warehouse: racks in rows, aisles between them, and pallets left in the aisles."""
+"""A warehouse: racks in rows, aisles between them, and pallets left standing in the aisles."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ def warehouse(
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
 ) -> World:
-    """Build a warehouse of racks in rows, with aisles between them and pallets left in the aisles.
+    """Racks in rows with aisles between them, crossed by others; pallets stand about in them.
 
-    An aisle looks the same from both ends, and a pallet makes it a dead end.
+    From one end of an aisle the other looks the same, and a pallet turns an aisle into a dead end.
 
     Args:
-        rng: The only source of randomness; equal state gives an equal world.
-        size: Cells along a side, including the solid border; 16 to 500.
-        layout: Racks in straight rows, or in two halves that are offset against each other.
-        aisle: Width of the aisles, cells; at least the robot's width.
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 16 to 500.
+        layout: Racks in straight rows, or in two halves set off against each other.
+        aisle: Width of the aisles, cells; at least the robot's.
         rack: Depth of a rack, cells, 1 to 20.
-        pallets: Fraction of the places between two racks that have a pallet, 0 to 1.
+        pallets: Share of the places between two racks on which a pallet stands, 0 to 1.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -45,7 +45,6 @@ def warehouse(
     Raises:
         InvalidParameter: If a number is out of range, or an aisle is narrower than the robot.
     """
-    # Check all parameters before drawing any random number.
     # Check, then draw, then build, then return.
     check_between("size", size, 16, 500, "cells")
     check_between("rack", rack, 1, 20, "cells")
@@ -65,12 +64,9 @@ def warehouse(
             least=math.ceil(2 * robot_radius / cell_size),
         )
 
-    # Build a solid border, the racks inside it, and a robot that crosses from corner to corner.
     walls = np.ones((size, size), dtype=bool)
     walls[1:-1, 1:-1] = False
     _put_racks(rng, walls, layout, aisle, rack, pallets)
-
-    # Start and target are in the middle of the outermost aisles.
     near = (1 + aisle / 2) * cell_size
     far = (size - 1 - aisle / 2) * cell_size
     return World(
@@ -91,15 +87,12 @@ def _put_racks(
     rack: int,
     pallets: float,
 ) -> None:
-    """Fill in the racks in two halves, and put pallets next to them."""
+    """Makes racks solid in two halves, and pallets beside them."""
     size = len(walls)
-    # One aisle crosses the others and separates the halves; this is its first row.
-    across = size // 2 - aisle // 2
+    across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
     lower = (1 + aisle, across)
     upper = (across + aisle, size - 1 - aisle)
     set_off = (rack + aisle) // 2 if layout == "fishbone" else 0
-
-    # A pallet blocks its aisle except for one cell.
     for (low, high), offset in ((lower, 0), (upper, set_off)):
         for x in range(1 + aisle + offset, size - aisle - rack, rack + aisle):
             walls[low:high, x : x + rack] = True

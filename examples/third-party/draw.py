@@ -1,6 +1,6 @@
-"""Draw the stored failures next to each other.
+"""Draws the stored failures beside each other.
 
-Run ``python examples/third-party/draw.py``, with the packages installed.
+``python examples/third-party/draw.py``, with the packages installed.
 """
 
 from pathlib import Path
@@ -11,7 +11,7 @@ HERE = Path(__file__).parent
 
 
 def main() -> None:
-    """Write failures.png; run in the repository's root, where the controllers' paths begin."""
+    """Writes failures.png; run it in the repository's root, for the files name their controllers from there."""
     entries = read_corpus([HERE / "failures"]).entries
     sheet = contact_sheet(
         sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid))

@@ -1,7 +1,7 @@
 """The dynamic window approach of ``dynamic-window-approach`` (C with Python bindings, MIT licence).
 
-Its author is goktug97. Install it with ``pip install dynamic-window-approach``; the README.md next
-to this file has the details.
+Its author is goktug97. ``pip install dynamic-window-approach``; README.md beside this file has the
+whole.
 """
 
 import math
@@ -16,29 +16,22 @@ from scipy.sparse.csgraph import dijkstra
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 36  # angle between two beams, rad
+FIELD = 2.0 * math.pi / 36  # rad between two beams
 
 
 @dataclass(frozen=True)
 class DynamicWindow:
-    """Drives with the (speed, turn rate) that costs least over the next second."""
+    """Drives with the (speed, turn rate) that costs least over the next second and a half."""
 
     needs: ClassVar = RobotOptions(beams=36)
-
-    # Top speed, robot radii per second.
-    pace: float = 6.0
-
-    # Top speed near the target, 1/s, so that the robot can still turn to it.
-    approach: float = 1.0
-
-    # Time that the planner looks ahead, s.
-    look_ahead: float = 1.0
-
-    # Weights of an error of 1 rad, of standing still, and of a robot radius from the nearest point.
-    # The last must be below 1 / radius; see README.md.
-    heading: float = 0.05
-    velocity: float = 1.0
-    clearance: float = 0.1
+    pace: float = 6.0  # top speed, robot radii a second
+    approach: float = 1.0  # top speed near the target, 1/s, so that the robot can still turn to it
+    look_ahead: float = 1.0  # s
+    heading: float = 0.05  # weights: of an error of 1 rad,
+    velocity: float = 1.0  # of standing still,
+    clearance: float = (
+        0.1  # and of a robot radius from the nearest point; below 1 / radius, see README.md
+    )
 
     def reset(self):
         return (0.0, 0.0)  # speed, turn rate
@@ -47,25 +40,12 @@ class DynamicWindow:
         r = seen.radius
         top = min(seen.top_speed, self.pace * seen.radius, self.approach * seen.target_distance)
         ahead = min(self.look_ahead, seen.target_distance / top)
-
-        # The window must hold several speeds, however short the step, hence the resolution.
         config = dwa.Config(
-            max_speed=top,
-            min_speed=0.0,
-            max_accel=4.0 * top,
+            max_speed=top, min_speed=0.0, max_accel=4.0 * top,
             velocity_resolution=min(top / 8, 1.3 * top * seen.time_step),
-            max_yawrate=2.0,
-            max_dyawrate=8.0,
-            yawrate_resolution=0.2,
-            dt=seen.time_step,
-            predict_time=ahead,
-            heading=self.heading,
-            clearance=self.clearance * r,
-            velocity=self.velocity / top,
-            base=[r, r, -r, -r],
-        )
-
-        # Obstacles are the hits of the beams that the robot could reach.
+            max_yawrate=2.0, max_dyawrate=8.0, yawrate_resolution=0.2, dt=seen.time_step, predict_time=ahead,
+            heading=self.heading, clearance=self.clearance * r, velocity=self.velocity / top, base=[r, r, -r, -r],
+        )  # fmt: skip
         near = [
             (d, seen.heading + k * FIELD)
             for k, d in enumerate(seen.beams)
@@ -88,12 +68,12 @@ class DynamicWindow:
 
 @dataclass(frozen=True)
 class PlannedWindow(DynamicWindow):
-    """The same controller after a planner, as in Nav2.
+    """The same behind a planner, as Nav2 has it.
 
-    Its goal is a point on the planned path, a short distance ahead.
+    It is sent to a point of the planned path a little way ahead.
     """
 
-    ahead: float = 6.0  # distance along the path, robot radii
+    ahead: float = 6.0  # robot radii along the path
 
     def reset(self, world):
         return (0.0, 0.0, *np.ravel(plan(world)).tolist())
@@ -101,18 +81,20 @@ class PlannedWindow(DynamicWindow):
     def goal(self, seen, memory):
         path = np.reshape(memory[2:], (-1, 2))
         nearest = int(np.argmin(np.hypot(*(path - (seen.x, seen.y)).T)))
-        along = np.cumsum(np.hypot(*np.diff(path[nearest:], axis=0).T))
-        k = nearest + int(np.searchsorted(along, self.ahead * seen.radius)) + 1
+        way = np.cumsum(np.hypot(*np.diff(path[nearest:], axis=0).T))
+        k = nearest + int(np.searchsorted(way, self.ahead * seen.radius)) + 1
         return tuple(map(float, path[min(k, len(path) - 1)]))
 
 
 def plan(world):
-    """Return a shortest path to the target over cells with space for the robot, (n, 2) m."""
-    # Distance from each cell's centre to the nearest wall, cells.
-    free = distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
-    clear = free * world.cell_size >= world.robot_radius
+    """A shortest way over cells whose centre is clear of walls by the radius, to the target.
 
-    # Connect each clear cell with its clear neighbours.
+    Places (n, 2), m.
+    """
+    room = (
+        distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5
+    )  # cells from a centre to the nearest wall
+    clear = room * world.cell_size >= world.robot_radius
     number = np.arange(world.walls.size).reshape(world.walls.shape)
     edges = []
     for here, there, length in (
@@ -123,8 +105,6 @@ def plan(world):
     ):
         both = clear[here] & clear[there]
         edges.append((number[here][both], number[there][both], np.full(int(both.sum()), length)))
-
-    # Walk back from the start along the tree of shortest paths to the target.
     rows, columns, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     graph = coo_array((lengths, (rows, columns)), shape=(number.size, number.size)).tocsr()
     start, target = (
@@ -135,8 +115,6 @@ def plan(world):
     cells = [start]
     while before[cells[-1]] >= 0:
         cells.append(before[cells[-1]])
-
-    # Every other cell is enough for the path, which ends at the target itself.
     places = np.column_stack(np.unravel_index(np.array(cells[1:-1:2], int), world.walls.shape))[
         :, ::-1
     ]

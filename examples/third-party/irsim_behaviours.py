@@ -1,7 +1,6 @@
 """Behaviours of ``ir-sim`` (Python, MIT licence): velocity obstacles and the social force model.
 
-Its author is Ruihua Han. Install it with ``pip install ir-sim``; the README.md next to this file
-has the details.
+Its author: Ruihua Han. ``pip install ir-sim``; README.md beside this file has the whole.
 """
 
 import math
@@ -13,7 +12,7 @@ from irsim.util.util import vel_world2diff
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 72  # angle between two beams, rad
+FIELD = 2.0 * math.pi / 72  # rad between two beams
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class VelocityObstacles:
     """``rvo`` for a differential robot among walls, which are line segments here."""
 
     needs: ClassVar = RobotOptions(beams=72)
-    pace: float = 6.0  # top speed, robot radii per second
+    pace: float = 6.0  # top speed, robot radii a second
 
     def reset(self):
         return (0.0, 0.0)  # speed, heading of the velocity
@@ -45,21 +44,17 @@ class VelocityObstacles:
 class SocialForce(VelocityObstacles):
     """``sfm`` for a differential robot.
 
-    The model is meant for people, so the reach of the walls' force is scaled to the robot.
+    The reach of the walls' force in robot radii, for it is meant for people.
     """
 
-    reach: float = 0.5  # distance at which the walls' force falls to 1/e, robot radii
+    reach: float = 0.5  # robot radii in which the walls' force falls to 1/e
 
     def act(self, seen, memory):
         top = min(seen.top_speed, self.pace * seen.radius)
         velocity = SFMVelocity(
-            _state(seen, memory, top),
-            line_segments=_walls(seen, 15.0),
-            vmax=top,
-            step_time=seen.time_step,
-            sigma_obstacle=self.reach * seen.radius,
-            force_factor_obstacle=2.0 * top,
-        )
+            _state(seen, memory, top), line_segments=_walls(seen, 15.0), vmax=top, step_time=seen.time_step,
+            sigma_obstacle=self.reach * seen.radius, force_factor_obstacle=2.0 * top,
+        )  # fmt: skip
         chosen = vel_world2diff(
             seen.heading, list(velocity), w_max=4.0, guarantee_time=seen.time_step, tolerance=0.02
         )
@@ -69,22 +64,22 @@ class SocialForce(VelocityObstacles):
 
 
 def _state(seen, memory, top):
-    """Return IR-SIM's state: position, velocity, radius, velocity towards the goal, heading."""
+    """What IR-SIM knows of a robot: place, velocity, radius, velocity towards the goal, heading."""
     speed, heading = memory
-    desired = [top * math.cos(seen.target_heading), top * math.sin(seen.target_heading)]
+    wish = [top * math.cos(seen.target_heading), top * math.sin(seen.target_heading)]
     return [
         seen.x,
         seen.y,
         speed * math.cos(heading),
         speed * math.sin(heading),
         seen.radius,
-        *desired,
+        *wish,
         seen.heading,
     ]
 
 
 def _walls(seen, radii):
-    """Return line segments [x1, y1, x2, y2] along neighbouring hits, one for each straight wall."""
+    """Line segments [x1, y1, x2, y2] along neighbouring hits that leave no gap for the robot, each wall one segment."""
     hits = [
         (
             seen.x + d * math.cos(seen.heading + k * FIELD),
@@ -94,13 +89,11 @@ def _walls(seen, radii):
     ]
     walls = []
     for k, (d, (x, y)) in enumerate(zip(seen.beams, hits, strict=True)):
-        # A gap that the robot fits through is not a wall, and distant walls do not count.
         if (
             min(d, seen.beams[k - 1]) > radii * seen.radius
             or math.dist(hits[k - 1], (x, y)) > 2.0 * seen.radius
         ):
             continue
-        # Extend the last segment if the new hit is on its line.
         if walls and walls[-1][2:] == [*hits[k - 1]] and _turn(walls[-1], x, y) < 0.1:
             walls[-1][2:] = [x, y]
         else:
@@ -109,7 +102,7 @@ def _walls(seen, radii):
 
 
 def _turn(wall, x, y):
-    """Return the angle between a segment and the line from its end to a point, rad."""
+    """Angle, rad, between a segment and the way from its end to a point."""
     there = (wall[2] - wall[0], wall[3] - wall[1])
     on = (x - wall[2], y - wall[3])
     return abs(math.atan2(there[0] * on[1] - there[1] * on[0], there[0] * on[0] + there[1] * on[1]))

@@ -1,7 +1,7 @@
 """ORCA, HRVO and human-like navigation of ``navground`` (C++ with Python bindings, MIT licence).
 
-Its author is Jérôme Guzzi, IDSIA. Install it with ``pip install navground``; the README.md next to
-this file has the details.
+Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md beside this file has the
+    whole.
 """
 
 import math
@@ -13,20 +13,20 @@ from navground.core import behaviors, kinematics
 
 from sim import Command, RobotOptions
 
-FIELD = 2.0 * math.pi / 72  # angle between two beams, rad
+FIELD = 2.0 * math.pi / 72  # rad between two beams
 
 
 @dataclass(frozen=True)
 class _Navground:
-    """Asks one of navground's behaviours, creating it again in each step.
+    """Asks one of navground's behaviours, made anew in each step.
 
-    Its state is then only what the robot observes, so that loops can be proved.
+    Its state is what the robot sees.
     """
 
     needs: ClassVar = RobotOptions(beams=72)
     behaviour: ClassVar[Any] = None
     settings: ClassVar[dict[str, float]] = {}
-    pace: float = 6.0  # top speed, robot radii per second
+    pace: float = 6.0  # top speed, robot radii a second
 
     def reset(self):
         return (0.0, 0.0)  # speed, turn rate
@@ -36,8 +36,6 @@ class _Navground:
         wheels = kinematics.TwoWheelsDifferentialDriveKinematics(
             max_speed=top, wheel_axis=2.0 * seen.radius
         )
-
-        # Describe the robot and its situation to a new behaviour.
         robot = self.behaviour(wheels, seen.radius)
         robot.optimal_speed = top
         robot.horizon = 20.0 * seen.radius
@@ -48,8 +46,6 @@ class _Navground:
         robot.orientation = seen.heading
         robot.twist = core.Twist2((memory[0], 0.0), memory[1], core.Frame.relative)
         robot.target = core.Target.Point(_at(seen, seen.target_distance, seen.target_heading), 0.0)
-
-        # Neighbouring hits that leave no gap for the robot are a wall.
         hits = [_at(seen, d, seen.heading + k * FIELD) for k, d in enumerate(seen.beams)]
         pairs = [
             (a, b)
@@ -66,8 +62,9 @@ class Orca(_Navground):
     """Optimal reciprocal collision avoidance."""
 
     behaviour = behaviors.ORCABehavior
-    # Seconds. With the default of 10 s it creeps, even in an empty room.
-    settings: ClassVar = {"static_time_horizon": 1.0}
+    settings: ClassVar = {
+        "static_time_horizon": 1.0
+    }  # s; with the default of 10 s it creeps, in an empty room too
 
 
 class Hrvo(_Navground):
@@ -77,7 +74,7 @@ class Hrvo(_Navground):
 
 
 class HumanLike(_Navground):
-    """The heading along which the path to the target looks shortest."""
+    """The heading along which the way to go looks shortest."""
 
     behaviour = behaviors.HLBehavior
 

@@ -1,4 +1,7 @@
-"""The trained policy as a controller: the sensors of training, the weights, and the best action."""
+"""The trained policy as a controller.
+
+The sensors of training, its weights, and the action that it thinks best.
+"""
 
 from pathlib import Path
 
@@ -14,7 +17,7 @@ SEES = Interface(
 
 
 class Policy:
-    """Two hidden layers, then the best of five actions."""
+    """Two hidden layers, and the best of five actions."""
 
     senses = SEES.senses
     needs = SEES.needs

@@ -1,6 +1,6 @@
-"""Train a small policy with PPO of Stable-Baselines3, and save its weights.
+"""Trains a small policy with Stable-Baselines3's PPO and keeps its weights.
 
-Run it as ``python train.py [--steps N]``.
+Python train.py [--steps N].
 """
 
 import argparse
@@ -14,54 +14,38 @@ from stable_baselines3 import PPO
 from vec_env import Vectorised
 
 WORLDS = {"family": "trap", "params": {"size": 20}}
-# Duration of an episode, s.
-EPISODE = 15.0
-
-# Time steps, s. Fewer decisions are easier to learn from, so training uses the coarse one;
-# evaluation uses worldgen's own.
+EPISODE = 15.0  # s
+# s: fewer decisions are easier to learn from; the usual step is the fine one
 COARSE = 0.06
 FINE = 0.015
 
 
 def environments(count, time_step, **more):
-    """Return environments in worlds of one family.
-
-    Progress is measured along the shortest path, so entering a dead end earns nothing.
-    """
+    """Worlds of one family, progress along the shortest way: a dead end is worth nothing."""
     envs = gymnasium.make_vec(
-        "worldgen.gym:worldgen/Navigate-v0",
-        count,
-        "vector_entry_point",
-        autoreset_mode="SameStep",
-        sensors=SEES.sensors,
-        actions=SEES.actions,
-        robot=SEES.robot,
-        time_step=time_step,
-        distance="way",
-        max_episode_steps=round(EPISODE / time_step),
-        reward={"reached": 2.0, "contact": -0.02},
-        **WORLDS,
-        **more,
-    )
+        "worldgen.gym:worldgen/Navigate-v0", count, "vector_entry_point", autoreset_mode="SameStep",
+        sensors=SEES.sensors, actions=SEES.actions, robot=SEES.robot, time_step=time_step, distance="way",
+        max_episode_steps=round(EPISODE / time_step), reward={"reached": 2.0, "contact": -0.02}, **WORLDS, **more,
+    )  # fmt: skip
     return Vectorised(envs)
 
 
 def evaluate(model, episodes=1000):
-    """Return the fraction of episodes in which the robot arrives, in worlds not trained in."""
+    """Share of episodes in which it arrives, in worlds that it was not trained in."""
     envs = environments(episodes, FINE, pool=200, pool_seed=1_000_000)
     envs.seed(1)
     observations = envs.reset()
     done = np.zeros(episodes, bool)
     reached = 0
     while not done.all():
-        observations, _, over, infos = envs.step(model.predict(observations, deterministic=True)[0])
-        reached += sum(infos[k]["is_success"] for k in np.flatnonzero(over & ~done))
+        observations, _, over, told = envs.step(model.predict(observations, deterministic=True)[0])
+        reached += sum(told[k]["is_success"] for k in np.flatnonzero(over & ~done))
         done |= over
     return reached / episodes
 
 
 def weights(policy):
-    """Return the layers of the policy's network, in the form that policy.py reads."""
+    """The layers of the policy's network, as policy.py takes them."""
     first, _, second, _ = policy.mlp_extractor.policy_net
     layers = {"1": first, "2": second, "3": policy.action_net}
     named = {f"w{k}": layer.weight for k, layer in layers.items()} | {
@@ -71,29 +55,21 @@ def weights(policy):
 
 
 def main():
-    """Train, and print how well the policy does before and after."""
+    """Trains, and says how well the policy does before and after."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=3_000_000)
     parser.add_argument("--envs", type=int, default=256)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", default="policy.npz")
     arguments = parser.parse_args()
-    torch.set_num_threads(1)  # With so small a network, threads would mostly wait for each other.
+    torch.set_num_threads(1)  # in so small a network threads wait for each other
     envs = environments(arguments.envs, COARSE, pool=300)
     envs.seed(arguments.seed)
     model = PPO(
-        "MlpPolicy",
-        envs,
-        seed=arguments.seed,
-        device="cpu",
-        n_steps=64,
-        batch_size=4096,
-        n_epochs=6,
-        learning_rate=1e-3,
-        gamma=0.99,
-        ent_coef=0.01,
+        "MlpPolicy", envs, seed=arguments.seed, device="cpu", n_steps=64, batch_size=4096, n_epochs=6,
+        learning_rate=1e-3, gamma=0.99, ent_coef=0.01,
         policy_kwargs={"net_arch": [32, 32], "activation_fn": torch.nn.ReLU},
-    )
+    )  # fmt: skip
     print(f"before: arrives in {evaluate(model):.1%} of worlds that are not trained in")
     begin = time.perf_counter()
     model.learn(arguments.steps)

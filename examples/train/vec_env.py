@@ -1,4 +1,7 @@
-"""Adapt Gymnasium's vector environments to the interface of Stable-Baselines3."""
+"""Gymnasium's vector environments as Stable-Baselines3 wants them.
+
+It has an interface of its own.
+"""
 
 import gymnasium
 import numpy as np
@@ -6,7 +9,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 
 class Vectorised(VecEnv):
-    """A vector environment that resets finished episodes in the same step."""
+    """A vector environment with autoreset in the same step."""
 
     def __init__(self, envs: gymnasium.vector.VectorEnv):
         assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP
@@ -28,9 +31,9 @@ class Vectorised(VecEnv):
         self.returns += rewards
         self.lengths += 1
         over = terminated | truncated
-        infos = [{} for _ in range(self.num_envs)]
+        told = [{} for _ in range(self.num_envs)]
         for k in np.flatnonzero(over):
-            infos[k] = {
+            told[k] = {
                 "terminal_observation": information["final_obs"][k],
                 "TimeLimit.truncated": bool(truncated[k] and not terminated[k]),
                 "is_success": bool(information["final_info"]["is_success"][k]),
@@ -38,7 +41,7 @@ class Vectorised(VecEnv):
             }
             self.returns[k] = 0.0
             self.lengths[k] = 0
-        return observations, rewards.astype(np.float32), over, infos
+        return observations, rewards.astype(np.float32), over, told
 
     def close(self):
         self.envs.close()

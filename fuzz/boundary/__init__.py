@@ -5,6 +5,7 @@ Contents:
     index_of: the index of a number of three digits.
     Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at
         which it fails.
+    run_subject: one run of a scenario, with a fresh proof.
     Stretch, scan: every change of outcome between the values of a scan.
     is_bounded, subject_of: of which failures one can ask where they begin.
     with_boundaries, describe_boundaries: what a failure's record says of where it begins.
@@ -18,6 +19,7 @@ from fuzz.boundary.search import (
     BoundaryRuns,
     Stretch,
     nearest_boundary,
+    run_subject,
     scan,
 )
 
@@ -33,6 +35,7 @@ __all__ = [
     "index_of",
     "is_bounded",
     "nearest_boundary",
+    "run_subject",
     "scan",
     "subject_of",
     "with_boundaries",

@@ -15,7 +15,15 @@ from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, Witness, World
 
-__all__ = ["Boundary", "BoundaryRun", "BoundaryRuns", "Stretch", "nearest_boundary", "scan"]
+__all__ = [
+    "Boundary",
+    "BoundaryRun",
+    "BoundaryRuns",
+    "Stretch",
+    "nearest_boundary",
+    "run_subject",
+    "scan",
+]
 
 _REACH = 512  # values; of three digits, a factor of nearly 4
 
@@ -64,7 +72,6 @@ class BoundaryRuns:
         self.axis = axis
         self._seen = seen
         self._spare = spare
-        self._controller = CONTROLLERS.get(subject.scenario.controller)
         self._known: dict[int, BoundaryRun | None] = {}
 
     def __call__(self, index: int) -> BoundaryRun | None:
@@ -85,27 +92,43 @@ class BoundaryRuns:
             return None
         try:
             subject = self.axis.at(self._subject, value)
-            world = self._proved(subject.world)
-            if world is None:
-                return None
-            options = subject.scenario.options(world)
-            run = prepare(world, self._controller, options)
-            outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
-        except WorldgenError:  # no such world, or the simulator takes no such number
+        except WorldgenError:  # there is no such world
             return None
-        return BoundaryRun(index, value, Subject(world, subject.scenario), outcome)
+        ran = run_subject(subject, self._spare)
+        return None if ran is None else BoundaryRun(index, value, *ran)
 
-    def _proved(self, world: World) -> World | None:
-        """The world with a witness for a robot that is wider by what is to spare.
 
-        Its own, if that will do.
-        """
-        needed = world.robot_radius * (1.0 + self._spare)
-        witness = world.certificate
-        if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:
-            return world
-        proved = certified(replace(world, robot_radius=needed))
-        return None if proved is None else replace(proved, robot_radius=world.robot_radius)
+def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome] | None:
+    """Run a scenario with the budget of a fresh proof that its target can be reached.
+
+    Args:
+        subject: The scenario; its world's own witness is used if it is wide enough.
+        spare: Share by which a wider robot must get there, too.
+
+    Returns:
+        The scenario with the witness in its world, and how the run ended; ``None`` if the target
+        is not provably reachable, or the simulator takes no such numbers.
+    """
+    try:
+        world = _proved(subject.world, spare)
+        if world is None:
+            return None
+        options = subject.scenario.options(world)
+        run = prepare(world, CONTROLLERS.get(subject.scenario.controller), options)
+        outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
+    except WorldgenError:
+        return None
+    return replace(subject, world=world), outcome
+
+
+def _proved(world: World, spare: float) -> World | None:
+    """Return the world with a witness for a robot wider by ``spare``; with its own if that will do."""
+    needed = world.robot_radius * (1.0 + spare)
+    witness = world.certificate
+    if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:
+        return world
+    proved = certified(replace(world, robot_radius=needed))
+    return None if proved is None else replace(proved, robot_radius=world.robot_radius)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Judge whether a trajectory recorded in any simulator was possible in a world.
 
 This is an independent referee that shares no code with the simulator. It assumes that the centre
-moves on a straight line at constant speed between two samples. ``docs/howto/audit.md`` explains
-each kind of finding and how exact it is.
+moves on a straight line at constant speed between two samples. ``docs/howto/audit.md`` explains each kind
+of finding and how exact it is.
 """
 
 from __future__ import annotations

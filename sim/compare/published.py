@@ -1,7 +1,6 @@
 """Read published tables of results, and measure how far a comparison agrees with them.
 
-``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are
-required.
+``docs/howto/compare.md`` describes the file. Only its columns world, controller and time are required.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Present a comparison as text, CSV and JSON, as described in ``docs/howto/compare.md``."""
+"""Present a comparison as text, CSV and JSON; ``docs/howto/compare.md`` describes columns and keys."""
 
 from __future__ import annotations
 

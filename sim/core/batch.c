@@ -3,9 +3,9 @@
 #include "step.h"
 #include "wg_runs.h"
 
-enum { PORTION = 1 << 20 };  // steps between two checks of `stop`: a tenth of a second
+enum { PORTION = 1 << 20 };  // steps between two looks at whether to stop: a tenth of a second
 
-// Restores an arena to its state before the first event, with the robot's cell visited.
+// Sets an arena back to what it was before the first event, with the robot's cell visited.
 static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)
 {
     size_t cells = (size_t)(arena->width * arena->height);
@@ -16,7 +16,7 @@ static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *
     wg_visit_start(arena, settings);
 }
 
-// Another thread may write it, hence the volatile read.
+// Another thread writes it.
 static bool is_stopped(const int64_t *stop)
 {
     return *(const volatile int64_t *)stop != 0;
@@ -49,7 +49,7 @@ static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena 
     settings->find_loop = WG_PROVE_LOOP;
     status = run_again(episode, fresh, stop);
 
-    // If two different states had the same fingerprint, the run did not loop, and the budget decides.
+    // If two different states had one fingerprint, the budget counts.
     if (status == WG_OK && report->ending == WG_LIMIT) {
         settings->steps = steps;
         settings->find_loop = WG_NO_LOOP;

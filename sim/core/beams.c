@@ -22,10 +22,10 @@ enum {
     EIGHTH = WG_TURN / 8,
 };
 
-// Directions of the four values of a cell in a table of wg_free_runs.
+// What follows a cell in a table of wg_free_runs.
 enum { RIGHT = 0, LEFT = 1, UP = 2, DOWN = 3, DIRECTIONS = 4 };
 
-// How closely a ray may pass a corner before the walk must decide, and a position for rays that never leave their lane.
+// How closely a ray may pass a corner, and where a ray leaves its lane that never does.
 static const int64_t CLOSE = INT64_C(1) << (FRACTION_BITS - 5);
 static const int64_t NEVER = (INT64_C(1) << 60) + (INT64_C(1) << (CELL_BITS - 1));
 
@@ -37,10 +37,10 @@ typedef struct Side {
     int64_t step;  // from a cell to the next one, in the table
 } Side;
 
-// Data shared by the rays of an eighth of a turn, which run more along their lane than across it.
+// What the rays of an eighth of a turn have in common; they run more along their lane than across it.
 typedef struct Octant {
-    const uint16_t *lane;  // where the rays begin, in the table
-    int64_t run;           // the table's value there
+    const uint16_t *lane;  // where they begin, in the table
+    int64_t run;           // what it says there
     int64_t ahead;         // to the next cell of the lane
     int64_t aside;         // to the next lane
     int64_t past[2];       // lattice units from the near sides of the first cell to the place: along the lane, across it
@@ -128,7 +128,7 @@ static void fill_octants(const WgArena *arena, const WgState *state, Octant *oct
     }
 }
 
-// Returns where a ray hits something, or exceeds its range.
+// Where a ray hits something, or after how many cells of its lane it is longer than its range.
 static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
 {
     const Hit unsure = {-1, 0};
@@ -144,12 +144,12 @@ static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
         if (((position + CLOSE) & cell_mask) <= 2 * CLOSE) {
             return unsure;
         }
-        // The ray meets the end of its lane first. If the first cell itself is solid, the walk must decide.
+        // The end of the lane comes first; a first cell that is solid itself is the walk's business.
         int64_t cell = position >> CELL_BITS;
         if (cell >= wall) {
             return wall == 0 ? unsure : (Hit){wall * WG_UNIT - octant->past[0], 0};
         }
-        // Continue in the next lane, which may have a wall where the ray enters it.
+        // On to the next lane, which may have a wall where the ray enters it.
         lane += octant->aside;
         int64_t run = lane[cell * octant->ahead];
         if (run == 0) {
@@ -191,7 +191,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
         lengths[k] = (double)hit.length;
         shares[k] = ray->share[hit.which];
     }
-    // In a separate loop, the divisions do not wait for each other.
+    // The divisions wait for nothing here.
     for (int64_t k = 0; k < count; k++) {
         distances[k] = lengths[k] < 0.0 ? wg_ray_distance(wg_grid(arena), arena->headings, state->x, state->y,
                                                           headings[k], longest)
@@ -199,7 +199,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     }
 }
 
-// Adds noise to a distance.
+// What noise makes of a distance.
 static double disturbed(const WgSettings *settings, int64_t step, int64_t beam, double distance)
 {
     if (settings->beam_noise > 0.0) {

@@ -1,18 +1,18 @@
-// Runs edited copies of a world in turn, to find the first that ends as it should.
+// Edited copies of a world, run one after the other: which is the first that ends as it should?
 
 #include <stdlib.h>
 
 #include "step.h"
 #include "wg_runs.h"
 
-// Memory for the work on one edit, in addition to the episode.
+// What the work on one edit needs in addition to the episode.
 typedef struct Scratch {
     uint8_t *ever;   // (height, width) cells that are ever not free
     uint8_t *seen;   // (2 height + 1, 2 width + 1)
     int64_t *stack;  // as many
 } Scratch;
 
-// Returns true if an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
+// Whether an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
 static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int64_t width, int64_t height)
 {
     switch (edit->kind) {
@@ -27,7 +27,7 @@ static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int
     }
 }
 
-// Writes the edited cells; returns true if any of them changed.
+// Writes the edited cells; returns whether they are others.
 static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     bool changed = edit->kind >= WG_DROP_ROWS;
@@ -50,7 +50,7 @@ static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return changed;
 }
 
-// Returns true if an edit makes a grid of the arena's shape of the old one.
+// Whether an edit makes a grid of the arena's shape of the old one.
 static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     if (edit->kind < WG_DROP_ROWS) {
@@ -65,7 +65,7 @@ static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return edit->kind == WG_DROP_COLUMNS && old.height == arena->height && old.width == arena->width + edit->b;
 }
 
-// Coordinate after an edit has removed rows or columns.
+// A coordinate after `count` rows or columns from `first` on have gone.
 static int64_t moved(int64_t coordinate, const WgEdit *edit)
 {
     return coordinate >= (edit->a + edit->b) * WG_UNIT ? coordinate - edit->b * WG_UNIT : coordinate;
@@ -83,8 +83,7 @@ static void move_ends(WgSettings *settings, const WgEdit *edit)
     }
 }
 
-// Moves the start to the nearest clear point of the nine around it, as every run does; returns false if none of them is
-// clear.
+// Moves the start to the nearest clear point of the nine around it, as every run does; false if there is none.
 static bool stand(const WgArena *arena, WgSettings *settings)
 {
     int64_t x = settings->start_x;
@@ -104,7 +103,7 @@ static bool stand(const WgArena *arena, WgSettings *settings)
     return false;
 }
 
-// Returns true if the target is surely reached without touching a cell that is ever not free.
+// Whether the target is surely reached without touching a cell that is ever not free.
 static bool has_way(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
 {
     memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
@@ -119,7 +118,7 @@ static bool has_way(const WgArena *arena, const WgSettings *settings, const Scra
     return wg_surely_reaches(ever, wg_disc(settings), ends, settings->target_radius_sq, scratch->seen, scratch->stack);
 }
 
-// Fills the tables that an episode looks up.
+// Fills what an episode looks up in the cells.
 static void survey(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
 {
     wg_near_masks(wg_grid(arena), arena->near);
@@ -137,7 +136,7 @@ static void survey(const WgArena *arena, const WgSettings *settings, const Scrat
     wg_chessboard_clearance(ever, arena->clearance);
 }
 
-// Returns true if a run has ended as wanted.
+// Whether a run has ended as asked.
 static bool is_wanted(const WgReport *report, const WgWanted *wanted)
 {
     bool overlaps = report->overlap_step >= 0;
@@ -150,7 +149,7 @@ static bool is_wanted(const WgReport *report, const WgWanted *wanted)
     return report->ending == wanted->ending;
 }
 
-// Makes an edit and prepares its run; returns false if the edited world cannot be run.
+// Makes an edit, and whatever there is to do before a run; returns whether one is to be had.
 static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings *before, WgGrid old,
                     const WgEdit *edit, bool by_way, const Scratch *scratch)
 {
@@ -170,7 +169,7 @@ static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings
     return true;
 }
 
-// Makes the next edit, and begins its run if it can be run.
+// Makes the next edit, and begins its run if one is to be had.
 static WgStatus begin_run(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                           const WgEdit *edits, const WgWanted *wanted, const Scratch *scratch, WgTried *tried)
 {
@@ -197,7 +196,7 @@ static WgStatus try_edits(WgEpisode *episode, WgSettings *settings, const WgSett
             continue;
         }
 
-        // A run longer than the remaining steps continues in the next call.
+        // A run that is longer than what is left continues in the next call.
         int64_t earlier = episode->step;
         bool goes_on = wg_episode_run(episode, left) == WG_GOES_ON;
         left -= episode->step - earlier;

@@ -8,7 +8,7 @@
 #include "step.h"
 
 enum {
-    MOST_NUMBERS = 1 << 28,  // in a controller's memory; a log may have 16 times as many steps
+    MOST_NUMBERS = 1 << 28,  // of a controller's memory, and steps of a log is 16 times that
     MOST_BEAMS = 1 << 20,
 };
 
@@ -40,7 +40,7 @@ typedef struct Parts {
     int64_t flat;
     int64_t answer;
     int64_t prints;
-    int64_t log;  // in a separate block
+    int64_t log;  // a block of its own
 } Parts;
 
 // Works out how large the parts are; returns false if a size is out of its range.

@@ -1,4 +1,4 @@
-// Many robots in lockstep: each runs until its controller must act, and then one call acts for all of them.
+// Many robots in lockstep: all go on to where their controller acts, then one call of it acts for all of them.
 
 #include <string.h>
 

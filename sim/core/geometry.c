@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-// Cells of a row or a column from `first` to `last`, which may include the ring around the grid.
+// The cells whose numbers in a row, or a column, lie from `first` to `last`; the ring around the grid belongs to them.
 typedef struct Span {
     int64_t first;
     int64_t last;
 } Span;
 
-// Returns the cells that coordinates from `low` to `high` touch.
+// Those that coordinates from `low` to `high` touch.
 static Span span(int64_t low, int64_t high, int64_t cells)
 {
     return (Span){wg_most(wg_cell_of(low), -1), wg_least(wg_cell_of(high), cells)};
@@ -34,7 +34,7 @@ bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y)
     return true;
 }
 
-// Returns true if a corner is clear of the inside of a segment, from its dot and cross product with it.
+// Whether a corner is clear of the inside of a segment, from its dot and cross product with it.
 static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int64_t length_sq)
 {
     // Above this a squared cross product does not fit in 63 bits; a closer call than 1e-12 is then "not clear".
@@ -54,7 +54,7 @@ static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int
     return across * across >= clear_sq * length_sq;
 }
 
-// Returns true if the disc is clear of one closed cell along a segment whose first end is taken as clear.
+// Whether the disc is clear of one closed cell along a segment whose first end is taken as clear.
 //
 // The nearest points of a segment and a box that do not cross include an end of the segment or a corner of the box, so
 // these and the crossing itself decide.
@@ -94,7 +94,7 @@ WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way)
     Span rows = span(wg_least(way.py, way.qy) - disc.reach, wg_most(way.py, way.qy) + disc.reach, grid.height);
     bool is_long = wg_abs(dx) > 2 * WG_UNIT && wg_abs(dy) > 2 * WG_UNIT;
     for (int64_t iy = rows.first; iy <= rows.last; iy++) {
-        // Of a long slanted move, only the part near this row matters.
+        // Of a long slanted move only the part near this row counts.
         if (is_long) {
             double a = (double)(iy * WG_UNIT - disc.reach - way.py) / (double)dy;
             double b = (double)((iy + 1) * WG_UNIT + disc.reach - way.py) / (double)dy;
@@ -184,7 +184,7 @@ void wg_near_masks(WgGrid grid, int32_t *near)
     }
 }
 
-// The least distance of the neighbours in the row above or below, plus one.
+// The least of what the neighbours in a row above or below say, plus one.
 static int32_t beyond(const int32_t *row, int64_t ix, int64_t width, int32_t least)
 {
     for (int64_t k = wg_most(ix - 1, 0); k <= wg_least(ix + 1, width - 1); k++) {

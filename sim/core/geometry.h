@@ -49,7 +49,7 @@ static inline int64_t wg_point_box_distance_sq(int64_t x, int64_t y, int64_t ix,
     return dx * dx + dy * dy;
 }
 
-// Returns true if some point of a segment is within a distance of (x, y).
+// Whether some point of a segment is within a distance of (x, y).
 static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, int64_t within_sq)
 {
     int64_t cx = x - way.px;
@@ -70,7 +70,7 @@ static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, 
     return across * across <= (double)within_sq * (double)length_sq;
 }
 
-// Returns true if the masks show that no cell in the box around a disc's path is taken; if not, a closer look is due.
+// Whether the masks show that no cell in the box around a disc's path is taken; if not, a closer look is due.
 static inline bool wg_window_is_free(const WgArena *arena, int64_t reach, WgSegment way)
 {
     enum { SIDE = 2 * WG_NEAR + 1, EACH_ROW = 0x108421 };  // the lowest bit of each of the five rows

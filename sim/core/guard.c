@@ -65,11 +65,11 @@ double wg_guard_seconds(int64_t process)
 #include <time.h>
 #include <unistd.h>
 
-enum { LOOK_AROUND = 500000 };  // us between two checks that the owner still runs
+enum { LOOK_AROUND = 500000 };  // us between two looks whether the owner is still there
 
 static volatile sig_atomic_t owner;  // of the process that makes calls; it is set there and nowhere else
 
-// Ends this process if its owner has ended: a controller that hangs would keep it running forever.
+// Ends this process if its owner is gone: a controller that hangs would keep it running forever.
 static void look_for_owner(int number)
 {
     (void)number;
@@ -78,7 +78,7 @@ static void look_for_owner(int number)
     }
 }
 
-// Resets signals to a program's defaults, except for Ctrl-C, which is the owner's, and the timer that checks the owner.
+// Makes signals what a program finds at its start, but for Ctrl-C, which is the owner's, and the look for the owner.
 static void set_signals(void)
 {
     for (int number = 1; number < NSIG; number++) {
@@ -109,7 +109,7 @@ static void close_off(void)
     setrlimit(RLIMIT_CORE, &no_file);
 }
 
-// Copies the error of the last run's controller, which may be in memory that only this process has.
+// Copies what the last run's controller said: it may stand in memory that only this process has.
 static void note_error(WgCall *call)
 {
     call->has_error = call->report != NULL && call->report->ending == WG_CRASH && call->report->error != NULL;
@@ -143,7 +143,7 @@ static _Noreturn void serve(WgCall *call, int asked, int answered)
 
 int64_t wg_guard_start(WgCall *call, int asked, int answered)
 {
-    // No signal may come to the new process before it has its own handlers.
+    // No signal may come to the new process before it has handlers of its own.
     sigset_t all;
     sigset_t before;
     sigfillset(&all);

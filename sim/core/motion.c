@@ -125,7 +125,7 @@ static bool step_aside(WgGrid grid, WgDisc disc, Point from, Point to, WgNormal 
     return false;
 }
 
-// Returns a lattice point near a contact to which a clear segment leads, or the start.
+// A lattice point near a contact that a clear segment leads to; the start if there is none.
 //
 // Nearest to the contact, and a little away from the wall where rounding would be in it; or further back.
 static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t dy, Contact contact)
@@ -137,8 +137,7 @@ static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t d
             break;
         }
         Point goal = {from.x + wg_round_away(share * (double)dx), from.y + wg_round_away(share * (double)dy)};
-        // The robot's own place is clear. Nine of ten contacts of a robot that pushes along walls end here: a fifth
-        // faster.
+        // Where it is, it is clear. Nine of ten contacts of a robot that pushes along walls end here: a fifth faster.
         if (goal.x == from.x && goal.y == from.y) {
             break;
         }
@@ -188,7 +187,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
     double now = begin;
     WgNormal normal = {0.0, 0.0};
     for (int attempt = 0; attempt < TRIES && (dx != 0 || dy != 0); attempt++) {
-        // Go all the way if it is clear.
+        // All the way, if it is clear.
         Point goal = {place.x + dx, place.y + dy};
         Point clear_end = goal;
         bool is_free = attempt == 0 ? is_clear(grid, disc, place, goal)
@@ -198,7 +197,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
             break;
         }
 
-        // Otherwise go as far as the first wall.
+        // As far as the first wall.
         Stop stop = first_stop(grid, disc, place, dx, dy);
         WgNormal wall = stop.contact.normal;
         now += (end - now) * stop.contact.time;
@@ -207,7 +206,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
             place = stop.place;
         }
 
-        // Project the rest of the displacement onto that wall.
+        // What is left of the displacement, along that wall.
         double left_x = (1.0 - stop.contact.time) * (double)dx;
         double left_y = (1.0 - stop.contact.time) * (double)dy;
         double into = (left_x * wall.x + left_y * wall.y) / (wall.x * wall.x + wall.y * wall.y);

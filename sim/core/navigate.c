@@ -79,7 +79,7 @@ int64_t wg_run_of_episode(uint64_t seed, int64_t episode)
     return (int64_t)(wg_random_draw(seed, 2 * episode + 1) * 0x1p53);
 }
 
-// Returns the current surroundings of a robot; its visited cells are not needed.
+// What surrounds a robot now. Nobody asks where it has been.
 static WgArena arena_of(const WgCrew *crew, int64_t robot)
 {
     WgArena arena = crew->places[crew->world[robot]].arena;
@@ -220,7 +220,7 @@ static void command(WgCrew *crew, int64_t robot, double turn, double speed)
     wg_apply_command(settings, &wanted, crew->clock[robot], &crew->robots[robot]);
 }
 
-// Returns the reward for a step, and notes the new distance.
+// What a step is worth; notes the new distance.
 static double reward_of(WgCrew *crew, int64_t robot, bool touched)
 {
     const WgRules *rules = crew->rules;
@@ -251,7 +251,7 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
         command(crew, robot, turn, speed);
         touched = advance(crew, robot);
     } else {
-        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // the episode began at its end, with nothing to do
+        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it began where episodes end
     }
     observe(crew, observation);
     crew->elapsed[robot]++;

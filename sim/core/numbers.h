@@ -1,4 +1,4 @@
-// Arithmetic with Python's rules: division and remainder round down, and so on.
+// Arithmetic as Python has it: division and remainder round down, and so on.
 
 #ifndef WG_NUMBERS_H
 #define WG_NUMBERS_H
@@ -13,7 +13,7 @@ static inline int64_t wg_floor_div(int64_t value, int64_t divisor)
     return value % divisor < 0 ? quotient - 1 : quotient;
 }
 
-// The remainder of that division, in [0, divisor).
+// What that division leaves, in [0, divisor).
 static inline int64_t wg_floor_mod(int64_t value, int64_t divisor)
 {
     int64_t rest = value % divisor;
@@ -46,8 +46,8 @@ static inline double wg_higher(double a, double b)
     return b > a ? b : a;
 }
 
-// The next integers below and above, for values within those of an int64. Unlike the library's functions, they
-// never become calls, even if the processor may lack an instruction for them.
+// The next integers below and above, for values within those of an int64. Unlike the library's functions they are no
+// calls where the processor may lack an instruction for them.
 static inline int64_t wg_floor(double value)
 {
     int64_t whole = (int64_t)value;

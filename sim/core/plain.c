@@ -7,7 +7,7 @@
 
 #include "step.h"
 
-// Data that the loop keeps at hand.
+// What the loop keeps at hand.
 typedef struct Plain {
     const WgArena *arena;
     const WgSettings *settings;
@@ -30,7 +30,7 @@ bool wg_is_plain(const WgEpisode *episode)
            && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;
 }
 
-// The part of the fingerprint from position and draws: the words of wg_fingerprint_of_few that seldom change.
+// What position and random numbers add to the fingerprint: of wg_fingerprint_of_few, the words that change seldom.
 static uint64_t seldom_words(const WgState *state)
 {
     return wg_folded((uint64_t)state->x) * WG_FACTORS[0] + wg_folded((uint64_t)state->y) * WG_FACTORS[1]
@@ -151,7 +151,7 @@ bool wg_run_plain(WgEpisode *episode, int64_t last)
         .constant = seldom_words(&robot->body->state),
     };
 
-    // Run from one look-up of the search to the next.
+    // From one look-up of the search to the next.
     for (int64_t step = episode->step + 1; step <= last; step++) {
         int64_t end = wg_least(last, wg_most(search->next, step));
         int64_t ended = run_steps(&plain, search->log, step, end);

@@ -10,7 +10,7 @@
 
 enum { TOOLS = 9 };
 
-// Objects that the loop uses; these references are borrowed.
+// What the loop works with; no reference of it is owned.
 typedef struct Tools {
     PyObject *act;
     PyObject *first;
@@ -28,7 +28,7 @@ int64_t wg_episode_stop(void *subject)
     return wg_episode_step(subject);
 }
 
-// Returns true if an object is of just that type, not of one that inherits from it.
+// Whether an object is of just that type, not of one that inherits from it.
 static bool is_just(PyObject *object, PyObject *type)
 {
     PyObject *own = PyObject_Type(object);
@@ -50,7 +50,7 @@ static PyObject *floats(const double *numbers, int64_t count)
     return made;
 }
 
-// Returns a new Observation for the controller, which may keep it; NULL after an exception.
+// What the controller sees, as an Observation of its own: it may keep it. NULL after an exception.
 static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools)
 {
     const double *seen = workspace->flat;
@@ -71,7 +71,7 @@ static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools
     return observation;
 }
 
-// Reads a number; returns false, without an exception, for anything else.
+// Reads a number; false, without an exception, if it is none.
 static bool read_number(PyObject *object, double *number)
 {
     *number = PyFloat_AsDouble(object);
@@ -130,7 +130,7 @@ static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools
     return after;
 }
 
-// The same for any answer, as Python's function reads it. NULL after an exception.
+// The same for any answer, by Python's word. NULL after an exception.
 static PyObject *take_slowly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
 {
     PyObject *length = PyLong_FromLongLong(size);
@@ -155,7 +155,7 @@ static PyObject *act_once(WgActing *acting, const Tools *tools, PyObject *memory
         return NULL;
     }
 
-    // The function decides how its time counts: the first call for itself, later ones for all calls around them.
+    // Which function it is says how its time counts: the first call alone, later ones for all around them.
     PyObject *act = tools->act;
     if (acting->calls == 0) {
         act = tools->first;

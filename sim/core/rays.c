@@ -95,8 +95,8 @@ static bool has_arrived(const Line *line)
     return line->ix == line->last_ix && line->iy == line->last_iy;
 }
 
-// Advances to the next cell. Of the next column's and the next row's edge, the one that comes first is crossed; if both
-// come at the same time, the line passes through the corner.
+// Goes to the next cell: of the next column's and the next row's line, the one that comes first is crossed; where both
+// meet, the line passes through the corner.
 static void follow(Line *line)
 {
     int64_t to_column = line->step_x > 0 ? (line->ix + 1) * WG_UNIT - line->x : line->x - line->ix * WG_UNIT;
@@ -125,7 +125,7 @@ int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int
     return count;
 }
 
-// Returns true if a cell, or one of those around it as far as smoke reaches, burns.
+// Whether a cell, or one of those around it as far as smoke reaches, burns.
 static bool is_in_smoke(WgGrid grid, int64_t ix, int64_t iy, int64_t reach)
 {
     int64_t top = wg_least(iy + reach, grid.height - 1);

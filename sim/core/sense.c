@@ -1,4 +1,4 @@
-// Senses that few steps need, or that take long; see sense.h.
+// What few steps sense, or what takes long; see sense.h.
 
 #include "sense.h"
 
@@ -123,7 +123,7 @@ static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t targ
 {
     const int64_t middle = WG_UNIT / 2;
 
-    // If the target's cell is not one of the nine, one of them is nearer than all others: if it is free, that is it.
+    // If the target's cell is none of the nine, one of them is nearer than all others: if it is free, that is it.
     int64_t away_x = ix * WG_UNIT + middle - target_x;
     int64_t away_y = iy * WG_UNIT + middle - target_y;
     bool is_far = wg_most(wg_abs(away_x), wg_abs(away_y)) > 2 * WG_UNIT;
@@ -247,7 +247,7 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         observation->time = (double)step * settings->time_step;
     }
 
-    // The pose as the wheels measure it: the true one, if they have no noise.
+    // Where the wheels say that it is: the truth, if they have no noise.
     if ((senses & WG_SENSE_ODOMETRY) != 0) {
         if (settings->odometry_noise > 0.0) {
             observation->odometry_x = odometry->x * metres;

@@ -1,4 +1,4 @@
-// The senses of a robot on the pose lattice, and the lattice's trigonometry: the parts that every step needs.
+// What a robot on the pose lattice senses, and the lattice's trigonometry: what every step needs.
 
 #ifndef WG_SENSE_H
 #define WG_SENSE_H
@@ -12,7 +12,7 @@
 #include "random_draw.h"
 #include "wg_episode.h"
 
-// Channels of the simulator's own random numbers in one step; each number is drawn independently of the others.
+// Channels of the simulator's own random numbers in one step; each number is drawn for itself alone.
 enum {
     WG_NOISE_SLIP = 0,
     WG_NOISE_WAY = 1,
@@ -60,7 +60,7 @@ static inline void wg_prefetch_displacement(const int64_t *headings, int64_t hea
     __builtin_prefetch(&headings[wg_reduced_heading(heading - WG_TURN / 4)]);
 }
 
-// Returns true if a normal is not (0, 0). Without its sign, zero has no bits; comparing them takes a third of the
+// Whether a normal is one: not (0, 0). Without its sign, zero has no bits; comparing them takes a third of the
 // instructions of two comparisons of doubles.
 static inline bool wg_is_contact(WgNormal contact)
 {
@@ -95,7 +95,7 @@ void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgSt
 void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
                    WgNormal contact, int64_t step, WgObservation *observation, double *beams);
 
-// Returns true if any of them is declared. Testing all of them together saves 16 instructions in a step without any.
+// Whether any of them is declared. One test of all instead of one of each takes 16 instructions from a step without.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
     return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;

@@ -113,7 +113,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     return moved.contact;
 }
 
-// The part of a displacement that is covered by a time in the step, lattice units.
+// What of a displacement is covered by a time in the step, lattice units.
 static int64_t share(int64_t whole, int64_t time)
 {
     return wg_round_away((double)whole * ((double)time / (double)WG_STEP_TIME));
@@ -136,7 +136,7 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
             int64_t there_y = until == WG_STEP_TIME ? dy : share(dy, until);
             WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
 
-            // If it arrived early, it waits for the event.
+            // It waits for what comes.
             bool waits = robot->corners == 0 || robot->chain[robot->corners - 1].time < until;
             if (until < WG_STEP_TIME && waits) {
                 wg_add_corner(robot, robot->body->state.x, robot->body->state.y, until);
@@ -198,7 +198,7 @@ int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive)
     return wg_whole_speed((double)drive * (1.0 - lost));
 }
 
-// Factor by which a measured length or turn is wrong.
+// How many times too long a measured length or turn is.
 static double wrong(const WgSettings *settings, int64_t step, int64_t channel)
 {
     double draw = wg_noise_draw(settings, wg_noise_channel(step, channel));
@@ -247,8 +247,7 @@ void wg_flatten(WgWorkspace *workspace)
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
 {
-    // The copy discards anything that a controller writes into the observation, which would be memory outside its
-    // state.
+    // What a controller writes into the observation is gone after the step: it would be memory that no state holds.
     wg_flatten(workspace);
     double command[3] = {0.0, 0.0, 0.0};
     int64_t size = WG_SENSES + workspace->observation.beam_count;

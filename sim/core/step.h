@@ -1,8 +1,8 @@
 // One step on the pose lattice: the move at the speed of the wheels, with the events that fall into it each at its
 // time, then sensing, then the controller, whose turn takes effect at once and whose speed drives the next step.
 //
-// The parts that every step needs are inline, so that the compiler keeps the loop around them in registers. The parts
-// that few steps need are in step.c.
+// What every step needs is inline, so that the compiler keeps the loop around it in registers; what few steps need is
+// in step.c.
 
 #ifndef WG_STEP_H
 #define WG_STEP_H
@@ -33,10 +33,10 @@ static const uint64_t WG_HASH_PRIME = 1099511628211u;
 // Puts a robot at its start, with its memory at reset.
 void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgController *controller);
 
-// Fills the observation before a controller's first step, when only the constants are known.
+// What a controller senses before its first step: nothing but constants.
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 
-// Clears the visited cells, except for the start.
+// Forgets where the robot has been, but for its start.
 void wg_visit_start(const WgArena *arena, const WgSettings *settings);
 
 // Step in which the world changes for the last time; 0 if it never does.
@@ -45,7 +45,7 @@ static inline int64_t wg_last_event(const WgArena *arena)
     return arena->event_count > 0 ? arena->events[arena->event_count - 1].step : 0;
 }
 
-// Rounds a speed to whole units, towards zero, so that no robot exceeds its top speed.
+// Whole units of speed, never more than asked for, so that nobody outruns the top speed.
 static inline int64_t wg_whole_speed(double asked)
 {
     return (int64_t)(asked + copysign(1e-9, asked));
@@ -55,7 +55,7 @@ static inline int64_t wg_whole_speed(double asked)
 bool wg_is_plain(const WgEpisode *episode);
 bool wg_run_plain(WgEpisode *episode, int64_t last);
 
-// Parts of a step that few steps need; in step.c.
+// What few steps need; in step.c.
 
 // Takes command and memory from workspace.answer, if they are there.
 void wg_take_answer(WgEpisode *episode);
@@ -78,7 +78,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
 // Moves the robot on to the nearest point of a coarser lattice to which a clear way leads, if there is one.
 void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
-// Returns the part of a drive that remains after the wheels have slipped.
+// What is left of a drive after the wheels have slipped.
 int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive);
 
 // Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too.
@@ -94,7 +94,7 @@ void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 // Writes a step into a recording: its state, and the corners of its path after those of the steps before.
 void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped);
 
-// Parts that every step needs.
+// What every step needs.
 
 // Whole lattice units that a speed drives in a step; the rest is lost.
 static inline int64_t wg_drive(int64_t speed)
@@ -102,14 +102,13 @@ static inline int64_t wg_drive(int64_t speed)
     return speed / WG_SPEED_UNIT;
 }
 
-// Returns true if the robot's centre is in the grid.
+// Whether the robot's centre is in the grid.
 static inline bool wg_is_inside(const WgArena *arena, const WgState *state)
 {
     return wg_is_in_grid(wg_grid(arena), wg_cell_of(state->x), wg_cell_of(state->y));
 }
 
-// Returns true if the tables show that no cell that is not free is within reach of a move; if not, a closer look is
-// due.
+// Whether the tables show that no cell that is not free is within reach of a move; if not, a closer look is due.
 static inline bool wg_nothing_near(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t dx,
                                    int64_t dy)
 {
@@ -191,7 +190,7 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
 }
 
 // Moves the robot for one step, with the events that fall into it, and judges the path. Returns whether its centre is
-// in the grid. Left to choose, the compiler does not inline it, and a step takes 3 % longer.
+// in the grid. Where the compiler is left to choose, it is not inlined, and a step takes 3 % longer.
 __attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings,
                                                              int64_t step, WgRobot *robot)
 {
@@ -217,7 +216,7 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // Features of few robots: poses on a coarser lattice, and wheels that measure wrong.
+    // What few robots have: poses on a coarser lattice, wheels that measure wrong.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
@@ -228,8 +227,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     return wg_keep_books(arena, step, robot);
 }
 
-// The part of a step before the controller acts. Returns true if it must act: not if the run has ended, nor outside
-// the grid, because nothing can be sensed there.
+// The part of a step before the controller acts. Returns whether it is to act: not if the run has ended, nor outside
+// the grid, where nothing can be sensed.
 static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
                                      WgWorkspace *workspace, int64_t step)
 {
@@ -253,7 +252,7 @@ static inline int64_t wg_next_speed(int64_t now, int64_t wanted, const WgSetting
         return wanted;
     }
     if ((wanted > 0 && now < 0) || (wanted < 0 && now > 0)) {
-        wanted = 0;  // it must stop first
+        wanted = 0;  // it must come to a stand first
     }
     if ((double)wg_abs(wanted) > (double)wg_abs(now) + gain) {
         return wanted > 0 ? now + (int64_t)gain : now - (int64_t)gain;
@@ -269,15 +268,14 @@ static inline double wg_clamp(double value, double low, double high)
     return wg_lower(wg_higher(value, low), high);
 }
 
-// Returns true if two numbers are neither infinite nor NaN: times zero, all others are zero. Two tests of one number
-// each take
+// Whether two numbers are neither infinite nor NaN: times zero, all others are zero. Two tests of one number each take
 // twice the instructions.
 static inline bool wg_are_finite(double one, double two)
 {
     return one * 0.0 + two * 0.0 == 0.0;
 }
 
-// Returns true if a number is anything but zero, NaN included: without its sign, zero has no bits.
+// Whether a number is anything but zero, NaN included: without its sign, zero has no bits.
 static inline bool wg_is_nonzero(double value)
 {
     uint64_t bits;
@@ -285,13 +283,13 @@ static inline bool wg_is_nonzero(double value)
     return bits << 1 != 0;
 }
 
-// The commanded turn, heading units; `most` is the limit, a whole number.
+// The turn that a command asks for, heading units; `most` is the limit, whole.
 static inline int64_t wg_commanded_turn(const WgSettings *settings, const WgCommand *command, double most)
 {
     return wg_round_away(wg_clamp(command->turn_rate * settings->turn, -most, most));
 }
 
-// The commanded speed, in units of speed.
+// The speed that a command asks for, units of speed.
 static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCommand *command)
 {
     double speed = wg_clamp(command->speed, -settings->top_speed, settings->top_speed);
@@ -354,7 +352,7 @@ static inline void wg_count_contact(WgRobot *robot, bool touches)
     robot->touched = touches;
 }
 
-// Counts a contact, and hashes and records the step if required.
+// Counts a contact, and hashes and records the step if asked to.
 static inline void wg_note_step(const WgSettings *settings, const WgRecording *recording, int64_t words, int64_t step,
                                 WgRobot *robot)
 {
@@ -368,7 +366,7 @@ static inline void wg_note_step(const WgSettings *settings, const WgRecording *r
     }
 }
 
-// Returns true if a noted step was the last one, also because of a recurrence.
+// Whether a step that is noted was the last one, for a recurrence too.
 static inline bool wg_is_over(const WgSettings *settings, WgSearch *search, int64_t step, int64_t quiet, WgRobot *robot)
 {
     WgReport *report = &robot->report;

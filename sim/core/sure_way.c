@@ -1,5 +1,4 @@
-// Decides whether the disc surely reaches the target, by a flood over half cells that may miss a path but never invents
-// one.
+// Whether the disc surely gets to the target: a flood over half cells that may miss a path, but never invents one.
 //
 // A step of half a cell along an axis has its least clearance at an end, a diagonal one at an end or in the middle
 // (docs/explanation/reachability.md proves it).
@@ -25,7 +24,7 @@ static bool is_clear(const Flood *flood, int64_t x, int64_t y)
     return wg_disc_is_clear(flood->grid, WG_SOLID, flood->disc, x, y);
 }
 
-// Returns true if the disc, which is clear at both ends, may go from one to the other.
+// Whether the disc, which is clear at both ends, may go from one to the other.
 static bool goes_straight(const Flood *flood, WgSegment way)
 {
     return !wg_first_not_clear(flood->grid, WG_SOLID, flood->disc, way).found;

@@ -1,5 +1,5 @@
-// The arbiter of the thesis's robot: which behaviour is in charge, and what it does. A state machine
-// without any geometry.
+// Who is in charge of the thesis's robot, and what it then does: a state machine without any
+// geometry.
 //
 // wg_select_behaviour lets a behaviour take control; the caller then sets the new target heading if
 // collide has just come in, and looks whether the robot already points there. wg_run_behaviour lets
@@ -26,7 +26,7 @@ enum { WG_IDLE = -1, WG_COLLIDE = 0, WG_SEEK = 1, WG_DRIVE = 2 };
 // Readings of the arbiter.
 enum { WG_A0 = 0, WG_A1, WG_A2, WG_A3, WG_A4, WG_A5, WG_A6, WG_INTERRUPTIBLE };
 
-// Actions of the wheels: stand and turn towards the target heading; drive at the robot's speed; drive
+// What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive
 // at the speed before the collision; stand; keep the speed, whatever it is.
 typedef enum WgWheels {
     WG_WHEELS_TURN,

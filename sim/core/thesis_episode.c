@@ -152,7 +152,7 @@ static bool is_share(double value)
     return value >= 0.0 && value <= 1.0;
 }
 
-// Returns true if the robot's numbers are such that every tick ends and no whole number overflows.
+// Whether the robot's numbers are such that every tick ends and no whole number overflows.
 static bool robot_is_sound(const WgThesisSettings *settings)
 {
     const int64_t most = (int64_t)1 << 40;

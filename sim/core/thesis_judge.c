@@ -1,5 +1,5 @@
-// Judges a tick of the thesis's robot: walls and flames that it touches, paths through walls, and new
-// cells.
+// What a tick of the thesis's robot is judged by: walls and flames that it touches, paths through
+// walls, new cells.
 
 #include "thesis_judge.h"
 
@@ -18,7 +18,7 @@ static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
     return sqrt(dx * dx + dy * dy);
 }
 
-// Returns true if the disc cuts a wall by more than rounding.
+// Whether the disc cuts a wall by more than rounding.
 static bool overlaps(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t own_x = thesis_cell_of(centre.x);
@@ -64,8 +64,8 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
     }
 }
 
-// Returns the deepest cut of the disc into a wall at the end of a tick; the first flame that it
-// touches ends the run.
+// What the disc touches at the end of a tick: the deepest cut into a wall, and the first flame,
+// which ends the run.
 static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run,
                                  int64_t step, double *depth)
 {
@@ -104,8 +104,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     WgThesisPlace deepest = deepest_cut(grid, settings->radius, run, step, &depth);
     run->deepest = wg_higher(run->deepest, depth);
 
-    // An overlap begins with the move that let the robot in. If the disc overlapped before a wall
-    // changed that move, a corner let it in.
+    // An overlap begins with the move that let the robot in. What overlaps before a wall changed
+    // that move, a corner let in.
     if (depth <= LEAST_CROSSING) {
         run->overlap_began = -1;
     } else if (run->overlap_began < 0) {

@@ -1,4 +1,4 @@
-// Functions that judge a tick of the thesis's robot.
+// How a tick of the thesis's robot is judged.
 
 #ifndef WG_THESIS_JUDGE_H
 #define WG_THESIS_JUDGE_H

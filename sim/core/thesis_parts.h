@@ -1,4 +1,4 @@
-// Definitions shared by the files of the thesis's simulator.
+// What the files of the thesis's simulator share.
 
 #ifndef WG_THESIS_PARTS_H
 #define WG_THESIS_PARTS_H

@@ -11,10 +11,10 @@
 #include "thesis_parts.h"
 
 static const double DARK =
-    1073741824.0; // 2^30, the reading where no light arrives: weaker than any signal
+    1073741824.0; // 2^30, what is read where no light comes: weaker than any signal
 
 enum {
-    MOST_HALVINGS = 30, // walls that weaken the light; more of them make no difference
+    MOST_HALVINGS = 30, // walls that weaken; behind more it is as dark
     NOISE_REACH = 2,    // cells around a wall whose signal the filter changes
 };
 
@@ -137,7 +137,7 @@ static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
     return walls;
 }
 
-// Signal of a cell after the walls in between; below 0 in a cell without a signal.
+// Signal of a cell as it comes through the walls; below 0 where there is none.
 static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings)
 {
     double value = thesis_value(grid, cell.x, cell.y);
@@ -156,7 +156,7 @@ static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettin
     return weakened < DARK ? weakened : DARK;
 }
 
-// Best signal in a block of the robot's map; -1 without any signal, as in a block of walls.
+// Best signal in a block of the robot's map; -1 if it has none, as in a block of walls.
 static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesisSettings *settings)
 {
     int64_t scale = settings->map_scale;
@@ -175,7 +175,7 @@ static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesi
     return best;
 }
 
-// The sensor's reading of a cell, or of a block of the robot's map.
+// What the sensor reads of a cell, or of a block of the robot's map.
 static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings,
                             int64_t scale, int64_t draw)
 {
@@ -187,7 +187,7 @@ static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSet
     return value;
 }
 
-// Returns true if a place is in the sensor's field of view.
+// Whether a place is in the sensor's field of view.
 static bool in_field(double dx, double dy, double looking, double field)
 {
     if (field == 0.0) {

@@ -14,11 +14,11 @@
 // The corners that one move may add to the path of a step, the end of a wait included.
 enum { WG_MOST_CORNERS = 4 };
 
-// Return values of wg_episode_run and wg_episode_step.
+// What wg_episode_run and wg_episode_step come back with.
 enum {
-    WG_GOES_ON = 0,  // the steps are done, and nothing is decided
+    WG_GOES_ON = 0,  // so many steps are done, and nothing is decided
     WG_OVER = 1,     // WgReport.ending says why; also when the budget is spent
-    WG_ACTS = 2,     // the controller must act; only from wg_episode_step
+    WG_ACTS = 2,     // the controller is to act: of wg_episode_step only
 };
 
 // A controller over flat arrays, as numba compiles it: the first 17 numbers of an observation, then its beams; the
@@ -27,11 +27,11 @@ enum {
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
-// The controller. With neither function, the episode stops wherever the controller must act.
+// Who drives. With neither function, the episode stops wherever the controller is to act.
 typedef struct WgController {
     WgAct act;
-    WgFlatAct flat;        // used if act is NULL
-    const double *memory;  // (memory_size,) at reset; may be NULL without a memory
+    WgFlatAct flat;        // used where act is NULL
+    const double *memory;  // (memory_size,) at reset; may be NULL where there is none
     int64_t memory_size;
 } WgController;
 
@@ -48,7 +48,7 @@ typedef struct WgOdometry {
     double heading;  // heading units
 } WgOdometry;
 
-// A robot, and the result of its last step.
+// A robot, and what the last step made of it.
 typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
@@ -60,7 +60,7 @@ typedef struct WgRobot {
     WgReport report;
 } WgRobot;
 
-// Exchange between the robot and its controller.
+// What passes between the robot and its controller.
 //
 // A controller outside the core finds the observation in `flat`. It changes `command` and its memory, or writes both
 // into `answer`: 1, speed, turn rate, whether it used the random number, memory.
@@ -72,7 +72,7 @@ typedef struct WgWorkspace {
     double *answer;  // (4 + memory,)
 } WgWorkspace;
 
-// State of the search for a recurrence; see recurrence.h.
+// What the search for a recurrence works with: see recurrence.h.
 typedef struct WgSearch {
     uint64_t *log;     // (log_size,) fingerprint of the state after each step
     int64_t log_size;
@@ -102,7 +102,7 @@ typedef struct WgEpisode {
     WgRecording recording;
     int64_t step;    // steps done
     int64_t quiet;   // step of the last event: states before it prove nothing
-    int64_t waits;   // 1 while the controller must act
+    int64_t waits;   // 1 while the controller is to act
     int64_t over;    // 1 when the episode has ended
 } WgEpisode;
 
@@ -118,24 +118,24 @@ void wg_episode_free(WgEpisode *episode);
 WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                           int64_t log_steps, int64_t sizes[2]);
 
-// Makes an episode in two such blocks; NULL if a size is out of range. The caller frees the blocks, and nothing else.
+// Makes an episode in two such blocks; NULL if a size is out of its range. Nothing of it is to be freed.
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
-// Ends an episode as a crash of its controller, in the step in which it had to act last.
+// Ends an episode as a crash of its controller, in the step in which it was to act last.
 void wg_episode_fail(WgEpisode *episode, const char *error);
 
-// Puts the robot at its start and resets its memory. The arena must be as it is before the first event.
+// Puts the robot at its start, its memory at reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);
 
 // Writes steps from the next one on into a recording, `rows` of them, and their path.
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t path_size);
 
-// Runs at most `most_steps` steps.
+// Runs at most so many steps.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
-// For a controller that is not a C function. Takes its answer if it had to act, and then runs until it must act again,
+// For a controller that is not a C function. Takes its answer, if it was to act; then runs until it is to act again,
 // WG_ACTS, or the episode ends, WG_OVER.
 int64_t wg_episode_step(WgEpisode *episode);
 

@@ -1,8 +1,8 @@
 // Calls of the core in another process, so that a controller that crashes or hangs ends a run and not the program.
 //
-// wg_guard_start forks a process that waits for a byte, makes the call described in shared memory, and answers with a
+// wg_guard_start forks a process that waits for a byte, makes the call that stands in shared memory, and answers with a
 // byte. Whatever a call works on is in memory that both processes share, so when the process dies in the middle, the
-// owner finds everything as it was when the controller was called, and can tell in which step of which run that was.
+// owner finds everything as it was when the controller was asked, and can say in which step of which run that was.
 // Not on Windows.
 
 #ifndef WG_GUARD_H
@@ -14,7 +14,7 @@
 
 enum {
     WG_CALL_OBJECTS = 8,
-    WG_LONGEST_ERROR = 256,  // bytes of a controller's error message, including the final zero
+    WG_LONGEST_ERROR = 256,  // bytes of what a controller says is wrong, with the zero at its end
 };
 
 typedef struct WgCall WgCall;
@@ -26,17 +26,17 @@ struct WgCall {
     WgWork work;
     void *objects[8];        // the pointers that the function takes, in their order
     int64_t number;          // the number that it takes
-    const WgReport *report;  // of the run under way; NULL outside of runs
+    const WgReport *report;  // of the run under way; NULL: there is none
     int64_t result;          // filled: what the function returns
-    int64_t has_error;       // filled: 1 if the last run's controller reported an error
-    char error[256];         // filled: that error
+    int64_t has_error;       // filled: 1 if the last run's controller said what is wrong
+    char error[256];         // filled: this
 };
 
 // Forks the process that makes the calls, which ends with its owner: it reads from `asked`, and writes to `answered`.
-// Returns its process id, or -1 if it cannot be started.
+// Returns its number; -1 if there is none.
 int64_t wg_guard_start(WgCall *call, int asked, int answered);
 
-// Processor time of a process, s; -1 if the system does not report it.
+// Processor time of a process, s; -1 where the system does not say.
 double wg_guard_seconds(int64_t process);
 
 // The functions that can be called.

@@ -12,7 +12,7 @@
 #include "wg_episode.h"
 #include "wg_sim.h"
 
-// Sensors of an environment.
+// What an environment shows of the senses, in its own order.
 enum {
     WG_SHOW_BUMP = 0,
     WG_SHOW_BUMP_DIRECTION = 1,
@@ -29,12 +29,12 @@ enum {
 // When the next episode begins: in the step after the last one, in the same step, or when the caller says so.
 enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
-// Parameters of observations, commands and rewards.
+// What decides numbers of observations, commands and rewards.
 typedef struct WgRules {
-    double extent;      // m: distance that is shown as 1
-    double beam_range;  // m: range beam that is shown as 1
-    double turn_rate;   // rad/s: turn rate of an action of 1
-    double slowest;     // lowest speed of an action, as a fraction of the top speed
+    double extent;      // m: what counts as 1 in distances
+    double beam_range;  // m: what counts as 1 in range beams
+    double turn_rate;   // rad/s: what counts as 1 in actions
+    double slowest;     // share of the top speed: the least that an action may ask for
     double progress;    // reward for a metre nearer to the target
     double time;        // for a second
     double contact;     // for a step in which a wall stopped or bent the move
@@ -49,7 +49,7 @@ typedef struct WgPlace {
     WgArena arena;        // before its first event; not changed
     WgSettings settings;  // the seed is each robot's own
     const float *ways;    // (2 height + 1, 2 width + 1) m, length of the shortest path to the target from each node at
-                          // half a cell, infinite without a path; NULL: distances are straight
+                          // half a cell, infinite if there is none; NULL: distances are straight
 } WgPlace;
 
 // n robots, and what all of them share.
@@ -78,7 +78,7 @@ typedef struct WgCrew {
     uint8_t *over;            // (count,) 1 if the episode has ended
 } WgCrew;
 
-// Results of a step for each robot.
+// What a step says of each robot.
 typedef struct WgTold {
     float *observation;   // (count, size)
     double *reward;       // (count,)
@@ -93,7 +93,7 @@ typedef struct WgTold {
 // Fills an environment's observation: what the sensors show of the simulator's. Fills (size,).
 void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_count, const WgRules *rules, float *shown);
 
-// Index of the world, among `count`, that an episode is in.
+// Which of so many worlds an episode is in.
 int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count);
 
 // Seed of an episode's run, from which noise is drawn: 53 bits.

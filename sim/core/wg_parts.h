@@ -1,5 +1,5 @@
-// The parts of a step on the lattice, and the tables that it looks up, for tests and for callers that need a single
-// part. These functions trust the sizes that they are given; sim/lattice_parts.py checks them.
+// What a step on the lattice is made of, and the tables that it looks up: for the tests, and for those who need one part
+// alone. Sizes are the caller's promise here: sim/lattice_parts.py checks them.
 //
 // Coordinates are lattice units. Cells outside the grid are solid.
 
@@ -36,7 +36,7 @@ typedef struct WgVector {
     int64_t y;
 } WgVector;
 
-// Result of a search for a cell.
+// A cell that was looked for.
 typedef struct WgFound {
     bool found;
     int64_t ix;
@@ -54,22 +54,22 @@ typedef struct WgMoved {
 // Fills `near` with the cells that are not free among the 25 around each cell: bits in rows from the lowest.
 void wg_near_masks(WgGrid grid, int32_t *near);
 
-// Updates the masks of the cells around a cell after its state has changed.
+// Notes in the masks of the cells around what a cell is now.
 void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
 
-// Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest cell other than free ones.
+// Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
 //
 // A point in a cell with distance D is at least D - 1 cells away from every such cell, so most steps need no test of
 // their path. Two passes: Rosenfeld and Pfaltz, "Sequential operations in digital picture processing" (1966).
 void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
 
-// Returns true if the disc at (x, y) is clear of every cell in `state`.
+// Whether the disc at (x, y) is clear of every cell in `state`.
 bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y);
 
 // The first cell in `state`, in order of rows, that the disc cuts along a segment whose first end is taken as clear.
 WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
 
-// Returns true if a segment, or a point where p = q, meets the open inside of a cell.
+// Whether a segment, or a point where p = q, meets the open inside of a cell.
 bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 
 // How deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell counts as the
@@ -80,16 +80,15 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 
 // Moves a disc, stopping at walls and sliding along them.
 //
-// way:            p is a clear pose; q is where the move leads if nothing stops it.
+// way:            p is a clear pose; q is where the move leads if nothing is in its way.
 // begin, end:     when the move begins and ends, in shares of the step.
 // wall_friction:  share of a slide that the wall takes, 0 to 1.
 // chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_CORNERS at most.
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);
 
-// Moves a disc if it is clear where the move ends, else not at all. The path in between is not checked, as in most
-// small
-// simulators, so a fast robot passes through walls.
+// Moves a disc if it is clear where the move ends, else not at all. What lies between is not looked at, as in most small
+// simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
 
 // rays.c
@@ -107,8 +106,8 @@ double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t 
 // How many solid cells the straight line between two places goes through, its ends' cells not counted.
 int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y);
 
-// How many cells of the straight line between two places are in smoke, its ends' cells counted. Smoke fills the
-// cells within `reach` of a burning one.
+// How many cells of the straight line between two places are in smoke, its ends' cells counted. Smoke fills as many
+// cells around a burning one as `reach` says.
 int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y, int64_t reach);
 
 // beams.c: tables that range beams look up in a world that does not change
@@ -142,7 +141,7 @@ int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, i
 
 // sure_way.c
 
-// Returns true if a flood over half cells gets from the start into the target's disc. False shows nothing.
+// Whether a flood over half cells gets from the start into the target's disc. False shows nothing.
 //
 // grid:       WG_SOLID where the robot never goes.
 // way:        p is the start, q the target.
@@ -155,8 +154,7 @@ bool wg_surely_reaches(WgGrid grid, WgDisc disc, WgSegment way, int64_t within_s
 // Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
 WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance);
 
-// Returns true if the masks of an arena show that no cell in the box around a disc's path is taken; false shows
-// nothing.
+// Whether the masks of an arena show that no cell in the box around a disc's path is taken; false shows nothing.
 bool wg_box_of_path_is_free(const WgArena *arena, int64_t reach, WgSegment way);
 
 // Draw number `index`, from 0, of the stream of a seed, in [0, 1).
@@ -165,7 +163,7 @@ double wg_draw_of_stream(uint64_t seed, int64_t index);
 // World heading of a beam.
 int64_t wg_heading_of_beam(int64_t heading, int64_t beam, int64_t beams, double field);
 
-// Fills the senses named in WgSettings.senses and those that are always available, but not the constants.
+// Fills the senses that WgSettings.senses names, and those that are always there; not the constants.
 //
 // contact:  normal of the robot's last contact.
 // step:     its number.

@@ -7,23 +7,23 @@
 
 #include "wg_episode.h"
 
-// Takes the answer of a controller if it had to act, and then runs until it must act again, WG_ACTS, or WG_OVER.
+// Takes the answer of a controller, if it was to act; then runs until it is to act again, WG_ACTS, or WG_OVER.
 typedef int64_t (*WgStop)(void *subject);
 
 // A run whose controller acts in Python.
 typedef struct WgActing {
     WgStop stop;
     void *subject;       // what `stop` takes
-    WgEpisode *episode;  // where the controller observes and answers
+    WgEpisode *episode;  // in which the controller sees and answers
     int64_t calls;       // of the controller so far
-    int64_t every;       // one call in this many is measured
+    int64_t every;       // one call in so many is measured
     int64_t over;        // 1 once `stop` has returned WG_OVER
 } WgActing;
 
 // wg_episode_step as a WgStop, of a WgEpisode.
 int64_t wg_episode_stop(void *subject);
 
-// Lets the controller act at most `most` times, or until the run is over. Arguments and result are objects of
+// Lets the controller act at most so many times, or until the run is over. Arguments and result are objects of
 // Python, so that the caller must hold Python's lock: call it by its address, as ctypes does with PYFUNCTYPE.
 //
 // tools:  a tuple of nine: the controller's function; the same measured, for the first call; the same measured, for

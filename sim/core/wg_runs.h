@@ -25,20 +25,20 @@ typedef struct WgStart {
 // settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
 // starts:    (count,)
 // seeds:     (count,)
-// stop:      another thread may set it to anything but 0; then the call soon returns, and its results are invalid.
+// stop:      once it is not 0, which another thread may make it, no run counts and the call soon returns.
 // reports:   (count,) filled.
 WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
                      const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports);
 
 // edits.c
 
-// Kinds of edits.
+// What an edit does to the grid.
 enum {
-    WG_FREE_BOX = 0,      // ix, iy, width, height: frees the solid cells in this box
-    WG_FREE_RUN = 1,      // first, count: frees these solid cells, counted row by row
-    WG_FREE_RIM = 2,      // frees the outermost cells
-    WG_DROP_ROWS = 3,     // first, count: removes rows; those above move down
-    WG_DROP_COLUMNS = 4,  // first, count: removes columns; those to the right move left
+    WG_FREE_BOX = 0,      // ix, iy, width, height: what is solid in this box of cells becomes free
+    WG_FREE_RUN = 1,      // first, count: so many of the solid cells, in order of rows
+    WG_FREE_RIM = 2,      // the outermost cells
+    WG_DROP_ROWS = 3,     // first, count; what is above moves down
+    WG_DROP_COLUMNS = 4,  // first, count; what is right of them moves left
 };
 
 // As rows of (n, 5) int64 in Python.
@@ -53,19 +53,19 @@ typedef struct WgEdit {
 // WgWanted.ending for a run that ends as WG_LIMIT, WG_REACHED or WG_LOOP.
 enum { WG_ANY_ENDING = -1 };
 
-// How the run of an edited world should end.
+// What is asked of the edited worlds.
 typedef struct WgWanted {
     int64_t ending;   // WG_LIMIT, ... or WG_ANY_ENDING
     int64_t overlap;  // 1: with an overlap; 0: without; -1: it does not matter
-    int64_t by_way;   // 1: after an edit that moves cells, the target must be surely reachable
-    int64_t steps;    // steps after which to return, even within a run, so that a clock or Ctrl-C is noticed
+    int64_t by_way;   // 1: the target is surely to be reached after an edit that moves cells
+    int64_t steps;    // after which to come back, even in the middle of a run, so that a clock or Ctrl-C is heard
 } WgWanted;
 
-// Progress of a search among edits.
+// What was done.
 typedef struct WgTried {
-    int64_t next;     // index of the edit to continue with
+    int64_t next;     // index of the edit at which to go on
     int64_t runs;
-    int64_t found;    // 1: the edit before `next` is the one wanted
+    int64_t found;    // 1: the edit before `next` is one
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
@@ -73,7 +73,7 @@ typedef struct WgTried {
 // last call continues first, so nothing that the arguments point to may change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
-// before:    those of the world before the edit, with the start given by the world.
+// before:    those of the world before the edit, with the start as the world says it.
 // old:       the cells before the edit, at time 0.
 // edits:     (count,) all of which lead to the arena's shape.
 WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
@@ -91,9 +91,9 @@ WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSetting
 WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
                      int64_t *endings, int64_t *drew);
 
-// Fills the senses that depend on walls, except contact, at each of many poses.
+// What a controller senses at each of many poses, of all that walls decide besides contact.
 //
-// seen:  (count, 17 + beams) filled; 0 for other senses.
+// seen:  (count, 17 + beams) filled; 0 for what is not sensed.
 WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
                             double *seen);
 
@@ -103,19 +103,19 @@ WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, co
 //
 // arenas, settings:  (count,)
 // controller:        without a function
-// log_steps:         (count,) see wg_episode_new
+// log_steps:         (count,) as wg_episode_new has it
 // episodes:          (count,) filled
 WgStatus wg_fleet_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
                       const int64_t *log_steps, int64_t count, WgEpisode **episodes);
 
 void wg_fleet_free(WgEpisode **episodes, int64_t count);
 
-// Applies the commands of the robots in the first slots, and runs each until it must act again. Those that do move up
-// to the first slots, in their order; in the first call none has acted yet.
+// Applies the commands of the robots in the first slots, and runs each until it is to act again. Those that do move up
+// to the first slots, in their order; in the first call none has been asked yet.
 //
 // slots:         (count,) episodes
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
-// after:         (count, memory) the robots' memories, as the controller returned them
+// after:         (count, memory) the robots' memories, as the controller wants them
 // observations:  (count, 17 + beams) filled for the slots that act
 // memories:      (count, memory) same
 //

@@ -15,11 +15,11 @@ enum {
     WG_UNIT = 1024,         // lattice units per cell
     WG_UNIT_BITS = 10,
     WG_TURN = 65536,        // heading units per turn
-    WG_SPEED_UNIT = 65536,  // a speed of this many units is one lattice unit per step
+    WG_SPEED_UNIT = 65536,  // a speed of so many is one lattice unit per step
     WG_NEAR = 2,            // how many cells a mask of WgArena.near looks to each side
 };
 
-// State of a cell.
+// What a cell is now.
 enum { WG_FREE = 0, WG_SOLID = 1, WG_BURNING = 2 };
 
 // How an episode ends.
@@ -36,7 +36,7 @@ enum {
 // Motion models on the lattice.
 enum { WG_SWEPT = 0, WG_ENDPOINT = 1 };
 
-// Effects of walls on the target's signal.
+// What walls do to the target's signal.
 enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
 
 // How a recurrence of the complete state ends an episode.
@@ -52,7 +52,7 @@ typedef struct WgEvent {
     int64_t time;   // its time in that step, 2^-32 steps
     int64_t ix;
     int64_t iy;
-    int64_t state;  // new state of the cell
+    int64_t state;  // what the cell becomes
 } WgEvent;
 
 // A corner of the path of one step.
@@ -101,7 +101,7 @@ typedef struct WgArena {
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs
 } WgArena;
 
-// Options of an episode, and the robot's dynamics and sensors. A limit that is off is infinity.
+// What an episode is asked to do, and the robot's dynamics and sensors. A limit that is off is infinity.
 typedef struct WgSettings {
     // Start and target, lattice and heading units.
     int64_t start_x;
@@ -121,16 +121,16 @@ typedef struct WgSettings {
     int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;  // for WG_PROVE_LOOP
     uint64_t seed;       // of the draws
-    int64_t digest;      // 1: compute the digest of the trace
-    int64_t senses;      // WG_SENSE_ bits of the senses that the controller reads
+    int64_t digest;      // 1: the digest of the trace is worked out
+    int64_t senses;      // WG_SENSE_ bits: what the controller looks at
 
     // Sensors.
-    int64_t sensor_cells;  // reach of the signal sensor, cells
+    int64_t sensor_cells;  // how many cells around it the signal sensor sees
     int64_t signal;        // WG_SIGNAL_OPEN, ...
     int64_t beams;
     int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
     int64_t smoke_reach;   // cells around a burning one that its smoke fills
-    int64_t coin;          // how many values a random number can take; 0: any in [0, 1)
+    int64_t coin;          // how many values a random number has; 0: any in [0, 1)
     int64_t lattice;       // lattice units to which poses are rounded after each step; 1: none
 
     // Between the lattice and SI units.
@@ -158,7 +158,7 @@ typedef struct WgSettings {
     double sensor_noise;  // largest share by which a reading is wrong
     double smoke;         // share of the signal that a cell in smoke takes
     double beam_range;    // lattice units
-    double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly spread
+    double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly all round
     double beam_noise;    // largest share by which a distance is wrong
     double beam_dropout;  // probability that a beam returns nothing
 } WgSettings;
@@ -172,7 +172,7 @@ typedef struct WgState {
     int64_t draws;    // random numbers that the controller has used so far
 } WgState;
 
-// Report on an episode.
+// What an episode reports.
 typedef struct WgReport {
     int64_t ending;  // WG_LIMIT, ...
     int64_t steps;
@@ -181,14 +181,14 @@ typedef struct WgReport {
     int64_t last_new_cell;  // the last step that entered a cell for the first time
     int64_t points;         // of the path after the start
     uint64_t digest;        // rolling FNV-1a hash of every state
-    int64_t hit_step;       // step of WG_TUNNEL or WG_BURNED; else -1
+    int64_t hit_step;       // of WG_TUNNEL and WG_BURNED; -1
     int64_t hit_ix;
     int64_t hit_iy;
     int64_t hit_state;      // WG_SOLID (debris) or WG_BURNING of the cell that ended the run as WG_BURNED
-    int64_t overlap_step;   // step of the first cut deeper than the tolerance; else -1
+    int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
     int64_t overlap_ix;
     int64_t overlap_iy;
-    const char *error;      // of WG_CRASH: the controller's message; else NULL
+    const char *error;      // of WG_CRASH: what the controller said; NULL
     double path_length;     // lattice units
     double overlap;         // deepest cut, lattice units
 } WgReport;

@@ -33,7 +33,7 @@ enum { WG_STRAIGHT = 0, WG_SLIDE = 1, WG_BACK_OFF = 2, WG_CORNER = 3 };
 // Faults of the motion that can be repaired: bits of WgThesisSettings.repairs.
 enum { WG_REPAIR_SLIDE = 1, WG_REPAIR_BACK_OFF = 2, WG_REPAIR_CORNER = 4 };
 
-// The robot, and the options of the run.
+// The robot, and what is asked of the run.
 typedef struct WgThesisSettings {
     int64_t rule;           // WG_RULE_ADD, ...
     int64_t sense;          // reach of the signal sensor, cells
@@ -42,7 +42,7 @@ typedef struct WgThesisSettings {
     int64_t steps;          // budget, ticks
     int64_t find_loop;      // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;     // for WG_PROVE_LOOP
-    int64_t digest;         // 1: compute the digest of the trace
+    int64_t digest;         // 1: the digest of the trace is worked out
     int64_t stop_at_tunnel; // 1: the run ends when the path of the centre enters a wall
     int64_t reading;        // of the arbiter: thesis_arbiter.h
     int64_t repairs;        // WG_REPAIR_ bits
@@ -133,7 +133,7 @@ typedef struct WgThesisPlace {
     int64_t cause; // the move of that step
 } WgThesisPlace;
 
-// A run: where it is, and what it reports. An episode that ran out of ticks or draws
+// A run: where it is, and what it reports. An episode that ended for want of ticks or draws
 // continues from here.
 typedef struct WgThesisRun {
     WgThesisState state;
@@ -190,7 +190,7 @@ WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *setti
 
 // thesis_motion.c
 
-// Moves the disc towards a goal, pixel by pixel, with the thesis's faults except those that are
+// Moves the disc towards a goal, pixel by pixel, with the thesis's faults but those that are
 // repaired.
 //
 // cells:          (width, height).

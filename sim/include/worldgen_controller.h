@@ -36,7 +36,7 @@ enum {
     WG_SENSE_NOTHING_ELSE = 512,  // only the fields that are always available
 };
 
-// A controller's input after each step. A sense that it does not declare may be NaN.
+// What a controller observes after each step. A sense that it does not declare may be NaN.
 typedef struct WgObservation {
     double bump;              // 1 if a wall stopped or bent the last move, else 0
     double bump_bearing;      // rad: direction of that contact, relative to the robot's heading
@@ -59,7 +59,7 @@ typedef struct WgObservation {
     int64_t beam_count;       // length of `beams`
 } WgObservation;
 
-// A controller's output. All fields are zero (NULL) when the controller is called.
+// What a controller commands. All fields are zero (NULL) when the controller is called.
 typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
@@ -73,7 +73,7 @@ typedef void (*WgAct)(const WgObservation *observation, double *memory, WgComman
 // Fills the memory at the start of an episode, the same each time. The memory is all zeros when this is called.
 typedef void (*WgReset)(double *memory);
 
-// A library's description of a controller. Fields that it omits are 0, with the meaning given here.
+// What a library declares about a controller. Fields that it omits are 0, with the meaning given here.
 typedef struct WgControllerInfo {
     uint32_t abi;         // WG_CONTROLLER_ABI
     uint32_t size;        // sizeof(WgControllerInfo)

@@ -187,7 +187,7 @@ def test_the_page_shows_what_its_commands_print(command, shown, monkeypatch):
 
 def test_every_picture_and_link_of_the_page_leads_somewhere():
     links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
-    assert len(links) >= 7 and all((ROOT / "docs" / link).exists() for link in links)
+    assert len(links) >= 7 and all((ROOT / "docs/explanation" / link).exists() for link in links)
 
 
 def test_the_proof_of_a_breach_is_drawn_inside_the_frame():

@@ -117,6 +117,7 @@ _SUMMARY = {
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the "
     "budget allows.",
+    "explain": "Say what a failure depends on: the least changes after which the robot arrives.",
     "export": "Write a world in another program's format.",
     "formats": "List the formats that import reads and export writes; of one, its options.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",

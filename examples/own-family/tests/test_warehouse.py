@@ -1,11 +1,11 @@
-"""Check that the warehouse keeps the promises of every family."""
+"""The warehouse keeps what every family promises."""
 
 from warehouse_worlds import warehouse
 
 from worldgen.family import FAMILIES
 from worldgen.testing import check_family
 
-# Printed by `worldgen check-family warehouse --digests`. If one changes, raise the family's
+# Printed by `worldgen check-family warehouse --digests`; when one changes, raise the family's
 # version.
 GOLDEN = {"aisles": "7bb8fcbb6638de43", "fishbone": "1867c6a026451d06"}
 

@@ -1,4 +1,4 @@
-"""The program ``python -m worldgen_ros2_bridge``, for ``worldgen fuzz --controller 'cmd:...'``.
+"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts.
 
 See README.md.
 """
@@ -21,39 +21,29 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         "--map",
         type=Path,
-        help=".grid file to publish as /map, with the origin of the map that it was imported from",
+        help=".grid file to publish as /map, with the origin of the map it came from",
     )
     parser.add_argument(
-        "--beam-range",
-        type=float,
-        default=Settings.beam_range,
-        help="+beam_range of the run, m (default %(default)s)",
+        "--beam-range", type=float, default=Settings.beam_range, help="the run's +beam_range, m"
     )
     parser.add_argument(
-        "--beam-field",
-        type=float,
-        default=Settings.beam_field,
-        help="+beam_field of the run, rad (default %(default)s)",
+        "--beam-field", type=float, default=Settings.beam_field, help="the run's +beam_field, rad"
     )
     parser.add_argument(
         "--timeout",
         type=float,
         default=Settings.timeout,
-        help="real time to wait for a command, s (default %(default)s)",
+        help="s of real time to wait for a command",
     )
     parser.add_argument(
         "--keep",
         type=float,
         default=Settings.keep,
-        help="simulated time for which a command holds, s (default %(default)s)",
+        help="s of simulated time for which a command holds",
     )
-    parser.add_argument("--stamped", action="store_true", help="expect TwistStamped on /cmd_vel")
+    parser.add_argument("--stamped", action="store_true", help="/cmd_vel is a TwistStamped")
     parser.add_argument(
-        "--reset",
-        action="append",
-        default=[],
-        metavar="SERVICE",
-        help="std_srvs/Trigger service to call at the start of each episode; may be repeated",
+        "--reset", action="append", default=[], metavar="SERVICE", help="std_srvs/Trigger to call"
     )
     return parser.parse_args()
 
@@ -62,23 +52,22 @@ def _grid(path: Path) -> Grid:
     try:
         return grid_of(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        sys.exit(f"--map {path}: {error}; give the .grid file of the run")
+        sys.exit(f"--map {path}: {error}; give the .grid file that is run")
 
 
 def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
-    """Serve the protocol on stdin and stdout until stdin ends."""
-    # Keep the real stdout for answers; anything else that is printed goes to stderr.
+    """Serves the protocol on stdin and stdout until stdin ends."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
+    os.dup2(2, 1)  # whatever else prints, prints to stderr
     try:
-        import rclpy  # noqa: PLC0415 - slow, and --help does not need it
+        import rclpy  # noqa: PLC0415 - slow, and --help needs none
     except ModuleNotFoundError:
         sys.exit(
-            "rclpy is not installed; source ROS 2's setup.bash, and run this with the python3 that "
-            "ROS uses"
+            "rclpy is not there; source ROS 2's setup.bash, and run this with the python3 that ROS "
+            "uses"
         )
 
-    from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - imports rclpy
+    from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - likewise
 
     rclpy.init(args=[])
     node = rclpy.create_node("worldgen_bridge")
@@ -94,7 +83,7 @@ def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
 
 
 def main() -> None:
-    """Run the bridge with the options on the command line."""
+    """What the command line asks for."""
     given = _arguments()
     _drive(given, _grid(given.map) if given.map else None)
 

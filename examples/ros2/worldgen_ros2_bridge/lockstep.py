@@ -1,7 +1,7 @@
-"""The process protocol, with one exchange per step with the robot's driver.
+"""The process protocol, and one exchange with the robot's driver a step.
 
-This module needs neither rclpy nor worldgen. ``docs/reference/controllers.md`` specifies the
-protocol. In each step the bridge publishes what the robot senses, waits for a command, and answers.
+Knows neither rclpy nor worldgen. ``docs/reference/controllers.md`` is the protocol's normative text. A step
+is: say what the robot senses, wait for a command, answer.
 """
 
 from __future__ import annotations
@@ -28,21 +28,20 @@ __all__ = ["Bridge", "Ports", "Settings", "Situation", "serve"]
 
 VERSION = 1
 STILL = Twist()
-# Seconds of simulated time between two episodes. Time never runs backwards, because tf2 would then
-# drop everything it has buffered.
+# S of simulated time between two episodes; time never goes back, for tf2 would forget all it knows.
 _PAUSE = 1.0
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings from the command line.
+    """What the command line says.
 
     Args:
         beam_range: The run's ``+beam_range``, m.
         beam_field: The run's ``+beam_field``, rad.
-        timeout: Real time to wait for a command in each step, s.
-        keep: Simulated time for which a command holds if no other comes, s. Then the robot stops,
-            as real drives do.
+        timeout: s of real time to wait for a command in each step.
+        keep: s of simulated time for which a command holds if no other comes, then the robot stops,
+            as drivers do.
     """
 
     beam_range: float = 5.0
@@ -53,18 +52,18 @@ class Settings:
 
 @dataclass(frozen=True)
 class Situation:
-    """Everything that is published in a step.
+    """What is published in a step.
 
     Args:
-        time: Simulated time, s; never decreases.
+        time: Simulated time, s; it never goes back.
         base: Pose of the robot's base in ``map``.
-        odometry: The same as its wheels measure it, in ``odom``.
-        odom_in_map: Pose of ``odom`` in ``map``, as a perfect localisation would publish it.
-        twist: Velocity as the wheels measure it.
-        scan: The beams; None if the robot has none.
-        target: Pose in ``map``, with heading 0.
+        odometry: The same as the wheels measure it, in ``odom``.
+        odom_in_map: Pose of ``odom`` in ``map``, such as a perfect localisation would publish.
+        twist: Measured by the wheels.
+        scan: None if the robot has no beams.
+        target: In ``map``; its heading is 0.
         signal: Strength of the target's signal, 0 to 1.
-        signal_heading: Heading in ``map`` towards the strongest signal, rad.
+        signal_heading: Heading to where it is strongest, rad, in ``map``.
         bump: Whether a wall stopped or bent the last move.
     """
 
@@ -81,10 +80,10 @@ class Situation:
 
 
 class Ports(Protocol):
-    """The driver's side: ROS in use, and a list in tests."""
+    """The driver's side, which is ROS in use and a list in tests."""
 
     def begin(self, grid: Grid | None) -> None:
-        """Begin an episode: publish the map, and make the driver forget the last episode."""
+        """An episode begins: publish the map, ask the driver to forget the last episode."""
         ...
 
     def publish(self, situation: Situation) -> None:
@@ -92,30 +91,30 @@ class Ports(Protocol):
         ...
 
     def wait(self, seconds: float) -> Twist | None:
-        """Return the first command since :meth:`publish`, waiting up to ``seconds`` for one.
+        """The newest command since the last :meth:`publish`, waiting so long for one.
 
-        Return None if none comes.
+        None if none comes.
         """
         ...
 
 
 @dataclass
 class _Episode:
-    """The state of the current episode."""
+    """What is known of the episode under way."""
 
     start: float  # simulated time at which it began, s
-    before: Pose | None = None  # odometry of the previous step
+    before: Pose | None = None  # odometry of the last step
     command: Twist = STILL
-    silent: float = math.inf  # simulated time since the last command, s
+    silent: float = math.inf  # s of simulated time since the last command
 
 
 class Bridge:
-    """Answers the lines of the protocol.
+    """Answers the protocol's lines.
 
     Args:
         ports: The driver.
-        grid: The map to publish, if any.
-        settings: Settings from the command line.
+        grid: The map to publish, if there is one.
+        settings: See there.
     """
 
     def __init__(
@@ -128,10 +127,10 @@ class Bridge:
         self._episode = _Episode(0.0)
 
     def answer(self, line: str) -> str | None:
-        """Return the answer to a line: None for a reset, a command for an observation.
+        """What is to be said to a line: nothing to a reset, a command to an observation.
 
         Raises:
-            ValueError: If the line is of an unknown version of the protocol.
+            ValueError: If the line is of no version that we know.
         """
         message: dict[str, Any] = json.loads(line)
         if "reset" in message:
@@ -152,9 +151,9 @@ class Bridge:
         situation = _situation(seen, episode, self._grid, settings)
         self._time = situation.time
         self._ports.publish(situation)
-        command = self._ports.wait(settings.timeout)
-        if command is not None:
-            episode.command = command
+        said = self._ports.wait(settings.timeout)
+        if said is not None:
+            episode.command = said
             episode.silent = 0.0
         else:
             episode.silent += seen["time_step"]
@@ -170,10 +169,10 @@ def _situation(
     true = Pose(seen["x"], seen["y"], seen["heading"])
     base = pose_in_map(true, grid)
     odometry = Pose(seen["odometry_x"], seen["odometry_y"], seen["odometry_heading"])
-    distance = seen["target_distance"]
+    way = seen["target_distance"]
     target = Pose(
-        base.x + distance * math.cos(seen["target_heading"]),
-        base.y + distance * math.sin(seen["target_heading"]),
+        base.x + way * math.cos(seen["target_heading"]),
+        base.y + way * math.sin(seen["target_heading"]),
         0.0,
     )
     return Situation(

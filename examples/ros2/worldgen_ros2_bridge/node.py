@@ -1,7 +1,8 @@
-"""The part that needs rclpy: a node that publishes what the robot senses and receives commands.
+"""The part that needs rclpy.
 
-It is written for ROS 2 Jazzy and later. It decides nothing: ``messages`` has the content of each
-message, and ``lockstep`` decides when to send it.
+A node that publishes what the robot senses and hears what the driver commands. Written for ROS 2
+    Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
+which is sent in ``lockstep``.
 """
 
 from __future__ import annotations
@@ -33,21 +34,19 @@ BASE = "base_link"
 LATCHED = QoSProfile(
     depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE
 )
-"""QoS of map_server: late subscribers get the last message too."""
+"""As map_server publishes a map: who subscribes later gets it too."""
 
 
 class RosPorts:
-    """Publishes ``/clock /map /tf /odom /scan /goal_pose ...`` and subscribes to ``/cmd_vel``.
-
-    The other topics are ``/signal /signal_heading /bump``.
+    """Topics ``/clock /map /tf /odom /scan /goal_pose /signal /signal_heading /bump`` out, ``/cmd_vel`` in.
 
     Args:
-        node: A node of the caller, who has called ``rclpy.init``.
-        stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``.
-            A message whose stamp is older than the step is ignored; one without a stamp counts as
-            current.
-        reset_services: Services of type std_srvs/Trigger to call at the start of each episode.
-        reset_timeout: Real time that each of them may take, s.
+        node: Made by the caller, who has called ``rclpy.init``.
+        stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``;
+            one whose stamp is older than the step is not heard, one without a stamp counts as of
+            now.
+        reset_services: Of type std_srvs/Trigger, called at the start of each episode.
+        reset_timeout: s of real time that one of them may take.
     """
 
     def __init__(
@@ -65,8 +64,9 @@ class RosPorts:
         self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
         self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
         self._odom = node.create_publisher(Odometry, "/odom", 10)
-        # Reliable (REP 2003), which matches every subscriber.
-        self._scan = node.create_publisher(LaserScan, "/scan", 10)
+        self._scan = node.create_publisher(
+            LaserScan, "/scan", 10
+        )  # reliable, REP 2003: all subscribers match
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)
@@ -80,24 +80,24 @@ class RosPorts:
         self._goal_is_due = True
 
     def begin(self, grid: Grid | None) -> None:
-        """Publish the map and reset the driver.
+        """Publishes the map and has the driver reset.
 
         Raises:
-            RuntimeError: If a reset service does not answer, or reports a failure.
+            RuntimeError: If a reset service does not answer, or says that it failed.
         """
         self._goal_is_due = True
         if grid is not None:
             self._map.publish(_occupancy_grid(grid, self._now))
         for client in self._resets:
             if not client.wait_for_service(timeout_sec=self._reset_timeout):
-                raise RuntimeError(f"service {client.srv_name} is not available")
+                raise RuntimeError(f"there is no service {client.srv_name}")
             future = client.call_async(Trigger.Request())
             rclpy.spin_until_future_complete(self._node, future, timeout_sec=self._reset_timeout)
             if not future.done() or not future.result().success:
                 raise RuntimeError(f"service {client.srv_name} did not reset")
 
     def publish(self, situation: Situation) -> None:
-        """Publish a step: the clock first, and the scan last, because drivers react to it."""
+        """Publishes a step; the clock first, the scan last, for drivers act upon it."""
         self._drop_what_is_late()
         self._now = situation.time
         self._clock.publish(Clock(clock=_time(situation.time)))
@@ -114,7 +114,7 @@ class RosPorts:
             self._scan.publish(_laser_scan(situation.scan, situation.time))
 
     def wait(self, seconds: float) -> Twist | None:
-        """Return the first command that arrives; None if none does."""
+        """The first command that comes; None if none does."""
         end = time.monotonic() + seconds
         while self._heard is None and (left := end - time.monotonic()) > 0.0:
             rclpy.spin_once(self._node, timeout_sec=left)
@@ -132,7 +132,7 @@ class RosPorts:
             message = message.twist
         if message.linear.y:
             self._node.get_logger().warning(
-                "linear.y of /cmd_vel is ignored: the robot cannot drive sideways", once=True
+                "linear.y of /cmd_vel is left out: the robot cannot drive sideways", once=True
             )
         self._heard = Twist(float(message.linear.x), float(message.angular.z))
 

@@ -1,7 +1,7 @@
 """A controller that is a separate program, in any language.
 
-In each step it gets one line of JSON and answers with one. ``docs/reference/controllers.md``
-specifies the protocol.
+In each step it gets one line of JSON and answers with one. ``docs/reference/controllers.md`` specifies the
+protocol.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ static const double GIVE_WAY = 40.0 * DEGREE;  // turn away from a wall at which
 static const double SAME_FLAT = 5.0 * DEGREE;  // a wall that turns by less is flat
 static const double AHEAD = 45.0 * DEGREE;  // turn of one wall into the path
 static const double BEHIND = 120.0 * DEGREE;  // turn of one wall out of the path
-static const double STANDS = 0.02;  // a move ahead by less than this fraction of a step counts as standing
+static const double STANDS = 0.02;  // a move ahead of less than this share of a step is none
 static const double PROGRESS = 0.5;  // share of a step by which the target must come nearer, or a slide is a stop
 static const double PRESSES = 3.0;  // presses without finding the wall before it is searched for
 

@@ -29,7 +29,7 @@ void wg_drive(const WgObservation *seen, WgWallBody *body, WgCommand *command, d
 // Commands a step straight to the target: a short one if the last touched a wall, else as long as can be.
 void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *command);
 
-// Returns true if a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
+// Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
 //
 // A wall that is not ahead any more has only bent it, however far that step came: the disc has slid around it.
 //
@@ -45,7 +45,7 @@ void wg_begin_following(WgWallBody *body, double wall);
 // Takes in what the last step touched; whether that was the wall that is followed, so that `wall` was measured here.
 bool wg_feel(const WgObservation *seen, WgWallBody *body);
 
-// Returns true if the wall is nowhere around the robot any more: only a world that changes can take it away.
+// Whether the wall is nowhere around the robot any more: only a world that changes can take it away.
 bool wg_has_lost_it(const WgWallBody *body);
 
 // Commands the next step along the wall.

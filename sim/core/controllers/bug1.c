@@ -20,7 +20,7 @@ static const double SAME_WALL = 100.0 * (3.14159265358979323846 / 180.0);  // ra
 static const double NEARER = 0.1;  // of a step: a hit on the same wall must be so much nearer than the last leave
                                    // point, or it drives to that one
 
-// Returns true if the last step passed a place of the memory, along the same wall.
+// Whether the last step passed a place of the memory, along the same wall.
 static bool passes(const WgObservation *seen, const WgBug1Memory *own, const WgWallPlace *place)
 {
     double apart = wg_distance_to_path(place->x, place->y, own->body.x, own->body.y, seen->x, seen->y);

@@ -2,7 +2,7 @@
 //
 // Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst
 // unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 5. In the paper the line is that from the start
-// to the target; here each hit point defines its own line.
+// to the target; here each hit point gives a line of its own.
 
 #include "boundary.h"
 #include "directions.h"
@@ -16,7 +16,7 @@ static const double BACK = 3.0;
 static const double NEARER = 0.05;  // of a step: a place to leave at must be so much nearer than the hit point
 static const double THERE = 0.02;  // of a step: nearer to the place to leave at it is there
 
-// Begins to follow a wall; a wall nearer to the target than the last one gets a new line.
+// Takes up a wall; with a line of its own if it is nearer to the target than the last.
 static void hit(const WgObservation *seen, WgBug2Memory *own)
 {
     wg_begin_following(&own->body, wg_touched(seen));
@@ -30,7 +30,7 @@ static void hit(const WgObservation *seen, WgBug2Memory *own)
     }
 }
 
-// Returns true if the last step crossed the line at a place to leave at, which is then noted.
+// Whether the last step crossed the line at a place to leave at, which is then noted.
 static bool crosses(const WgObservation *seen, WgBug2Memory *own)
 {
     double from_x = own->body.x - own->hit_x;

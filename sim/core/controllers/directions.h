@@ -15,7 +15,7 @@
 static const double WG_PI = 3.14159265358979323846;
 static const double WG_WHOLE_TURN = 6.28318530717958647693;
 
-// Remainder of a division by a positive number, in [0, divisor).
+// What is left after dividing by a positive number, in [0, divisor).
 static inline double wg_remainder(double value, double divisor)
 {
     double rest = fmod(value, divisor);

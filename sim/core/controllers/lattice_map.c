@@ -22,7 +22,7 @@ typedef struct Bit {
     int64_t shift;
 } Bit;
 
-// Workspace of a search; arrays are indexed by the nodes of the window, row by row.
+// What a search works in; numbered by the nodes of the window, row by row.
 typedef struct Search {
     int32_t *cost;  // of the best path to each node so far; INT32_MAX: none
     int8_t *move;   // by which that path came there; -1: none
@@ -106,7 +106,7 @@ static int64_t door_of(const WgMapperMemory *map, WgNode node)
     return 0 <= i && i < 2 * REACH && 0 <= j && j < 2 * REACH ? j * 2 * REACH + i : -1;
 }
 
-// Returns true if a node is next to the target, and the edge from it to the target is not known to be blocked.
+// Whether a node is next to the target, and the way from it to the target not known to be blocked.
 static bool has_door(const WgMapperMemory *map, WgNode node)
 {
     int64_t number = door_of(map, node);
@@ -180,7 +180,7 @@ int64_t wg_map_next_move(WgMapperMemory *map)
 static void push(Search *search, int64_t item)
 {
     if (search->count >= search->room) {
-        return;  // cannot happen: each node is entered from at most eight neighbours
+        return;  // each node is entered from its eight neighbours, so there is room
     }
     int64_t at = search->count;
     while (at > 0 && search->heap[(at - 1) / 2] > item) {
@@ -214,7 +214,7 @@ static int64_t pop(Search *search)
     return least;
 }
 
-// Lower bound on the cost of a path from a node to the target.
+// Cost that the way from a node to the target has at least.
 static int64_t at_least(const WgMapperMemory *map, WgNode node)
 {
     double dx = fabs((double)node.x - map->target_x);
@@ -222,7 +222,7 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
     return wg_floor((double)STRAIGHT * wg_higher(dx, dy) + (double)(DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
-// A* from a node. Returns the index in the window of the node where the plan ends, or -1 without a path.
+// A* from a node; the number in the window of the node where the plan ends, -1 if there is no path.
 //
 // A plan ends next to the target, or where it leaves the window, which is as good as what is left from there plus a
 // charge that makes it the last resort.

@@ -2,7 +2,7 @@
 //
 // A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west; the others are
 // its neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with the robot,
-// and what leaves it is forgotten. The path is planned with A* as if every edge not known to be blocked were free.
+// and what leaves it is forgotten. The path is planned with A* as if all that is not known to be blocked were free.
 //
 // Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of minimum cost
 // paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968); for planning as if the unknown were free,
@@ -26,13 +26,13 @@ typedef enum WgPlanned { WG_NO_PATH, WG_PLANNED, WG_NO_MEMORY } WgPlanned;
 // The node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn.
 WgNode wg_neighbour(WgNode node, int64_t move);
 
-// Marks the edge of a move from a node as blocked, and drops the plan.
+// Notes that the edge of a move from a node is blocked; the plan is dropped.
 void wg_map_block(WgMapperMemory *map, WgNode node, int64_t move);
 
-// Marks all edges that pass a point nearer than a radius as blocked; both are in nodes.
+// Notes that all edges that pass a point nearer than a radius are blocked; both in nodes.
 void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius);
 
-// Marks the edge from a node to the target as blocked.
+// Notes that the way from a node to the target is blocked.
 void wg_map_block_door(WgMapperMemory *map, WgNode node);
 
 // Empties the map.
@@ -41,7 +41,7 @@ void wg_map_forget(WgMapperMemory *map);
 // Moves the window so that a node has a quarter of it on each side; what leaves it is forgotten.
 void wg_map_move_window(WgMapperMemory *map, WgNode node);
 
-// Returns the next move of the plan and marks it as done; -1 at the plan's end.
+// The next move of the plan, which is then done; -1 if there is none.
 int64_t wg_map_next_move(WgMapperMemory *map);
 
 // Plans the path from a node, which the window must have around it, to one next to the target or out of the window. It

@@ -56,7 +56,7 @@ static void drive_to(const WgObservation *seen, WgMapperMemory *own, WgCommand *
     own->step = length;
 }
 
-// Returns true if the robot is at a point, or as near as its steps get it.
+// Whether the robot is at a point, or as near as its steps get it.
 static bool has_arrived(const WgObservation *seen, const WgMapperMemory *own, Point at)
 {
     double left = wg_distance(seen->x, seen->y, at.x, at.y);
@@ -66,7 +66,7 @@ static bool has_arrived(const WgObservation *seen, const WgMapperMemory *own, Po
     return left < THERE * own->grid || (free && moved < near && left < 2.0 * near);
 }
 
-// Returns true if a wall stopped or bent the last step to a point.
+// Whether a wall stopped or bent the last step to a point.
 static bool is_barred(const WgObservation *seen, const WgMapperMemory *own, Point to)
 {
     double before = wg_distance(own->x, own->y, to.x, to.y);
@@ -74,7 +74,7 @@ static bool is_barred(const WgObservation *seen, const WgMapperMemory *own, Poin
     return seen->bump != 0.0 && before - after < ALONG * own->step;
 }
 
-// Chooses the next move from the node that the robot is at; false if planning runs out of memory.
+// Chooses the next move from the node that the robot is at; false if there is no memory to plan in.
 static bool choose(WgMapperMemory *own)
 {
     WgNode here = node_of(own);

@@ -14,7 +14,7 @@ static const double LEAVE = 3.0;
 
 static const double RANGE = 1.0;  // m: further points are not looked at
 static const double APART = 1.4;  // of the radius: points further apart than this from beam to beam are not, either
-static const double TOUCHING = 0.97;  // of the radius: a touched wall is further away, so it does not bar the path
+static const double TOUCHING = 0.97;  // of the radius: a wall that is touched is no nearer, so it does not bar the path
                                       // along it
 static const double JUMP = 0.08 / 0.07;  // of the radius: an end of a wall is where the free path is longer by this in
                                          // the next direction
@@ -26,7 +26,7 @@ static const double PATIENCE = 60.0;  // steps in which the path must have becom
 
 // A place in sight, with what makes it better than others: a length, m.
 typedef struct Sighting {
-    double worth;    // m: infinity without such a place
+    double worth;    // m: infinity if there is none
     double bearing;  // rad, from the heading
     double length;   // m: distance of the place
 } Sighting;
@@ -200,7 +200,7 @@ void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *co
 {
     WgTangentBugMemory *own = (WgTangentBugMemory *)memory;
 
-    // Take in the result of the last step.
+    // What the last step changed.
     if (own->mode == LEAVE) {
         double moved = wg_distance(own->body.x, own->body.y, seen->x, seen->y);
         if (seen->target_distance < own->wall_far - 0.5 * NEARER) {
@@ -217,7 +217,7 @@ void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *co
         head_for_goal(own);
     }
 
-    // Decide on the next step.
+    // The next step.
     if (own->mode == GOAL) {
         go(seen, own, command);
     } else if (own->mode == APPROACH) {

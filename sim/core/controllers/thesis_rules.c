@@ -56,7 +56,7 @@ static void tick(const WgObservation *seen, WgThesisMemory *own, WgCommand *comm
     int64_t signal = heading_units(seen->signal_heading);
     int64_t target = (int64_t)own->target;
 
-    // Decide which behaviour is in charge.
+    // Who is in charge.
     WgCharge charge = wg_select_behaviour(WG_A0, (int64_t)own->behaviour, (int64_t)own->counter, collision,
                                           target == signal, COLLIDE_TICKS, DRIVE_TICKS);
     if (charge.taken && charge.behaviour == WG_COLLIDE) {
@@ -70,7 +70,7 @@ static void tick(const WgObservation *seen, WgThesisMemory *own, WgCommand *comm
         target = signal;
     }
 
-    // Let it act.
+    // What it does.
     WgAction action = wg_run_behaviour(charge.behaviour, charge.ticks, collision, heading == target);
     if (action.wheels == WG_WHEELS_TURN) {
         int64_t turn = turn_between(heading, target);

@@ -1,4 +1,4 @@
-// Three layers: one that reacts, one that makes sure that things get done, one that plans ahead.
+// Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
 //
 // Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
 // Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
@@ -14,7 +14,7 @@
 enum { SIDE = 48 };  // cells of the map a side; a row's bits must fit the 53 of a double
 
 static const uint64_t ALL = ((uint64_t)1 << SIDE) - 1;
-static const double MOST_FORGOTTEN = 7.0;  // limited, because with an ever-growing number no state could recur
+static const double MOST_FORGOTTEN = 7.0;  // a number that grew forever would let no state come back
 
 const WgThreeLayer wg_three_layer_default = {
     .margin = 0.002,
@@ -172,7 +172,7 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
         own->here_y = (double)here.row;
     }
 
-    // While it approaches the waypoint, or the target within its cell, there is nothing to decide.
+    // As long as it is on its way to the waypoint, or to the target in its cell, there is nothing to decide.
     WgMapCell there = {(int64_t)own->to_x, (int64_t)own->to_y};
     own->waited += 1.0;
     bool late = own->waited > tuned->patience * (1.0 + own->forgotten);
@@ -183,7 +183,7 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
         return;
     }
 
-    // Close the border that it failed to cross.
+    // What it did not get through is closed.
     if (there.column >= 0 && !is_same(there, here)) {  // given up, or driven off
         close_border(own, late ? here : before, there);
     } else if (there.column < 0 && late) {  // the target's cell was entered on the wrong side of a wall
@@ -201,7 +201,7 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
     set_waypoint(own, there);
 }
 
-// Returns true if the disc can drive this far straight on, m, in a direction from the heading, as far as the beams see.
+// Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see.
 static bool is_free(const WgObservation *seen, double turn, double look, const WgThreeLayer *tuned)
 {
     double radius = seen->radius + tuned->margin;

@@ -34,7 +34,7 @@ typedef struct Sides {
     double left;
 } Sides;
 
-// Directions that a direction is compared with, in sectors.
+// What a direction is judged against, in sectors.
 typedef struct Wanted {
     double heading;
     double target;
@@ -120,7 +120,7 @@ static double cost_of(double direction, const Wanted *wanted, const WgVfh *tuned
     return wanted->last < 0.0 ? cost : cost + tuned->to_last * apart(direction, wanted->last);
 }
 
-// Returns true if the masked histogram leaves a sector open.
+// Whether the masked histogram leaves a sector open.
 static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemory *own)
 {
     int64_t at = wg_floor_mod(sector, SECTORS);

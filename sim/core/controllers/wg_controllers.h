@@ -1,4 +1,4 @@
-// The controllers of the library, and the layout of their memories.
+// The controllers of the library, and what stands where in their memories.
 //
 // A memory is an array of float64; each struct here is laid over it, so that fields have names in C and in Python. Its
 // numbers are part of the state that a loop repeats and a digest covers: their order never changes.
@@ -10,15 +10,14 @@
 
 #include "worldgen_controller.h"
 
-// Returns the act function of a controller of the library, or of one with a planted fault, by its name; NULL if
-// unknown.
+// The act of a controller of the library, or of one with a planted fault, by its name; NULL if there is none.
 WgAct wg_library_act(const char *name);
 
-// Memory of a controller that follows walls by touch; its own memory begins with these fields.
+// What follows a wall by touch. The memory of such a controller begins with it.
 typedef struct WgWallBody {
     double x;       // m: position before the last step
     double y;
-    double step;    // m: commanded length of the last step
+    double step;    // m: length that was asked for in the last step
     double hand;    // side of the wall: 1 left, -1 right
     double wall;    // rad: direction from the robot to its wall
     double phase;   // WG_ADVANCE or WG_PRESS
@@ -45,7 +44,7 @@ typedef struct WgBug1Memory {
     double far;         // m: distance to the target before the step
     WgWallPlace hit;    // where a wall stopped it
     WgWallPlace leave;  // where the wall was nearest to the target
-    double leave_far;   // m: distance of that place from the target; infinity if unknown
+    double leave_far;   // m: distance of that place to the target; infinity: there is none
     double path;        // m: driven since the hit
     double leave_path;  // m: driven from the hit to the leave point
     double away;        // 0 near the hit point, 1 away from it, 2 back at it
@@ -57,7 +56,7 @@ typedef struct WgBug2Memory {
     double far;      // m: distance to the target before the step
     double hit_x;    // m
     double hit_y;
-    double hit_far;  // m: distance of the hit point from the target; infinity if unknown
+    double hit_far;  // m: distance of the hit point to the target; infinity: there is none
     double line_x;   // direction of the line, a unit vector
     double line_y;
     double leave_x;  // m: the place to leave at
@@ -221,8 +220,8 @@ typedef struct WgMapperMemory {
     double y;
     double step;     // m: length of the step
     double tries;    // failed returns
-    double no_room;  // fraction of the robot's radius: nearer than that to a felt wall, it does not fit; 0 if it
-                     // does not feel for walls
+    double no_room;  // share of the robot's radius nearer than which to a place that it felt there is no room for it; 0
+                     // if it does not feel for walls
 
     double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
 } WgMapperMemory;
@@ -250,7 +249,7 @@ typedef struct WgMapCell {
     int64_t row;
 } WgMapCell;
 
-// Returns the cell after `here` on a shortest path through the map to `target`; (-1, -1) without a path.
+// The cell after `here` on a shortest path through the map to `target`; (-1, -1) if there is none.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target);
 
 #endif

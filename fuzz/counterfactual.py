@@ -1,0 +1,282 @@
+"""Why a failure fails, by counterfactual: the least changes after which the robot arrives.
+
+A failure says that a controller does not arrive. What a developer wants to know is what it depends
+on: one wall, a radius that is a millimetre too large, a heading, an option. So each of these is
+changed alone, and the changed scenario runs again with the budget of a fresh proof. A change counts
+only if the target is still provably reachable, so it never makes the world easier by cheating.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fuzz.boundary import (
+    AXES,
+    BoundaryRun,
+    BoundaryRuns,
+    Subject,
+    nearest_boundary,
+    run_subject,
+    subject_of,
+)
+from fuzz.failure import Failure
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import Episode
+from sim.evidence import LoopEvidence
+from sim.options.run import RunOptions
+from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = ["Change", "Counterfactuals", "counterfactuals"]
+
+# Numbers that every scenario has. A failure that starts a degree off teaches more than one that
+# begins at another time step, so this is also the order in which they are reported.
+_AXES = ("heading", "radius", "speed", "time-step")
+
+# Indices of an axis that are searched on either side: half a turn, and a factor of about four.
+_REACH = {"heading": 180}
+_REACH_OF_NUMBERS = 512
+
+# Solid cells that are freed one by one, those nearest to the repeated part of the path first. A
+# shrunk failure has a dozen; in a world of thousands the wall that matters is close to the path.
+_MOST_CELLS = 256
+
+# Events that are dropped one by one.
+_MOST_EVENTS = 64
+
+# Simulated steps that one explanation may take: a second or so of the C core, and of Python code.
+_MOST_STEPS = 30_000_000
+_MOST_STEPS_IN_PYTHON = 300_000
+
+_MOST_NAMED = 3
+
+
+@dataclass(frozen=True)
+class Change:
+    """One change of a failure's scenario, after which the robot arrives.
+
+    Args:
+        what: ``cell`` (a solid cell is free), ``event`` (a cell does not change), ``option`` (an
+            option of the run is at its default), or the name of one of :data:`fuzz.boundary.AXES`.
+        value: With what the robot arrives: the cell ``[ix, iy]``, the option's name, or a number.
+        was: In the failure: the time of the event in s, the option's value, or the number.
+        unit: Of a number, such as ``m``.
+    """
+
+    what: str
+    value: Value
+    was: Value | None = None
+    unit: str = ""
+
+    def describe(self) -> str:
+        """Return the change as a condition: ``if cell (3, 4) is free``."""
+        match self.what:
+            case "cell":
+                return f"if cell {_cell(self.value)} is free"
+            case "event":
+                return f"if cell {_cell(self.value)} does not change at {self.was:g} s"
+            case "option":
+                return f"without +{self.value}{'' if self.was is True else f'={self.was}'}"
+        name = self.what.replace("-", " ")
+        return f"with {name} {self.value:g} {self.unit} instead of {self.was:g} {self.unit}"
+
+
+@dataclass(frozen=True)
+class Counterfactuals:
+    """The changes of one failure that make its robot arrive.
+
+    Args:
+        changes: Cells first, nearest to the repeated part of the path first; then events, options
+            and numbers.
+        runs: How many changed scenarios ran.
+        is_complete: False if the runs took too many steps for all changes to be tried.
+    """
+
+    changes: tuple[Change, ...]
+    runs: int
+    is_complete: bool
+
+    def table(self) -> dict[str, object]:
+        """Return the form of this record in JSON."""
+        return {
+            "changes": [vars(change) for change in self.changes],
+            "runs": self.runs,
+            "complete": self.is_complete,
+            "sentence": self.describe(),
+        }
+
+    def describe(self) -> str:
+        """Return one sentence, such as ``arrives if cell (3, 4) is free``."""
+        conditions = [self._describe_cells()] + [
+            change.describe() for change in self.changes if change.what != "cell"
+        ]
+        known = [condition for condition in conditions if condition]
+        if known:
+            return f"arrives {', '.join(known)}"
+        tried = f"{self.runs} single changes of its walls, robot and options"
+        return f"fails with each of {tried}" + ("" if self.is_complete else " that were tried")
+
+    def _describe_cells(self) -> str:
+        cells = [change.value for change in self.changes if change.what == "cell"]
+        if len(cells) <= 1:
+            return "".join(f"if cell {_cell(cell)} is free" for cell in cells)
+        named = ", ".join(_cell(cell) for cell in cells[:_MOST_NAMED])
+        more = len(cells) - _MOST_NAMED
+        others = f" or one of {more} others" if more > 1 else " or one other" if more == 1 else ""
+        return f"if one of the cells {named}{others} is free"
+
+
+def counterfactuals(failure: Failure) -> Counterfactuals:
+    """Return the single changes after which a failure's robot arrives.
+
+    Deterministic: equal failures give equal answers, on every machine.
+
+    Args:
+        failure: A robot that does not arrive.
+
+    Raises:
+        InvalidParameter: If no single change can explain the failure: its outcome depends on
+            chance, an oracle reported it, or its target is walled off.
+        WorldgenError: If the controller is unknown here.
+    """
+    subject = subject_of(failure)
+    if subject is None:
+        raise InvalidParameter(
+            "no-counterfactual",
+            "{who} fails by chance, by an oracle, or by getting to a walled-off target",
+            "explain a failure of a robot that never arrives",
+            who=failure.who,
+        )
+    search = _ChangedRuns(subject)
+    changes: list[Change] = []
+    try:
+        for change in _changes(search, failure.run()):
+            changes.append(change)
+    except _OutOfStepsError:
+        return Counterfactuals(tuple(changes), search.runs, is_complete=False)
+    return Counterfactuals(tuple(changes), search.runs, is_complete=True)
+
+
+class _OutOfStepsError(Exception):
+    """The runs of one explanation took too many steps."""
+
+
+class _ChangedRuns:
+    """Runs changed scenarios and counts their steps."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.subject = subject
+        self.runs = 0
+        controller = CONTROLLERS.get(subject.scenario.controller)
+        is_compiled = isinstance(controller, CompiledController)
+        self._left = _MOST_STEPS if is_compiled else _MOST_STEPS_IN_PYTHON
+
+    def arrives(self, subject: Subject) -> bool:
+        """Return True if the robot arrives, and does nothing else that is wrong."""
+        ran = run_subject(subject)
+        if ran is None:
+            return False
+        self._count(ran[1].steps)
+        return ran[1].verdict == Verdict.REACHED
+
+    def boundary(self, name: str) -> Change | None:
+        """Return the nearest value of an axis at which the robot arrives, if there is one."""
+        axis = AXES[name]
+        index = axis.index(self.subject)
+        if index is None:
+            return None
+        runs = BoundaryRuns(self.subject, axis, seen=self._count_run)
+        found = nearest_boundary(runs, index, reach=_REACH.get(name, _REACH_OF_NUMBERS))
+        if found is None:
+            return None
+        return Change(name, found.passes.value, axis.value(index), axis.unit)
+
+    def _count_run(self, run: BoundaryRun) -> None:
+        self._count(run.outcome.steps)
+
+    def _count(self, steps: int) -> None:
+        self.runs += 1
+        self._left -= steps
+        if self._left < 0:
+            raise _OutOfStepsError
+
+
+def _changes(search: _ChangedRuns, episode: Episode) -> Iterator[Change]:
+    """Yield the changes after which the robot arrives, in the order of a report."""
+    subject = search.subject
+    for ix, iy in _solid_cells(subject, episode):
+        walls = subject.world.walls.copy()
+        walls[iy, ix] = False
+        if search.arrives(_with_world(subject, walls=walls)):
+            yield Change("cell", [ix, iy])
+    yield from _event_changes(search)
+    yield from _option_changes(search)
+    for name in _AXES:
+        change = search.boundary(name)
+        if change is not None:
+            yield change
+
+
+def _event_changes(search: _ChangedRuns) -> Iterator[Change]:
+    timeline = search.subject.world.timeline
+    for number, event in enumerate(timeline):
+        if number == _MOST_EVENTS:
+            return
+        kept = np.arange(len(timeline)) != number
+        if search.arrives(_with_world(search.subject, timeline=timeline.only(kept))):
+            yield Change("event", [event.ix, event.iy], event.time)
+
+
+def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
+    scenario = search.subject.scenario
+    options = scenario.options(search.subject.world)
+    given = options.parameters()
+    for name, value in given.items():
+        if name in ("steps", "time_step"):
+            continue
+        others = {key: kept for key, kept in given.items() if key != name}
+        usual = Scenario.of(
+            scenario.controller, RunOptions.of(options.motion, options.seed, others)
+        )
+        if search.arrives(replace(search.subject, scenario=usual)):
+            yield Change("option", name, value)
+
+
+def _with_world(subject: Subject, **changes: object) -> Subject:
+    """Return the scenario in a changed world, without the witness of the old one."""
+    changed = replace(subject.world, certificate=None, provenance=None, failure=None, **changes)  # type: ignore[arg-type]
+    return replace(subject, world=changed)
+
+
+def _solid_cells(subject: Subject, episode: Episode) -> list[tuple[int, int]]:
+    """Return the solid cells to free, nearest to the part of the path that repeats first."""
+    world = subject.world
+    rows, columns = np.nonzero(world.walls)
+    trace = episode.trace
+    if trace is None or len(rows) == 0:
+        return []
+    # The states of one period, or of the second half of a run that repeats nothing.
+    loop = episode.evidence
+    first = loop.entry if isinstance(loop, LoopEvidence) else trace.steps // 2
+    last = loop.entry + loop.period if isinstance(loop, LoopEvidence) else trace.steps
+    # A few hundred places are enough to tell which walls are near.
+    every = max(1, math.ceil((last - first) / _MOST_CELLS))
+    x = trace.x[first : last + 1 : every] / world.cell_size
+    y = trace.y[first : last + 1 : every] / world.cell_size
+    nearest = np.full(len(rows), math.inf)
+    for at_x, at_y in zip(x.tolist(), y.tolist(), strict=True):
+        nearest = np.minimum(nearest, (columns + 0.5 - at_x) ** 2 + (rows + 0.5 - at_y) ** 2)
+    # Rows and columns break ties, so that the order is the same everywhere.
+    order = np.lexsort((columns, rows, np.round(nearest, 9)))[:_MOST_CELLS]
+    return [(int(columns[k]), int(rows[k])) for k in order]
+
+
+def _cell(value: Value) -> str:
+    ix, iy = value if isinstance(value, list) else (value, value)
+    return f"({ix}, {iy})"

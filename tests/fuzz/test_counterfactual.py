@@ -1,0 +1,116 @@
+"""Counterfactuals: what they report makes the robot arrive, and what they cannot explain is refused."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fuzz import counterfactual
+from fuzz.boundary import AXES, run_subject, subject_of
+from fuzz.counterfactual import Change, Counterfactuals, counterfactuals
+from fuzz.failure import Failure
+from sim.verdict import Verdict
+from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
+from worldgen import generate
+from worldgen.errors import InvalidParameter
+from worldgen.files.grid import write_world
+
+SHIPPED = Path(__file__).parents[2] / "corpora/failures"
+WALL = SHIPPED / "turn-right/swept/loop-bumps-wall-turn-near-away.grid"
+FIRE = SHIPPED / "bug1/swept/burned-burning-caught.grid"
+CHANCE = SHIPPED / "turn-random/stepped/timeout-post-near.grid"
+
+
+def arrives(subject):
+    return run_subject(subject)[1].verdict == Verdict.REACHED
+
+
+def test_the_robot_arrives_after_each_change_and_not_before():
+    failure = Failure.read(WALL)
+    subject = subject_of(failure)
+    found = counterfactuals(failure)
+    assert not arrives(subject) and found.is_complete
+    kinds = set()
+    for change in found.changes:
+        kinds.add(change.what)
+        if change.what == "cell":
+            ix, iy = change.value
+            walls = failure.world.walls.copy()
+            assert walls[iy, ix]
+            walls[iy, ix] = False
+            world = replace(failure.world, walls=walls, certificate=None)
+            assert arrives(replace(subject, world=world))
+        else:
+            axis = AXES[change.what]
+            assert change.was == axis.value(axis.index(subject))
+            assert arrives(axis.at(subject, change.value))
+    assert kinds == {"cell", "heading", "radius", "speed", "time-step"}
+
+
+def test_a_fire_that_burns_the_robot_is_what_its_failure_depends_on():
+    failure = Failure.read(FIRE)
+    events = [c for c in counterfactuals(failure).changes if c.what == "event"]
+    (dropped,) = events
+    timeline = failure.world.timeline
+    at = [[event.ix, event.iy] == dropped.value for event in timeline].index(True)
+    kept = [number != at for number in range(len(timeline))]
+    world = replace(failure.world, timeline=timeline.only(kept), certificate=None)
+    assert arrives(replace(subject_of(failure), world=world))
+
+
+def test_equal_failures_give_equal_answers():
+    assert counterfactuals(Failure.read(WALL)) == counterfactuals(Failure.read(WALL))
+
+
+def test_an_explanation_that_takes_too_many_steps_says_so(monkeypatch):
+    monkeypatch.setattr(counterfactual, "_MOST_STEPS", 5_000)
+    found = counterfactuals(Failure.read(WALL))
+    assert not found.is_complete and len(found.changes) < 5
+
+
+def test_a_failure_by_chance_is_refused():
+    with raises(InvalidParameter, "no-counterfactual"):
+        counterfactuals(Failure.read(CHANCE))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ([Change("cell", [3, 4])], "arrives if cell (3, 4) is free"),
+        (
+            [Change("cell", [k, 0]) for k in range(4)],
+            "arrives if one of the cells (0, 0), (1, 0), (2, 0) or one other is free",
+        ),
+        ([Change("event", [1, 2], 0.5)], "arrives if cell (1, 2) does not change at 0.5 s"),
+        ([Change("option", "noise", True)], "arrives without +noise"),
+        ([Change("option", "lag", 0.1)], "arrives without +lag=0.1"),
+        (
+            [Change("radius", 0.06, 0.07, "m"), Change("time-step", 0.01, 0.015, "s")],
+            "arrives with radius 0.06 m instead of 0.07 m, with time step 0.01 s instead of 0.015 s",
+        ),
+        ([], "fails with each of 9 single changes of its walls, robot and options"),
+    ],
+)
+def test_changes_are_described_in_one_sentence(changes, sentence):
+    assert Counterfactuals(tuple(changes), 9, is_complete=True).describe() == sentence
+
+
+def test_the_command_explains_a_file():
+    result = worldgen("explain", WALL)
+    assert result.code == 0 and "arrives if cell (0, 2) is free" in result.out
+
+
+def test_json_has_the_changes_as_data():
+    found = json.loads(worldgen("explain", WALL, "--json").out)
+    assert found["explained"] == 1
+    (failure,) = found["failures"]
+    assert failure["verdict"] == "loop" and failure["complete"] is True
+    assert failure["changes"][0] == {"what": "cell", "value": [0, 2], "was": None, "unit": ""}
+
+
+def test_a_failure_that_cannot_be_explained_is_reported_with_exit_code_2(tmp_path):
+    write_world(generate("corridor", 1), tmp_path / "w.grid")
+    result = worldgen("explain", CHANCE, tmp_path / "w.grid")
+    assert result.code == 2 and result.out == "" and len(result.err.splitlines()) == 2
