@@ -1,15 +1,14 @@
-"""The studio: a local web page on which worlds are drawn, decided and run.
+"""The studio: a local web page on which you draw worlds and run robots.
 
-It does nothing that the library and the command line do not: a browser and a server exchange small
-    messages
-(docs/reference/studio-protocol.md), and each becomes one call of the Python API.
+It does nothing that the library and the command line cannot do. A browser and a server exchange
+small messages (docs/reference/studio-protocol.md), and each becomes one call of the Python API.
 
 Contents:
-    Studio, make_app: the server's settings, and the server as an ASGI application (``app``).
-    Folder: the one folder that can be read and written (``folder``).
-    Gate: who is let in (``gate``).
-    Answers: what a message asks for, as one call of the library (``answers``), in processes of its
-        own (``lanes``).
+    Studio, make_app: The server's settings, and the server as an ASGI application (``app``).
+    Folder: The only folder that is read and written (``folder``).
+    Gate: Access control (``gate``).
+    Answers: Answers each message by one call of the library (``answers``), in separate processes
+        (``workers``).
 """
 
 from fuzz.studio.app import Studio, make_app

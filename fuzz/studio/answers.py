@@ -1,7 +1,7 @@
-"""What a message of the page asks for, each as one call of the library.
+"""Answer the page's messages, each by one call of the library.
 
-This runs in the processes of ``lanes``. An answer is a table; parts of it that are there earlier
-are handed to ``part``.
+This runs in the processes of ``workers``. An answer is a table; parts of it that are ready earlier
+are passed to ``part``.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ from worldgen.world import Cut, Value, Witness, World
 
 __all__ = ["Answers"]
 
-_TRIES = 500  # worlds that a search for a wish makes at most, as on the command line
-_KEPT_STEPS = 30_000  # of a run, in the page: more than a window has pixels
+_TRIES = 500  # most worlds that a search generates, as on the command line
+_KEPT_STEPS = 30_000  # steps of a run that the page receives: more than a window has pixels
 _PICTURES = ("gif", "svg", "html")
 
 Message = Mapping[str, Any]
@@ -63,27 +63,27 @@ Part = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True)
 class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
-    """Everything that can be asked for, by the names of the protocol."""
+    """All answers, by the names of the protocol."""
 
     def hello(self, message: Message, part: Part) -> dict[str, Any]:
-        """What there is to choose from."""
+        """Return everything that the page offers as a choice."""
         return catalogue(self.named, part)
 
     def files(self, message: Message, part: Part) -> dict[str, Any]:
-        """What in the folder can be opened."""
+        """Return the files in the folder that can be opened."""
         endings = tuple({ending for known in readable_formats() for ending in known.suffixes})
         return {"folder": str(self.folder.root), "files": self.folder.files(endings)}
 
     def open(self, message: Message, part: Part) -> dict[str, Any]:
-        """A world of the folder."""
+        """Return a world of the folder."""
         place = self.folder.place(field(message, "name", str))
-        world = read_world(place)  # first: it says what is wrong with the file
+        world = read_world(place)  # first, because it reports what is wrong with the file
         return {"file": _digest(place) if place.is_file() else None, **opened_message(world)}
 
     def before(self, message: Message, part: Part) -> dict[str, Any]:
-        """A failure of the folder as it was found, before shrinking.
+        """Return a failure of the folder as it was found, before shrinking.
 
-        Null where its campaign has not kept that.
+        Null if its campaign has not kept that.
         """
         path = self.folder.place(field(message, "name", str))
         shrunk = Failure.found_in(read_world(path))
@@ -110,19 +110,17 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         }
 
     def save(self, message: Message, part: Part) -> dict[str, Any]:
-        """Writes a world into the folder.
-
-        With the proof that is decided for it now, or its file's own.
-        """
+        """Write a world to the folder, with its file's proof or else a new one."""
         place = self.folder.place(field(message, "name", str))
         force = field(message, "overwrite", bool)
+        # A file may be replaced without asking if it has not changed since it was opened.
         replaces = message.get("replaces")
         if not force and isinstance(replaces, str) and place.is_file():
             if _digest(place) != replaces:
                 raise OutputError(
                     "file-changed",
                     "{name} has changed since it was opened",
-                    "overwrite it, or give another name",
+                    "overwrite it, or choose another name",
                     name=place.name,
                 )
             force = True
@@ -135,31 +133,30 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {"name": name, "file": _digest(place), **opened_message(world)}
 
     def decide(self, message: Message, part: Part) -> dict[str, Any]:
-        """Whether the target can be reached, with the way or the cut."""
+        """Return whether the target can be reached, with the witness or the cut."""
         return _decided(world := world_of(field(message, "world", dict)), decide(world))
 
     def widest(self, message: Message, part: Part) -> dict[str, Any]:
-        """The largest radius that could pass; null in a world that changes."""
+        """Return the largest radius that fits through; null in a world with events."""
         world = world_of(field(message, "world", dict))
         return {"widest": None if world.is_dynamic else widest_disc(world)}
 
     def signal(self, message: Message, part: Part) -> dict[str, Any]:
-        """The signal that the thesis's robot reads, cell by cell; -2 in walls."""
+        """Return the signal that the thesis's robot reads, cell by cell; -2 in walls."""
         world = replace(world_of(field(message, "world", dict)), timeline=Timeline())
         return {"signal": numbers(signal_in(world, noise=field(message, "noise", bool)).ravel())}
 
     def generate(self, message: Message, part: Part) -> dict[str, Any]:
-        """A world of a registered family.
+        """Return a world of a registered family.
 
-        One that is searched for, if a difficulty or another wish is given.
+        If a difficulty or a condition is given, search for a world that meets it.
         """
         family = field(message, "family", str)
         seed = seed_of(message)
         check_registered("family", family, FAMILIES.names())
         parameters: dict[str, Value] = field(message, "parameters", dict)
-        FAMILIES.find(family, parameters).complete(
-            parameters
-        )  # refuses others, which are no arguments of a search
+        # Refuse anything else: it would be taken for an argument of the search.
+        FAMILIES.find(family, parameters).complete(parameters)
         hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
         where = None if message.get("where") is None else field(message, "where", str)
         if where is None and hard is None:
@@ -177,16 +174,13 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return opened_message(world)
 
     def shift(self, message: Message, part: Part) -> dict[str, Any]:
-        """The world with walls that change places now and then.
-
-        As the thesis's world shifter moved them.
-        """
+        """Return the world with walls that move from time to time, as in the thesis's simulator."""
         return {
             "world": message_of(shifted(world_of(field(message, "world", dict)), seed_of(message)))
         }
 
     def measure(self, message: Message, part: Part) -> dict[str, Any]:
-        """How hard a world is, by every metric that has a meaning for it."""
+        """Return the difficulty of a world by every metric that applies to it."""
         found = measure(restored(field(message, "world", dict))).as_dict()
         return {
             "metrics": [
@@ -197,10 +191,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         }
 
     def run(self, message: Message, part: Part) -> dict[str, Any]:
-        """Runs controllers in a world, one after the other.
-
-        Each is a part as soon as it is done.
-        """
+        """Run controllers in a world, one after another; each result is a part."""
         world, labels = _to_run(message)
         part({"world": drawn_world(world)})
         for number, label in enumerate(labels):
@@ -211,18 +202,12 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return {}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
-        """Whether a controller may run as it is named, with its options.
-
-        It is refused otherwise.
-        """
+        """Check that a controller may run under this name with its options, or raise."""
         CONTROLLERS.get(self._scenario(field(message, "controller", str), message).controller)
         return {}
 
     def picture(self, message: Message, part: Part) -> dict[str, Any]:
-        """The same runs as a file.
-
-        An animation of all, a drawing of one, a page that replays all.
-        """
+        """Return the same runs as a file: an animation, a drawing of one, or a replay page."""
         world, labels = _to_run(message)
         kind = field(message, "kind", str)
         title = field(message, "title", str)
@@ -231,7 +216,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
             raise InvalidParameter(
                 "unknown-name",
                 "robot {robot} as {kind!r}",
-                "choose one that drove, as {known!l}",
+                "choose one that ran, as {known!l}",
                 robot=looked,
                 kind=kind[:20],
                 known=list(_PICTURES),
@@ -241,7 +226,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
             try:
                 if kind != "svg" or number == looked:
                     drives.append(self._driven(world, label, message))
-            except InvalidParameter:  # as the page said already
+            except InvalidParameter:  # the page has already shown this error
                 if number == looked:
                     raise
         data = _as_file(kind, title, world, drives)
@@ -260,7 +245,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))
 
     def _scenario(self, label: object, message: Message) -> Scenario:
-        """A controller that the page may run, with the options that it asks for."""
+        """Return the scenario of a controller that the page may run, with the requested options."""
         check_named(label, self.named)
         seed = field(message, "seed", int)
         motion = field(message, "motion", str)
@@ -277,16 +262,15 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         asked: dict[str, Value] = (
             field(message, "options", dict) if scenario.motion == motion else {}
         )
-        changed = (
-            asked | scenario.thesis.changed() | scenario.robot.changed()
-        )  # its own count more than all robots'
+        # The controller's own variations take precedence over the options for all robots.
+        changed = asked | scenario.thesis.changed() | scenario.robot.changed()
         parameters: dict[str, Value] = {"time_step": scenario.time_step, **changed}
         return Scenario.of(scenario.controller, RunOptions.of(scenario.motion, seed, parameters))
 
 
 @dataclass(frozen=True, eq=False)
 class _Driven:
-    """A run that was asked for."""
+    """A run that the page requested."""
 
     name: str
     world: World
@@ -296,14 +280,14 @@ class _Driven:
 
     @property
     def reason(self) -> str:
-        """What the verdict rests on, in words; empty if the robot arrived."""
+        """The evidence for the verdict, in words; empty if the robot arrived."""
         return describe_evidence(self.episode).strip()
 
 
 def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
-    """The failure that was shrunk, where a campaign of this folder.
+    """Return the original of a shrunk failure, if a campaign in this folder has it.
 
-    It must be in the opened one, has it.
+    The folder must be inside the opened one.
     """
     if shrunk is None or not folder.is_relative_to(root):
         return None
@@ -314,7 +298,7 @@ def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | Non
 
 
 def _to_run(message: Message) -> tuple[World, list[Any]]:
-    """The world in which robots are to drive, with its proof, and their names."""
+    """Return the world to run robots in, with its proof, and their names."""
     world = restored(field(message, "world", dict))
     if message.get("still") is True:
         world = replace(world, timeline=Timeline(), certificate=None)
@@ -333,7 +317,7 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
 
 
 def _seen(driven: _Driven) -> dict[str, Any]:
-    """A run as the player wants it."""
+    """Return a run as the player takes it."""
     episode = driven.episode
     side = driven.world.cell_size
     return {
@@ -351,7 +335,7 @@ def _seen(driven: _Driven) -> dict[str, Any]:
 
 
 def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> bytes:
-    """Runs as the bytes of a file; of several robots an SVG holds the first."""
+    """Return runs as the bytes of a file; an SVG shows only the first robot."""
     front = drives[0]
     if kind == "html":
         return replay_page(title, drawn_world(world), [_seen(driven) for driven in drives])
@@ -365,7 +349,7 @@ def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> 
 
 
 def _digest(place: Path) -> str:
-    """Of a file's bytes: whether it is still the one that was opened."""
+    """Return the digest of a file, which shows whether it has changed since it was opened."""
     return hashlib.sha256(place.read_bytes()).hexdigest()
 
 

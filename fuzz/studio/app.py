@@ -1,4 +1,4 @@
-"""The server: one page, its parts, and one connection."""
+"""The server: one page, its files, and one connection."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from fuzz.studio.workers import LANES, Worker
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
-MOST_PAGES = 64  # that are connected at the same time; more are a program gone wild
-FULL = 4000  # the code with which one more is closed; its reason is a sentence for the page
+MOST_PAGES = 64  # connected at the same time; more would be a program out of control
+FULL = 4000  # WebSocket code that closes one more; its reason is a sentence for the page
 _KINDS = {
     ".html": "text/html",
     ".js": "text/javascript",
@@ -35,9 +35,9 @@ _KINDS = {
 
 
 def _parts() -> dict[str, bytes]:
-    """The page's files by address.
+    """Return the page's files by address.
 
-    Nothing else is ever read for an address, so none can lead anywhere.
+    No other file is ever read for an address, so an address cannot lead anywhere else.
     """
     found = {}
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
@@ -53,8 +53,8 @@ class Studio:
     """A studio's settings.
 
     Args:
-        folder: What can be read and written.
-        gate: Who is let in.
+        folder: The folder that can be read and written.
+        gate: Access control.
         named: Controllers from files, modules and programs that the page may run, as the command
             line takes them.
         file: Name, in the folder, of the world to open first.
@@ -68,7 +68,7 @@ class Studio:
 
 
 def make_app(studio: Studio) -> ASGIApp:
-    """The studio as an ASGI application, behind its gate."""
+    """Return the studio as an ASGI application, behind its gate."""
     lanes: dict[str, Worker | Watching] = {
         name: Worker(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
     }
@@ -77,7 +77,7 @@ def make_app(studio: Studio) -> ASGIApp:
     async def part(request: Request) -> Response:
         data = studio.parts.get(request.url.path)
         if data is None:
-            return Response("There is no such page.\n", 404, media_type="text/plain")
+            return Response("This page does not exist.\n", 404, media_type="text/plain")
         ending = "." + request.url.path.rpartition(".")[2] if request.url.path != "/" else ".html"
         return Response(data, media_type=_KINDS[ending])
 
@@ -88,7 +88,7 @@ def make_app(studio: Studio) -> ASGIApp:
             await socket.accept(SUBPROTOCOL)
             await socket.close(
                 FULL,
-                f"{MOST_PAGES} pages are open, and the studio takes no more; close another one.",
+                f"{MOST_PAGES} pages are open, which is the limit; close another one.",
             )
             return
         pages.add(socket)
@@ -108,5 +108,5 @@ def make_app(studio: Studio) -> ASGIApp:
 
 
 def _begins(studio: Studio) -> dict[str, Any]:
-    """Return what each connection is told first."""
+    """Return the first message of each connection."""
     return {"folder": str(studio.folder.root), "file": studio.file, "limits": limits()}

@@ -1,6 +1,6 @@
-"""The mark of a campaign that is to begin, in its memory.
+"""Mark a campaign that is about to begin, in its campaign store.
 
-Who takes it away has it end before it has begun.
+Removing the mark ends the campaign before it has begun.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from pathlib import Path
 
 __all__ = ["beginning", "end_beginnings"]
 
-# And the number of the process that waits for it: two studios may begin in one folder.
+# The number of the waiting process follows: two studios may begin a campaign in one folder.
 _MARK = "studio.begins."
 
 
 @contextlib.contextmanager
 def beginning(memory: Path) -> Iterator[Path]:
-    """A mark for the time in which a campaign begins.
+    """Keep a mark while a campaign is about to begin.
 
     Args:
-        memory: A campaign's, which is there.
+        memory: The campaign's store, which must exist.
     """
     mark = memory / f"{_MARK}{os.getpid()}"
     mark.touch()
@@ -32,7 +32,7 @@ def beginning(memory: Path) -> Iterator[Path]:
 
 
 def end_beginnings(memory: Path) -> bool:
-    """Has all that is about to begin in a campaign's memory end; whether there was any."""
+    """End all campaigns that are about to begin in a store; return True if there were any."""
     marks = list(memory.glob(f"{_MARK}*")) if memory.is_dir() else []
     for mark in marks:
         mark.unlink(missing_ok=True)

@@ -1,6 +1,6 @@
-"""What a campaign's folder says of it while it runs and afterwards.
+"""Read the state of a campaign from its folder, while it runs and afterwards.
 
-Whoever runs it, and from where.
+It does not matter who runs the campaign, or from where.
 """
 
 from __future__ import annotations
@@ -21,23 +21,21 @@ from worldgen.files.worlds import is_world_file
 __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
 
 SAID = "studio.txt"
-"""Name, in a campaign's memory, of what its process writes to stderr when the studio has started it; for a person."""
+"""Name, in the campaign store, of the stderr of a process that the studio started; for people."""
 
-_ENDED_WELL = (
-    "done",
-    "stopped",
-)  # what was refused afterwards, at a terminal, says nothing of the campaign
+# A refusal that follows at a terminal, such as of a second start, does not concern the campaign.
+_ENDED_WELL = ("done", "stopped")
 
 
 def is_campaign(folder: Path) -> bool:
-    """Whether a campaign was begun in a folder."""
+    """Return True if a campaign was begun in a folder."""
     return (folder / MEMORY / "campaign.json").is_file()
 
 
 def is_own(folder: Path) -> bool:
-    """Whether a campaign's memory holds files and folders alone.
+    """Return True if a campaign store contains only files and folders.
 
-    No link to somewhere else, no pipe to wait for.
+    A link could lead elsewhere, and a pipe could block.
     """
     memory = folder / MEMORY
     if memory.is_symlink() or not memory.is_dir():
@@ -50,26 +48,26 @@ def is_own(folder: Path) -> bool:
 
 
 def running_process(folder: Path) -> int | None:
-    """The process that does a folder's campaign now; ``None`` if none does on this machine."""
+    """Return the process that runs a folder's campaign; ``None`` if none on this machine does."""
     return holder(folder / MEMORY / "lock")
 
 
 def interrupt(process: int) -> None:
-    """Has a campaign's process end as Ctrl-C would, where the system can do that to another process."""
-    with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
+    """End a campaign's process as Ctrl-C would, as far as the operating system allows that."""
+    with contextlib.suppress(ProcessLookupError):  # it has already ended
         os.kill(process, signal.SIGTERM if os.name == "nt" else signal.SIGINT)
 
 
 def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[str, Any]:
-    """A campaign in numbers.
+    """Return the state of a campaign.
 
     Args:
-        folder: Where its failures are.
-        name: As the page knows the folder.
+        folder: Folder of its failures.
+        name: Name of the folder on the page.
         opened: The opened folder.
 
     Returns:
-        As docs/reference/studio-protocol.md says of ``state``.
+        The table ``state`` of docs/reference/studio-protocol.md.
 
     Raises:
         FormatError: If its files cannot be read.
@@ -90,7 +88,7 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
 
 
 def _budget(folder: Path) -> dict[str, Any]:
-    """Whose campaign it is and how far it is to go, as it was begun."""
+    """Return the controller, the seed and the budget with which the campaign was begun."""
     stored = FolderStore.stored_in(folder)
     if stored is None:
         raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
@@ -100,9 +98,8 @@ def _budget(folder: Path) -> dict[str, Any]:
     return {
         "controller": str(said.get("controller", "")),
         "motion": str(said.get("motion", "")),
-        "seed": str(
-            fingerprint.configuration.get("seed", "")
-        ),  # of 64 bits, which a browser's numbers cannot hold
+        # A 64-bit seed is text, because a browser's numbers cannot hold it.
+        "seed": str(fingerprint.configuration.get("seed", "")),
         "budget": {
             part: value if isinstance(value := budget.get(part), int | float) else None
             for part in _BUDGET
@@ -114,7 +111,7 @@ _BUDGET = ("units", "seconds")
 
 
 def _totals(folder: Path) -> dict[str, Any]:
-    """What it did until now; zeros before it first says something."""
+    """Return the totals so far; zeros before the campaign has written a summary."""
     summary = read_summary(folder)
     if summary is None:
         none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
@@ -142,7 +139,7 @@ def _totals(folder: Path) -> dict[str, Any]:
 
 
 def _stamp(folder: Path) -> str:
-    """Another text whenever a failure in the folder itself is new or smaller."""
+    """Return a text that changes whenever a failure in the folder is new or smaller."""
     found = [
         (path.name, path.stat().st_mtime_ns)
         for path in folder.iterdir()

@@ -1,9 +1,9 @@
-"""Campaigns from the page.
+"""Campaigns that the page begins, resumes and stops.
 
-Each is a `worldgen fuzz` in a process of its own, and its folder the only tie to it. So a campaign
-outlives the page and the server, and one that was begun at a terminal is seen and stopped here,
-too. What a folder from elsewhere asks for, a controller or an oracle in a file, is not run unless
-it was named at the start.
+Each is a `worldgen fuzz` in its own process, connected to the studio only by its folder. So a
+campaign outlives the page and the server, and a campaign begun at a terminal can be watched and
+stopped here. A folder may come from elsewhere: a controller or an oracle in a file runs only if it
+was named when the studio was started.
 """
 
 from __future__ import annotations
@@ -51,11 +51,10 @@ from worldgen.files.grid import write_world
 
 __all__ = ["CampaignAnswers"]
 
-# S that a process gets until it has begun: kernels may have to be compiled on a machine that is
-# busy.
+# Seconds that a process may take to begin: a busy machine may have to compile kernels first.
 _BEGINS = 300.0
-_ENDS = 2.0  # s that a campaign is waited for that was told to end before it had begun
-_LOOK = 0.05  # s between two looks
+_ENDS = 2.0  # s to wait for a campaign that was stopped before it had begun
+_LOOK = 0.05  # s between two checks
 
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
@@ -63,14 +62,14 @@ Part = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True)
 class CampaignAnswers(Opened):
-    """What the campaign page asks for, as far as campaigns' processes are concerned."""
+    """Answers of the campaign page that concern the campaigns' processes."""
 
     _begun: list[subprocess.Popen[bytes]] = field(
         default_factory=list, init=False, repr=False, compare=False
     )
 
     def campaigns(self, message: Message, part: object) -> dict[str, Any]:
-        """The campaigns in the folder, those that run first; and folders that hold worlds."""
+        """Return the folder's campaigns, running ones first, and folders that hold worlds."""
         self._reap()
         folders = _folders(self.folder)
         states = []
@@ -80,7 +79,7 @@ class CampaignAnswers(Opened):
                 states += (
                     [self._state(self.folder.place(name), name)] if self._is_campaign(name) else []
                 )
-            except WorldgenError as error:  # of one; the others are as they were
+            except WorldgenError as error:  # report this one and list the others
                 faults.append(self.folder.refusal(error))
         return {
             "faults": faults,
@@ -92,9 +91,9 @@ class CampaignAnswers(Opened):
         }
 
     def begin(self, message: Message, part: Part) -> dict[str, Any]:
-        """Begins a campaign in a folder, or goes on with the same one.
+        """Begin a campaign in a folder, or resume the same one.
 
-        A part says when it can be stopped.
+        A part announces that it can be stopped.
         """
         self._reap()
         name = part_of(message, "folder", str)
@@ -109,17 +108,17 @@ class CampaignAnswers(Opened):
         return {"state": self._state(out, name)}
 
     def command(self, message: Message, part: object) -> dict[str, Any]:
-        """The line that begins the same campaign at a terminal."""
+        """Return the command that begins the same campaign at a terminal."""
         out = self._own(part_of(message, "folder", str))
         return {"command": command_line(self._words(message), message, out, self.folder)}
 
     def _words(self, message: Message) -> list[str]:
-        """What `begin` has `worldgen fuzz` do, but for the fixed map and the folder."""
+        """Return the arguments of `worldgen fuzz`, without the fixed map and the folder."""
         ours = (*budget(message, needed=True), *workers(message), *baseline(message, self.folder))
         return [*begun(message, self.named, self.folder), *ours]
 
     def resume(self, message: Message, part: Part) -> dict[str, Any]:
-        """Goes on with the campaign in a folder; a part says when it can be stopped."""
+        """Resume the campaign in a folder; a part announces that it can be stopped."""
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
@@ -129,7 +128,7 @@ class CampaignAnswers(Opened):
         return {"state": self._state(out, name)}
 
     def elite(self, message: Message, part: object) -> dict[str, Any]:
-        """The simplest world of a cell of a campaign's archive, and who ran in it."""
+        """Return the simplest world in a cell of a campaign's archive, and what ran in it."""
         out = self._own(part_of(message, "folder", str))
         world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))
         return opened_message(world) | {"runs": runs_in(out)}
@@ -144,33 +143,33 @@ class CampaignAnswers(Opened):
             return False
 
     def _own(self, name: str) -> Path:
-        """A folder in the opened one whose memory is no link to somewhere else."""
+        """Return a folder in the opened one whose campaign store is not a link to elsewhere."""
         out = self.folder.place(name)
         if out == self.folder.root or not is_own(out):
             raise InvalidParameter(
                 "not-a-campaign-folder",
-                "{name!r} is no folder of a campaign in the opened one",
-                "give the name of another",
+                "{name!r} is not a campaign's folder in the opened one",
+                "choose another",
                 name=name,
             )
         if out.is_relative_to(self.folder.root / KNOWN):
             raise InvalidParameter(
                 "folder-is-for-known",
                 "{known}/ is for failures that are marked as known",
-                "give the name of another folder",
+                "choose another folder",
                 known=KNOWN,
             )
         return out
 
     def _check_stored(self, out: Path, name: str) -> None:
-        """Refuses a campaign that would run what nobody has named.
+        """Refuse a campaign that would run code that was not named at the start.
 
         Its folder may come from anywhere.
         """
         stored = FolderStore.stored_in(out)
         if stored is None:
             raise InvalidParameter(
-                "no-campaign", "{name} holds no campaign to go on with", "begin one", name=name
+                "no-campaign", "{name} holds no campaign to resume", "begin one", name=name
             )
         said = stored[0].configuration
         scenario = said.get("scenario")
@@ -180,14 +179,14 @@ class CampaignAnswers(Opened):
             raise InvalidParameter(
                 "not-named",
                 "{name} runs a controller that was not named",
-                "worldgen studio --controller does",
+                "name it at the start: worldgen studio --controller",
                 at_terminal=True,
                 name=name,
             )
         if scenario.get("motion") not in MOTIONS.names():
             raise InvalidParameter(
                 "not-registered",
-                "{name} uses a motion model of a file",
+                "{name} uses a motion model from a file",
                 "resume it at a terminal",
                 name=name,
             )
@@ -203,23 +202,24 @@ class CampaignAnswers(Opened):
             )
 
     def _start(self, out: Path, words: list[str], started: Callable[[], None]) -> None:
-        """Starts a campaign's process and waits until it has begun.
+        """Start a campaign's process and wait until it has begun.
 
         Args:
             out: The campaign's folder.
-            words: What the process is given beside that.
+            words: Arguments of the process other than the folder.
             started: Called when it can be stopped.
 
         Raises:
-            OutputError: If it does not begin; with what it says.
+            OutputError: If it does not begin; with the process's own message.
         """
         if running_process(out) is not None:
             raise OutputError(
                 "campaign-is-running",
-                "the campaign in {name} runs already",
+                "the campaign in {name} is already running",
                 "stop it first",
                 name=out.name,
             )
+        # Remember the folders created here, so that they can be removed if it does not begin.
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
         with contextlib.ExitStack() as stack:
@@ -235,7 +235,7 @@ class CampaignAnswers(Opened):
                 raise OutputError(
                     "unwritable",
                     "{name} cannot be written: {reason}",
-                    "name another folder",
+                    "choose another folder",
                     name=out.name,
                     reason=error.strerror or str(error),
                 ) from error
@@ -243,18 +243,18 @@ class CampaignAnswers(Opened):
             started()
             why_not = _wait_until_begun(process, out, mark)
             if why_not is None and not mark.exists():
-                interrupt(process.pid)  # it began when it was told to end
+                interrupt(process.pid)  # it was stopped at the moment when it began
         if why_not is None:
             return
         (memory / SAID).unlink(missing_ok=True)
         forget_error(out)
         for folder in made:
-            with contextlib.suppress(OSError):  # it holds something
+            with contextlib.suppress(OSError):  # not empty
                 folder.rmdir()
         raise why_not
 
     def _reap(self) -> None:
-        """Takes note of processes that ended."""
+        """Forget processes that have ended."""
         self._begun[:] = [process for process in self._begun if process.poll() is None]
 
 
@@ -278,6 +278,7 @@ def _wait_until_begun(
             _end(process)
             return _stopped()
         time.sleep(_LOOK)
+    # It has already ended: either regularly, or with a recorded error, or unexpectedly.
     if process.returncode in (0, 1, 130):
         return None if is_campaign(out) else _stopped()
     return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
@@ -288,7 +289,7 @@ def _stopped() -> OutputError:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Ends a process as Ctrl-C would; by force, if that takes too long."""
+    """End a process as Ctrl-C would; by force if that takes too long."""
     interrupt(process.pid)
     try:
         process.wait(_ENDS)
@@ -298,10 +299,9 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
-    """A process that Ctrl-C at the server's terminal does not reach, and ours does."""
-    before = signal.signal(
-        signal.SIGINT, signal.SIG_DFL
-    )  # what is ignored here would be ignored there
+    """Start a process that a Ctrl-C at the server's terminal does not reach, but ours does."""
+    # A signal that is ignored here would be ignored there too.
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         return subprocess.Popen(
             command,
@@ -315,9 +315,9 @@ def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
 
 
 def _last_words(status: int, path: Path) -> WorldgenError:
-    """Return the error of a process that ended without a record of why.
+    """Return the error of a process that ended without recording why.
 
-    A fault of ours, or killed.
+    Either it has an internal error, or it was killed.
     """
     lines = [
         line.strip() for line in path.read_text("utf-8", "replace").splitlines() if line.strip()
@@ -332,9 +332,9 @@ def _last_words(status: int, path: Path) -> WorldgenError:
 
 
 def _folders(folder: Folder) -> dict[str, int]:
-    """Folders below the opened one, and how many worlds are in each and below.
+    """Return the folders below the opened one, with the number of worlds in and below each.
 
-    "" is the opened one itself.
+    "" stands for the opened folder itself.
     """
     counts: dict[str, int] = {"": 0}
     for entry in folder.files(most=MOST_FAILURES):

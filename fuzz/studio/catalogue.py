@@ -1,6 +1,6 @@
-"""What there is to choose from.
+"""List everything that the page offers as a choice, with its parameters.
 
-Families, controllers, motion models and formats, with their parameters.
+These are families, controllers, motion models and formats.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from worldgen.parameters import Bounds, Parameter
 
 __all__ = ["catalogue"]
 
-# s: a controller that took longer to fail is not tried again, for each page would wait for it.
+# s: a controller that took longer to fail is not tried again, because each new page would wait.
 _SLOW = 3.0
 _FAILED: dict[tuple[str, int], dict[str, Any]] = {}
 
 
 def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
-    """Everything that the page offers.
+    """Return everything that the page offers as a choice.
 
     Args:
         named: Controllers that were named when the studio was started.
@@ -92,9 +92,9 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
 
 
 def _tried(label: str) -> dict[str, Any]:
-    """A controller, loaded.
+    """Return the entry of a controller after loading it.
 
-    One that has taken long to fail before, as it was then, until its file is another.
+    If loading failed slowly before, return that result again until the controller's file changes.
     """
     key = (label, _changed(label))
     if key in _FAILED:
@@ -107,18 +107,18 @@ def _tried(label: str) -> dict[str, Any]:
 
 
 def _changed(label: str) -> int:
-    """When a controller's file was last changed; 0 where that is none."""
+    """Return the time of the last change of a controller's file; 0 if it is not in a file."""
     file, ending, _ = label.partition(".py:")
     try:
         return Path(file + ".py").expanduser().stat().st_mtime_ns if ending else 0
-    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL; RuntimeError: nobody's home
+    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL; RuntimeError: an unknown user
         return 0
 
 
 def _controller(label: str) -> dict[str, Any]:
-    """A controller's label, which motion models it drives under, and first of all.
+    """Return a controller's label and the motion models it can run under, the usual one first.
 
-    Its faults are told, not raised.
+    Faults are reported in the entry, not raised.
     """
     entry = {
         "name": label,
@@ -132,7 +132,9 @@ def _controller(label: str) -> dict[str, Any]:
         scenario = Scenario.parse(label)
         found = CONTROLLERS.get(scenario.controller)
     except InvalidParameter as error:
-        with contextlib.suppress(InvalidParameter):  # with options of the other motion models
+        with contextlib.suppress(
+            InvalidParameter
+        ):  # its options may be those of the thesis's robot
             found = CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
             return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
         return entry | {"fault": refusal(error)}
@@ -141,7 +143,7 @@ def _controller(label: str) -> dict[str, Any]:
 
 
 def _other_name(label: str) -> str:
-    """The registered name that means the same controller; empty where there is none."""
+    """Return the registered name of the same controller; empty if there isn't one."""
     same = (
         name
         for name in CONTROLLERS.names()
@@ -151,7 +153,7 @@ def _other_name(label: str) -> str:
 
 
 def _registered(name: str) -> Controller | None:
-    """A registered controller; none where it is faulty."""
+    """Return a registered controller; ``None`` if it cannot be loaded."""
     try:
         return CONTROLLERS.get(name)
     except InvalidParameter:
@@ -168,7 +170,7 @@ def _motion(name: str) -> dict[str, Any]:
         "options": [
             _parameter(option)
             for option in (ThesisOptions if thesis else RobotOptions).declared()
-            if not isinstance(option.default, tuple)  # lists are the command line's
+            if not isinstance(option.default, tuple)  # lists can only be set on the command line
         ],
     }
 

@@ -1,7 +1,4 @@
-"""Worlds behind a campaign's archive of behaviours.
-
-Of each kind the simplest, as the store has it.
-"""
+"""Find the worlds behind a campaign's archive of behaviours: the simplest of each cell."""
 
 from __future__ import annotations
 
@@ -20,16 +17,15 @@ __all__ = ["elite_of", "runs_in"]
 
 
 def elite_of(folder: Path, i: int, j: int) -> World:
-    """The simplest world that a campaign has met in a cell of its archive.
+    """Return the simplest world that a campaign has found for a cell of its archive.
 
     Args:
-        folder: Of the campaign.
-        i: The cell along the archive's first axis.
-        j: Likewise, along the second.
+        folder: Folder of the campaign.
+        i: Index of the cell along the archive's first axis.
+        j: Index of the cell along the second axis.
 
     Raises:
-        InvalidParameter: If the archive has no such cell, or the store does not know its world any
-            more.
+        InvalidParameter: If the archive has no such cell, or the store no longer has its world.
         FormatError: If the campaign's files cannot be read.
     """
     summary = read_summary(folder)
@@ -38,8 +34,8 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     if shown is None:
         raise InvalidParameter(
             "empty-cell",
-            "the archive in {name} has nothing in cell [{i}, {j}]",
-            "choose one that is filled",
+            "the archive in {name} has no world in cell [{i}, {j}]",
+            "choose a filled cell",
             name=folder.name,
             i=i,
             j=j,
@@ -50,18 +46,18 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     raise InvalidParameter(
         "world-not-kept",
         "{name} has not kept the world of this cell",
-        "go on with the campaign",
+        "resume the campaign",
         name=folder.name,
     )
 
 
 def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
-    """What units have brought to the archive, in their order."""
+    """Yield the entries that units added to the archive, in order."""
     for file in sorted(units.glob("*.json")):
         if file.is_symlink() or not file.is_file():
             continue
         text = read_text(file)
-        if '"elites": []' in text:
+        if '"elites": []' in text:  # most units add nothing; skip parsing them
             continue
         try:
             for cell, layout, quality, verdict in json.loads(text)["elites"]:
@@ -70,15 +66,15 @@ def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
             raise FormatError(
                 "invalid-entry",
                 "is not an entry of a campaign store",
-                "go on with the campaign, which mends it",
+                "resume the campaign, which repairs it",
                 source=str(file),
             ) from error
 
 
 def runs_in(folder: Path) -> dict[str, Any] | None:
-    """Who runs in a campaign's worlds, as the page wants it of a failure.
+    """Return what runs in a campaign's worlds, in the form used for failures.
 
-    Null where its robots are not all alike.
+    Null if the campaign varies its robots.
     """
     stored = FolderStore.stored_in(folder)
     said = stored[0].configuration if stored else {}

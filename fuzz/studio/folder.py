@@ -1,4 +1,4 @@
-"""The one folder that the studio may read and write; no name leads out of it."""
+"""The only folder that the studio may read and write; no name leads out of it."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ __all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder"]
 KNOWN = "known"
 """The folder, in the opened one, of failures that are marked as known.
 
-The baseline of campaigns begun here.
+It is the baseline of campaigns that are begun in the studio.
 """
 
-_MEMORY = ".campaign"  # in a campaign's folder, what it remembers
-MOST_FILES = 2_000  # that are listed; more than anybody scrolls through
-MOST_FAILURES = 20_000  # that a wall shows: it has filters
-_DEEPEST = 4  # folders below the opened one
+_MEMORY = ".campaign"  # name of the campaign store in a campaign's folder
+MOST_FILES = 2_000  # listed files; more than anybody scrolls through
+MOST_FAILURES = 20_000  # failures in the gallery, which has filters
+_DEEPEST = 4  # levels of folders below the opened one
 _LONGEST = 400  # characters of a name
 
 
@@ -37,7 +37,7 @@ class Folder:
     """An opened folder.
 
     Args:
-        root: Where it is.
+        root: Its path.
     """
 
     root: Path
@@ -46,14 +46,14 @@ class Folder:
         object.__setattr__(self, "root", Path(os.path.realpath(self.root)))
 
     def place(self, name: str) -> Path:
-        """The path of a name in the folder, whether or not there is a file.
+        """Return the path of a name in the folder, whether or not the file exists.
 
         Args:
             name: Relative to the folder, with ``/`` between its parts.
 
         Raises:
-            InvalidParameter: If it is no such name, is hidden, leads out of the folder, through
-                links too, or if a pipe or device is there.
+            InvalidParameter: If it is not a valid name, is hidden, leads out of the folder, also
+                through links, or names a pipe or device.
         """
         parts = name.split("/")
         if (
@@ -65,17 +65,18 @@ class Folder:
         ):
             raise InvalidParameter(
                 "not-a-file-name",
-                "{name!r} is no name of a file in the opened folder",
-                "give one like w.grid",
+                "{name!r} is not the name of a file in the opened folder",
+                "choose one like w.grid",
                 name=shown(name[:60]),
             )
         if any(part in ("", ".", "..") or part.startswith(".") for part in parts):
             raise InvalidParameter(
                 "outside-of-folder",
                 "{name!r} leads out of the opened folder or is hidden",
-                "give a name in it",
+                "choose a name in the folder",
                 name=shown(name[:60]),
             )
+        # Resolve links before looking at the file, so that a link cannot lead out.
         path = self.root.joinpath(*parts)
         real = Path(os.path.realpath(path))
         if not real.is_relative_to(self.root):
@@ -96,26 +97,27 @@ class Folder:
                     name=shown(name[:60]),
                 ) from error
             return real
-        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a pipe would be waited for without end
+        # Reading a pipe could block forever.
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
             raise InvalidParameter(
                 "wrong-kind-of-file",
-                "{name!r} in the opened folder is no regular file",
-                "name another",
+                "{name!r} in the opened folder is not a regular file",
+                "choose another",
                 name=shown(name[:60]),
             )
         return real
 
     def refusal(self, error: WorldgenError | Message) -> dict[str, Any]:
-        """Return an error as the page gets it, with paths relative to this folder."""
+        """Return an error as the page expects it, with paths relative to this folder."""
         return refusal(error, self.root)
 
     def place_of_map(self, name: str) -> Path:
-        """The path of a name beside which no link of the same stem leads out.
+        """Return the path of a map, if no file with the same stem leads out of the folder.
 
-        Formats read other files there.
+        Formats read such files along with the map.
 
         Raises:
-            InvalidParameter: As ``place`` does; also if such a link is there.
+            InvalidParameter: As ``place`` does; also if such a link exists.
         """
         place = self.place(name)
         if place.is_file():
@@ -123,7 +125,7 @@ class Folder:
                 if not Path(os.path.realpath(other)).is_relative_to(self.root):
                     raise InvalidParameter(
                         "outside-of-folder",
-                        "{name!r} beside it leads out of the opened folder",
+                        "{name!r} next to it leads out of the opened folder",
                         "copy the file into it",
                         name=shown(other.name),
                     )
@@ -132,14 +134,14 @@ class Folder:
     def files(
         self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES
     ) -> list[dict[str, Any]]:
-        """What there is to open: worlds and files with such endings, none hidden.
+        """Return what can be opened: worlds, and files with these suffixes, none of them hidden.
 
-        What campaigns have found comes last.
+        Files found by campaigns come last.
 
         Args:
-            endings: Of files that are no worlds.
-            below: A folder in it; all of it if left out.
-            most: How many of them, the first.
+            endings: Suffixes of files other than worlds.
+            below: A folder inside; the whole folder if omitted.
+            most: Most files to return.
         """
         walked = self._walk(self.place(below) if below else self.root, 0, 2 * most, False)
         known = (
@@ -150,13 +152,13 @@ class Folder:
         )[:most]
 
     def archives(self) -> list[str]:
-        """The archives in it and below, by name, which may hold worlds."""
+        """Return the names of archives, which may contain worlds."""
         names = [entry["name"] for entry in self._walk(self.root, 0, 2 * MOST_FILES, False)]
         packed = (name for name in names if name.lower().endswith(ENDINGS))
         return sorted(packed, key=lambda name: (name.count("/"), name))[:MOST_FILES]
 
     def folders(self) -> list[str]:
-        """The folders in it and below, by name; neither hidden ones nor links."""
+        """Return the names of the folders inside, without hidden ones and links."""
         found: list[str] = []
         for top, inner, _ in os.walk(self.root):
             inner[:] = sorted(one for one in inner if not one.startswith(".") and one.isprintable())
@@ -170,7 +172,7 @@ class Folder:
     def _walk(self, folder: Path, depth: int, most: int, found: bool) -> Iterator[dict[str, Any]]:
         try:
             entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
-        except OSError:  # not ours to read
+        except OSError:  # not readable for this user
             return
         found = (
             found or folder == self.root / KNOWN or any(entry.name == _MEMORY for entry in entries)
@@ -180,7 +182,7 @@ class Folder:
                 continue
             try:
                 facts = entry.stat(follow_symlinks=False)
-            except OSError:  # it has gone meanwhile, as a running campaign's files do
+            except OSError:  # deleted meanwhile, as a running campaign does with its files
                 continue
             if stat.S_ISDIR(facts.st_mode) and depth < _DEEPEST:
                 yield from self._walk(Path(entry.path), depth + 1, most, found)

@@ -1,7 +1,7 @@
-"""What the campaign page asks for, as words of ``worldgen fuzz``.
+"""Translate the campaign page's requests into arguments of ``worldgen fuzz``.
 
-The ones that are run, and the ones that are copied. Nothing that is code of a file, or lies outside
-of the opened folder, gets into them unless it was named at the start.
+The arguments are run, or shown for copying. Code in a file, or a file outside of the opened folder,
+appears in them only if it was named when the studio was started.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ Message = Mapping[str, Any]
 
 
 def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
-    """What the campaign is; neither its fixed map, nor its folder, nor how far it goes.
+    """Return the arguments that define a campaign, without fixed map, folder and budget.
 
     Args:
-        message: The page's.
+        message: The page's message.
         named: Controllers that were named at the start.
-        folder: The opened one.
+        folder: The opened folder.
 
     Raises:
-        InvalidParameter: If it asks for what is not offered.
+        InvalidParameter: If the message requests something that is not offered.
     """
     checked: dict[str, Any] = {
         "controller": _controller(message, named),
@@ -76,7 +76,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
 
 
 def _words(option: Parameter, value: Any) -> list[str]:
-    """An option as the command line takes it."""
+    """Return an option as the command line takes it."""
     if isinstance(value, bool):
         return [option.flag if value else f"--no-{option.flag.removeprefix('--')}"]
     if isinstance(value, tuple):
@@ -87,7 +87,7 @@ def _words(option: Parameter, value: Any) -> list[str]:
 
 
 def budget(message: Message, *, needed: bool) -> list[str]:
-    """How far it goes; nothing where that is not said and not needed."""
+    """Return the budget's argument; none if it is neither given nor needed."""
     if message.get("units") is not None:
         return [f"--units={_whole(message, 'units', MOST_UNITS)}"]
     if message.get("seconds") is None and not needed:
@@ -105,7 +105,7 @@ def budget(message: Message, *, needed: bool) -> list[str]:
 
 
 def workers(message: Message) -> list[str]:
-    """By how many processes."""
+    """Return the argument for the number of worker processes."""
     return (
         []
         if message.get("workers") is None
@@ -114,7 +114,7 @@ def workers(message: Message) -> list[str]:
 
 
 def baseline(message: Message, folder: Folder) -> list[str]:
-    """What is known: the folder of known failures if it is wanted and there is one, and other folders."""
+    """Return the arguments for known failures: the folder for them if wanted, and others."""
     known = folder.place(KNOWN)
     wanted = message.get("known") is True and known.is_dir() and bool(files_in(known))
     places = [
@@ -127,22 +127,22 @@ def baseline(message: Message, folder: Folder) -> list[str]:
 
 
 def _check_baseline(place: Path, name: str) -> None:
-    """Refuses failures that lie elsewhere, and those whose oracles are code of files.
+    """Refuse failures that are elsewhere, and those whose oracles are code from files.
 
-    They would be asked again.
+    Oracles of known failures would run again.
     """
     if not place.is_dir():
         raise InvalidParameter(
             "wrong-kind-of-file",
-            "{name} is no folder of failures",
-            "give the name of one in the opened folder",
+            "{name} is not a folder of failures",
+            "choose one in the opened folder",
             name=name,
         )
     for file in files_in(place):
         if file.is_symlink():
             raise InvalidParameter(
                 "is-a-link",
-                "{name}/ holds a link, {file}",
+                "{name}/ contains a link, {file}",
                 "copy the file into it",
                 name=name,
                 file=file.name,
@@ -154,16 +154,16 @@ def _check_baseline(place: Path, name: str) -> None:
 
 
 def command_line(words: Sequence[str], message: Message, out: Path, folder: Folder) -> str:
-    """The line that does the same at a terminal.
+    """Return the command that does the same at a terminal.
 
     Args:
-        words: All but the fixed map and the folder.
-        message: The page's; of a drawn map that is fixed, ``world_name`` is its file.
+        words: All arguments except the fixed map and the folder.
+        message: The page's message; ``world_name`` is the file of a drawn map, if one is fixed.
         out: The campaign's folder.
-        folder: The opened one.
+        folder: The opened folder.
 
     Raises:
-        InvalidParameter: If a drawn map is in no file.
+        InvalidParameter: If a drawn map has not been saved to a file.
     """
     drawn = message.get("world")
     if drawn is not None:
@@ -173,7 +173,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
         ):
             raise InvalidParameter(
                 "not-saved",
-                "the drawn map is in no file yet, and the line has to name one",
+                "the drawn map is not in a file yet, but the command has to name one",
                 "save it first",
             )
         words = [*words, f"--world={place}"]
@@ -187,7 +187,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
 
 
 def options() -> dict[str, dict[str, Any]]:
-    """What the command says of its options: by name, ``help`` and ``default``."""
+    """Return the command's options by name, with ``help`` and ``default``."""
     return {
         param.opts[0]: {"help": getattr(param, "help", "") or "", "default": _plain(param.default)}
         for param in fuzz.params
@@ -199,7 +199,7 @@ def _plain(default: object) -> object:
 
 
 def check_lanes(names: object) -> list[str]:
-    """Lanes and families that are registered: others are code of files."""
+    """Return strategies and families, refusing unregistered ones, which are code from files."""
     offered = (*OWN_LANES, *FAMILIES.names())
     return [
         _one_of({"lanes": one}, "lanes", offered)
@@ -208,14 +208,14 @@ def check_lanes(names: object) -> list[str]:
 
 
 def check_oracles(texts: object) -> list[str]:
-    """Oracles that are registered: others are code of files."""
+    """Return oracles, refusing unregistered ones, which are code from files."""
     said = _texts({"oracles": texts}, "oracles")
     for text in said:
         if text.partition("=")[0].strip() not in ORACLES.names():
             raise InvalidParameter(
                 "not-registered",
                 "oracle {oracle!r} is not registered",
-                "ask for one of {known!l}",
+                "choose one of {known!l}",
                 oracle=text[:40],
                 known=list(ORACLES),
             )
@@ -243,13 +243,13 @@ def _texts(message: Message, name: str) -> list[str]:
 
 
 def _seed(message: Message) -> str:
-    """A seed, as digits: a browser's numbers cannot hold all of them."""
+    """Return a seed as digits, because a browser's numbers cannot hold all seeds."""
     seed: str = part_of(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
         raise InvalidParameter(
             "not-a-seed",
-            "seed={seed!r} is no whole number from 0 to 2**64 - 1",
-            "give one",
+            "seed={seed!r} is not an integer from 0 to 2**64 - 1",
+            "choose one in that range",
             seed=seed[:40],
         )
     return seed

@@ -1,7 +1,4 @@
-"""Failures as the campaign page shows them.
-
-A wall of small pictures, with the lines and tests that show them again.
-"""
+"""The gallery of the campaign page: pictures of failures, with commands and tests for each."""
 
 from __future__ import annotations
 
@@ -38,9 +35,9 @@ from worldgen.files.worlds import is_world_file
 
 __all__ = ["WallAnswers"]
 
-_MOST_STEPS = 200_000  # of a run for a picture; a longer one is played on the page Play
+_MOST_STEPS = 200_000  # of a run in a picture; the page Play shows longer ones
 
-_TOLD = 500  # files between two words on how far reading is
+_TOLD = 500  # files between two reports of progress
 
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
@@ -48,14 +45,14 @@ Part = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True)
 class WallAnswers(Opened):
-    """What the campaign page asks for, as far as failures are concerned."""
+    """Answers of the campaign page that concern failures."""
 
     _read: dict[tuple[str, int, int], CorpusEntry | None] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
     def failures(self, message: Message, part: Part) -> dict[str, Any]:
-        """The failures in a folder and below; what cannot be read is told, not raised."""
+        """Return the failures in and below a folder; unreadable ones are reported, not raised."""
         below = part_of(message, "folder", str)
         known = (
             {entry.facts.key for entry in self._entries(KNOWN, [], part)}
@@ -90,7 +87,7 @@ class WallAnswers(Opened):
         }
 
     def look(self, message: Message, part: object) -> dict[str, Any]:
-        """A failure's world and its run, to be drawn, and what happened in words."""
+        """Return a failure's world and run, to be drawn, and what happened in words."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
         failure = Failure.of(world)
@@ -112,13 +109,13 @@ class WallAnswers(Opened):
             return told | {"words": "", "error": self.folder.refusal(error)}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
-        """A failure as the text of a test."""
+        """Return a failure as the text of a test."""
         failure = Failure.read(self.folder.place(part_of(message, "name", str)))
         check_registered("motion", failure.record.motion, MOTIONS.names())
         return {"text": snippet(failure)}
 
     def know(self, message: Message, part: Part) -> dict[str, Any]:
-        """Marks a failure's class as known, by a copy in the folder of known ones, or takes that back."""
+        """Mark a failure's class as known, by a copy in the folder for known ones, or unmark it."""
         path = self.folder.place(part_of(message, "name", str))
         failure = Failure.found_in(read_world(path))
         if failure is None:
@@ -133,8 +130,8 @@ class WallAnswers(Opened):
             except OSError as error:
                 raise OutputError(
                     "unwritable",
-                    "{known}/ cannot be made: {reason}",
-                    "make room for it",
+                    "{known}/ cannot be created: {reason}",
+                    "free some disk space",
                     known=KNOWN,
                     reason=error.strerror or str(error),
                 ) from error
@@ -146,7 +143,7 @@ class WallAnswers(Opened):
         return {}
 
     def _seen(self, failure: Failure) -> dict[str, Any]:
-        """The run of a failure, as long as a picture has use for."""
+        """Return the run of a failure, cut off at the length that a picture can show."""
         check_record(failure.record, self.named)
         world = failure.world
         who = failure.record.controller
@@ -164,7 +161,7 @@ class WallAnswers(Opened):
         }
 
     def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
-        """The failures of a folder's files, read once; links are passed over."""
+        """Return the failures in a folder's files, each read only once; links are ignored."""
         files = [
             file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]
         ]
@@ -176,7 +173,7 @@ class WallAnswers(Opened):
                 part({"read": number + 1, "of": len(files)})
             try:
                 entry = self._entry(self.folder.root / file["name"])
-            except FileNotFoundError:  # it has just been removed
+            except FileNotFoundError:  # deleted a moment ago
                 continue
             except WorldgenError as error:
                 faults.append(self.folder.refusal(error))
@@ -186,9 +183,9 @@ class WallAnswers(Opened):
         return found
 
     def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[CorpusEntry]:
-        """The failures in an archive, under its name and then their own.
+        """Return the failures in an archive, under its name followed by their own.
 
-        Those that have no name there are told.
+        Those whose names are not valid are reported.
         """
         found: list[CorpusEntry] = []
         there = archive.relative_to(self.folder.root).as_posix()
@@ -203,9 +200,8 @@ class WallAnswers(Opened):
                 if number % _TOLD == _TOLD - 1:
                     part({"read": number + 1, "of": None})
                 try:
-                    name = PurePosixPath(
-                        member.name
-                    ).as_posix()  # any text, one that begins with / too
+                    # The name may be any text, even one that begins with a slash.
+                    name = PurePosixPath(member.name).as_posix()
                     place = self.folder.place(f"{there}/{name}")
                     facts = Facts.in_world(unpack_world(member, str(place)), str(place))
                 except WorldgenError as error:
@@ -213,7 +209,7 @@ class WallAnswers(Opened):
                     continue
                 if facts is not None:
                     found.append(CorpusEntry(place, facts))
-        except FormatError as error:  # of the archive; what was read until there is sound
+        except FormatError as error:  # of the archive; the entries read so far are sound
             faults.append(self.folder.refusal(error))
         return found
 
@@ -233,8 +229,8 @@ def _too_many(remedy: str, archive: str = "") -> errors.Message:
 
 
 def _is_hidden(name: str) -> bool:
-    """Whether it is none of a person's files.
+    """Return True if a file is not one of the user's own.
 
-    A campaign's memory, or what macOS packs beside each file.
+    It may be in a campaign store, or be one that macOS adds to archives.
     """
     return any(part.startswith(".") and part != ".." for part in PurePosixPath(name).parts)

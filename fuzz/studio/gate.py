@@ -1,12 +1,11 @@
-"""Who is let in: the browser that was given the token, from the page of this very server, and nobody else.
+"""Access control: only the browser that was given the token, on this server's own page, gets in.
 
-A page of another site can make a browser send requests here, and can make its own name lead to this
-machine (DNS rebinding). So every request must say a host that is this server's, a request of a page
-must come from this server's own page, and all but the first must bring the cookie that only the
-token gives. Cookies know no ports: a browser shows ours to any other server of this machine that it
-    visits. So the cookie opens the page's parts alone, which are no secret, and
-the connection needs the token itself, which the page keeps where only pages of this very port can
-read it.
+A page of another site can make a browser send requests here, and can make its own name point to
+this machine (DNS rebinding). So every request must name a host that is this server's, a page's
+request must come from this server's own page, and all requests but the first must carry the cookie
+that only the token gives. Cookies ignore ports: a browser also sends ours to other servers on this
+machine. So the cookie only opens the page's files, which are not secret. The connection needs the
+token itself, which the page keeps where only pages of this port can read it.
 """
 
 from __future__ import annotations
@@ -33,22 +32,22 @@ IMPORTS = '{"imports":{"#player/":"/player/"}}'
 """The page's import map: where a browser finds what a module imports as ``#player/dom.js``."""
 _IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")
-_UNSAID = 80  # the port that browsers leave out
+_UNSAID = 80  # the port that browsers omit
 _REFUSED = (
-    "This is a worldgen studio, and it does not know you.\n\nOpen the whole address that `worldgen "
-    "studio` has "
-    "printed, with its token. After a new start of the studio that is a new one.\n"
+    "This is a worldgen studio, but your browser has no access.\n\nOpen the whole address that "
+    "`worldgen studio` "
+    "has printed, including its token. A restarted studio has a new token.\n"
 )
 
 
 @dataclass(frozen=True)
 class Gate:
-    """What lets a request in.
+    """Decides which requests get in.
 
     Args:
         host: Name or address that the server is bound to, as a browser writes it.
         port: Its port.
-        token: What the address that is opened first must hold; a fresh one where left out.
+        token: Secret that the first address must contain; a new one if omitted.
     """
 
     host: str
@@ -63,7 +62,7 @@ class Gate:
 
     @property
     def cookie_value(self) -> str:
-        """What the cookie holds: it is got from the token, and does not tell it."""
+        """Value of the cookie; it is derived from the token but does not reveal it."""
         return hmac.new(self.token.encode(), b"cookie", hashlib.sha256).hexdigest()
 
     @property
@@ -72,16 +71,16 @@ class Gate:
         return f"{self._place}/?token={self.token}"
 
     def address_for_once(self) -> str:
-        """An address that leads to the other, once.
+        """Return an address that works once and leads to the one with the token.
 
-        The arguments of a browser's process are everybody's to read.
+        Everybody on the machine can read the arguments of a browser's process.
         """
         ticket = secrets.token_urlsafe(32)
         self._tickets.add(ticket)
         return f"{self._place}/?ticket={ticket}"
 
     def takes_ticket(self, said: str) -> bool:
-        """Whether this is a ticket that nobody has used; from now on somebody has."""
+        """Return True if this ticket has not been used; it then counts as used."""
         if said not in self._tickets:
             return False
         self._tickets.remove(said)
@@ -99,25 +98,26 @@ class Gate:
         return f"http://{host}:{self.port}"
 
     def knows_host(self, said: str) -> bool:
-        """Whether a Host header names this server, and not a name that somebody has made to lead here."""
+        """Return True if a Host header names this server, rather than a name pointed at it."""
         name = said.removesuffix(f":{self.port}")
         if name == said and self.port != _UNSAID:
             return False
         if name in (self.host, f"[{self.host}]"):
             return True
-        if self.host in _ANY:  # then any of this machine's addresses: no address can be rebound
+        # Bound to all addresses: any address will do, because addresses cannot be rebound.
+        if self.host in _ANY:
             return name in (*LOOPBACK, socket.gethostname()) or _is_address(name)
         return name in LOOPBACK and self.host in ("127.0.0.1", "localhost", "::1")
 
     def is_ours(self, headers: Headers) -> bool:
-        """Whether a request comes from a page of this server, or from no page at all."""
+        """Return True if a request comes from a page of this server, or from no page at all."""
         origin = headers.get("origin")
         if origin is not None and origin != f"http://{headers.get('host', '')}":
             return False
         return headers.get("sec-fetch-site", "none") in ("none", "same-origin")
 
     def has_cookie(self, headers: Headers) -> bool:
-        """Whether a request brings the cookie that the token gives."""
+        """Return True if a request has the cookie that the token gives."""
         jar: SimpleCookie = SimpleCookie()
         try:
             jar.load(headers.get("cookie", ""))
@@ -126,22 +126,18 @@ class Gate:
         return self.cookie in jar and _are_same(jar[self.cookie].value, self.cookie_value)
 
     def has_token(self, headers: Headers) -> bool:
-        """Whether a WebSocket brings the token.
-
-        As the second of the subprotocols that it offers.
-        """
+        """Return True if a WebSocket offers the token as the second of its subprotocols."""
         offered = [name.strip() for name in headers.get("sec-websocket-protocol", "").split(",")]
         return len(offered) == 2 and offered[0] == SUBPROTOCOL and self.is_token(offered[1])
 
     def is_token(self, said: str) -> bool:
-        """Whether this is the token; takes as long whatever is said."""
+        """Return True if this is the token; the time taken does not depend on the text."""
         return _are_same(said, self.token)
 
     def headers(self, said_host: str) -> dict[str, str]:
-        """Return what every answer tells the browser.
+        """Return the security headers of every answer.
 
-        No script or style comes from other hosts, and none is in the page's text but the import
-        map.
+        They forbid scripts and styles from other hosts, and inline ones except the import map.
         """
         policy = (
             f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src "
@@ -180,7 +176,7 @@ class Guarded:
         self.gate = gate
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Lets a request through, or refuses it."""
+        """Let a request through, or refuse it."""
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
@@ -207,12 +203,12 @@ class Guarded:
                 scope, receive, send
             )
         elif socket_opens:
-            await send({"type": "websocket.close", "code": 1008, "reason": "not let in"})
+            await send({"type": "websocket.close", "code": 1008, "reason": "access denied"})
         else:
             await PlainTextResponse(_REFUSED, status)(scope, receive, sent)
 
     def _judge(self, scope: Scope, headers: Headers) -> tuple[int, bool]:
-        """The status of the answer, and whether it brings the cookie."""
+        """Return the status of the answer, and whether it sets the cookie."""
         gate = self.gate
         if len(headers.getlist("host")) != 1 or not gate.knows_host(headers["host"]):
             return 421, False
@@ -228,8 +224,7 @@ class Guarded:
         ticket = asked.get("ticket")
         if scope["path"] == "/" and ticket is not None:
             return (303 if gate.takes_ticket(ticket) else 403), False
-        if (
-            scope["path"] == "/" and token is not None
-        ):  # opened by hand, or by a link in a terminal's page
+        # Opened by hand, or by a link in a terminal's page.
+        if scope["path"] == "/" and token is not None:
             return (200, True) if gate.is_token(token) else (403, False)
         return (200 if gate.is_ours(headers) and gate.has_cookie(headers) else 403), False

@@ -1,7 +1,7 @@
-"""How much the studio takes, in one place.
+"""The studio's limits, in one place.
 
-The server refuses what is more, and its first message tells the page. So the page holds no copy of
-these numbers, and its fields say at once what the server would refuse.
+The server refuses anything above them, and its first message sends them to the page. So the page
+needs no copy of these numbers, and its fields can show immediately what the server would refuse.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ __all__ = [
 MOST_MESSAGE = 32 << 20
 """Bytes of a message to the server: dropped files, or the largest world with its text."""
 MOST_DROPPED = 16 << 20
-"""Bytes of files that are dropped on the page together."""
+"""Bytes of all files that are dropped on the page together."""
 LENGTHS = (0.0001, 10_000)
-"""Least and largest side of a cell, m: the page writes lengths with nine decimals."""
+"""Smallest and largest side of a cell, m: the page writes lengths with nine decimals."""
 MOST_ROBOTS = 6
-"""Robots at once: more colours cannot be told apart."""
+"""Robots at the same time: more colours could not be told apart."""
 MOST_STEPS = 1_000_000
 """Steps of a run that is played: its recording takes 300 MB."""
 MOST_SECONDS = 7 * 86_400
@@ -42,7 +42,7 @@ MOST_WORKERS = 256
 
 
 class Limits(TypedDict):
-    """What the page is told; each list holds the least and the largest value."""
+    """The limits sent to the page; each list holds the smallest and the largest value."""
 
     message: int
     dropped: int
@@ -60,7 +60,7 @@ class Limits(TypedDict):
 
 
 def limits() -> Limits:
-    """Return every limit that a field of the page has use for."""
+    """Return every limit that a field of the page needs."""
     return {
         "message": MOST_MESSAGE,
         "dropped": MOST_DROPPED,
@@ -79,7 +79,7 @@ def limits() -> Limits:
 
 
 def _most(name: str) -> int:
-    """The largest value of a campaign's option."""
+    """Return the largest value of a campaign's option."""
     bounds = CampaignOptions.named(name).bounds
     if bounds is None or bounds.high is None:
         raise ValueError(f"{name} has no largest value")

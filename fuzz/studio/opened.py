@@ -1,7 +1,4 @@
-"""What every part of the answers is made of.
-
-The opened folder, and the controllers that may run.
-"""
+"""The base of all answers: the opened folder, and the controllers that may run."""
 
 from __future__ import annotations
 
@@ -15,11 +12,11 @@ __all__ = ["Opened"]
 
 @dataclass(frozen=True)
 class Opened:
-    """What was opened when the studio was started.
+    """The folder and the controllers with which the studio was started.
 
     Args:
-        folder: What can be read and written.
-        named: Controllers that were named at the start, beside the registered ones.
+        folder: The folder that can be read and written.
+        named: Controllers that were named at the start, in addition to the registered ones.
     """
 
     folder: Folder

@@ -1,4 +1,4 @@
-"""Lines that are copied from the page and pasted at a terminal, wherever that stands."""
+"""Commands that are copied from the page and pasted at a terminal in any folder."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ __all__ = ["from_anywhere"]
 
 
 def from_anywhere(line: str, code: str, registered: list[str]) -> str:
-    """A line that needs code.
+    """Return a command that also works in another folder.
 
-    That of a file may be named as seen from the folder in which the studio was started.
+    Code in a file may be named relative to the folder in which the studio was started.
 
     Args:
-        line: The command, in a shell's words.
-        code: What it needs, with variations if it has some; empty for nothing.
+        line: The command, quoted for a shell.
+        code: The controller that it needs, possibly with variations; empty for none.
         registered: Names that mean the same everywhere.
     """
     if code in ("", *registered) or any(code.startswith(f"{name}+") for name in registered):

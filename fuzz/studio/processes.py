@@ -1,6 +1,6 @@
-"""Processes beside the server.
+"""Processes that work for the server.
 
-They ignore Ctrl-C, give way to the page, and end with the server, however it ends.
+They ignore Ctrl-C, give the page priority, and end with the server, however it ends.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ __all__ = ["start_beside"]
 
 
 def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProcess:
-    """Start a process beside this one.
+    """Start a process next to this one.
 
     Args:
-        target: What it does, a function of a module.
-        *args: What that is called with.
-        nice: By how much everything else comes first, from 0 to 19.
+        target: The function to run, from a module.
+        *args: Its arguments.
+        nice: How much priority everything else gets, from 0 to 19.
     """
     process = get_context("spawn").Process(target=_begin, args=(nice, target, *args), daemon=True)
     with sigint_blocked():
@@ -34,7 +34,7 @@ def start_beside(target: Callable[..., None], *args: Any, nice: int) -> BaseProc
 
 def _begin(nice: int, target: Callable[..., None], *args: Any) -> None:
     become_worker()
-    # The campaigns that are started here are to hear Ctrl-C.
+    # Campaigns that are started in this process must receive Ctrl-C.
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     # AttributeError: Windows has no nice.

@@ -1,8 +1,7 @@
-"""Errors as the page gets them.
+"""Errors as the page receives them: code, facts, the problem in words, and a remedy.
 
-Their code and facts, the problem in words, and a way out that the page has. The library's remedies
-are for the command line's users. What they do by options is done on the page with fields and
-buttons, so the page has remedies of its own, by the error's code.
+The library's remedies are written for users of the command line. The page has fields and buttons
+instead of options, so it has its own remedies for some codes.
 """
 
 from __future__ import annotations
@@ -19,65 +18,67 @@ from worldgen.support.plain_text import quote
 
 __all__ = ["IMPORT_OPTIONS", "REMEDIES", "describe_note", "hide", "our_fault", "refusal"]
 
-_ANOTHER_FOLDER = "name another folder"
+_ANOTHER_FOLDER = "choose another folder"
 
 REMEDIES: Mapping[str, str] = {
-    "ambiguous-format": "say which in Options of the import",
-    "another-campaign": f"choose it above and go on, or {_ANOTHER_FOLDER}",
+    "ambiguous-format": "choose it in Options of the import",
+    "another-campaign": f"select it above and resume it, or {_ANOTHER_FOLDER}",
     "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
     "first-steps-too-slow": "give more seconds, or run it as a program, whose steps have a "
     "deadline",
-    "file-exists": "overwrite it, or give another name",
+    "file-exists": "overwrite it, or choose another name",
     "folder-holds-worlds": _ANOTHER_FOLDER,
     "invalid-campaign": _ANOTHER_FOLDER,
-    "lane-needs-keep-going": "take another motion model than stepped+keep_going, or another family",
-    "many-posts": "export as sdf has fewer, larger boxes",
-    "motion-is-the-thesis-robots": "take the motion model swept or endpoint for other controllers",
-    "no-campaign": "Begin begins one",
+    "lane-needs-keep-going": "choose another motion model than stepped+keep_going, or another "
+    "family",
+    "many-posts": "export as sdf, which has fewer, larger boxes",
+    "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "
+    "controllers",
+    "no-campaign": "begin one with Begin",
     "ambiguous-layer": "name one in Options of the import, layer",
     "layer-missing": "name one in Options of the import, layer",
-    "no-map-found": "give the .map file, and this one with it",
-    "no-scale": "Cell size, under World, says another",
+    "no-map-found": "add the .map file to this one",
+    "no-scale": "set another Cell size, under World",
     "noise-filtered": "export as thesis filters it again",
     "not-a-micromouse-maze": "Generate makes mazes of any size",
     "no-failure": "open it on the page Play, and choose a controller there",
-    "not-native": "take the motion model swept or endpoint",
-    "only-written": "give the file that it was made from, or say in Options of the import what "
-    "else it is",
-    "option-without-effect": "take the motion model {where}, or leave it out",
+    "not-native": "choose the motion model swept or endpoint",
+    "only-written": "open the file that it was made from, or choose another format in Options of "
+    "the import",
+    "option-without-effect": "choose the motion model {where}, or leave the option out",
     "run-too-long": "give fewer steps",
-    "scenario-beside-used": "Seed of places looks for other places",
+    "scenario-beside-used": "use Seed of places to get other places",
     "signal-unknown": "walls and target are kept, and export as thesis will write the plain map",
-    "signal-everywhere": "ask it without, or with the motion model swept",
+    "signal-everywhere": "run it without that signal, or with the motion model swept",
     "step-too-long": "give a shorter time step",
     "step-too-short": "give a longer time step",
     "takes-no-number": "write {name}",
-    "too-many-digits": "give the origin 0,0 under Options of the format",
+    "too-many-digits": "set the origin to 0,0 under Options of the format",
     "too-slow": "give more seconds, or smaller worlds",
-    "unknown-format": "Options of the import lists those that are; if it is one, say which there",
-    "world-changes": "give the time 0 under Options of the format for the cells at that time, or "
-    "another format",
-    "wrong-suffix": "end it in .png, or write a .yaml with a .pgm by exporting as ros",
+    "unknown-format": "choose one of the formats listed in Options of the import",
+    "world-changes": "set the time to 0 under Options of the format for the cells at that time, or "
+    "choose another format",
+    "wrong-suffix": "use the suffix .png, or write a .yaml with a .pgm by exporting as ros",
 }
-"""By code, the page's way out in place of one that needs a terminal.
+"""The page's remedies by code, in place of those that need a terminal.
 
-A template that the error's facts fill.
+Each is a template that is filled with the error's facts.
 """
 
 IMPORT_OPTIONS = frozenset(
     {"ambiguous-format", "ambiguous-layer", "layer-missing", "only-written", "unknown-format"}
 )
-"""Codes whose way out is in the options of the import, which the page then opens."""
+"""Codes whose remedy is in the options of the import, which the page then opens."""
 
-_FIELDS = {"--vary": "Vary"}  # facts that name an option, as the page calls the field
-_LONGEST = 2_000  # characters of a fact; what is longer quotes a file
+_FIELDS = {"--vary": "Vary"}  # options that facts may name, and the names of their fields
+_LONGEST = 2_000  # characters of a fact; a longer one quotes a file
 
 
 def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:
-    """Return an error as the page gets it; ``docs/reference/studio-protocol.md`` describes the parts.
+    """Return an error as the page expects it; see ``docs/reference/studio-protocol.md``.
 
     Args:
-        error: The library's.
+        error: The library's error.
         folder: The opened folder; paths in it are shown relative to it.
     """
     message = hide(error if isinstance(error, Message) else error.message, folder)
@@ -99,7 +100,7 @@ def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[
 
 
 def describe_note(note: str) -> str:
-    """Return a note of an import or an export with a way out that the page has."""
+    """Return a note of an import or an export with a remedy that the page offers."""
     if not isinstance(note, Note):
         return note
     told = refusal(note.message)
@@ -109,19 +110,19 @@ def describe_note(note: str) -> str:
 
 
 def our_fault(error: Exception) -> Message:
-    """Return what to say of an error that no input should cause."""
+    """Return the message for an error that no input should cause."""
     return Message(
         "our-fault",
-        "a fault of our own, not of your input: {kind}: {said}",
+        "internal error, not caused by your input: {kind}: {said}",
         kind=type(error).__name__,
         said=str(error),
     )
 
 
 def hide(message: Message, folder: Path | None) -> Message:
-    """Return a message whose facts have no path of a folder.
+    """Return a message whose facts contain no paths outside of the opened folder.
 
-    What is in it goes by its name there.
+    Paths inside become relative to it.
     """
     facts = {name: _hidden(value, folder) for name, value in message.facts.items()}
     if "option" in facts:
@@ -143,7 +144,7 @@ def _hidden(value: Any, folder: Path | None) -> Any:
 
 
 def _json(value: Any) -> Any:
-    """Return a fact that a browser can read: no infinity, and nothing but JSON's types."""
+    """Return a fact that a browser can read: no infinity, and only JSON's types."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, list | tuple):

@@ -1,7 +1,4 @@
-"""What the page may run.
-
-Registered controllers and those named at the start, in registered motion models.
-"""
+"""Decide what the page may run: registered code, and controllers named at the start."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ __all__ = ["allow_only", "check_named", "check_record", "check_registered", "may
 
 
 def allow_only(named: Sequence[str]) -> None:
-    """From now on this process, and each that it starts, runs no code but the registered and what was named.
+    """Restrict this process and those it starts to registered code and named controllers.
 
     Args:
         named: Controllers, with their variations.
@@ -29,19 +26,19 @@ def allow_only(named: Sequence[str]) -> None:
 
 
 def may_run(controller: str, named: Sequence[str]) -> bool:
-    """Whether a controller that a file or a campaign names may run.
+    """Return True if a controller that a file or a campaign names may run.
 
     Args:
         controller: Its name, without variations.
-        named: What was named at the start, with them.
+        named: Controllers named at the start, with variations.
     """
     return controller in CONTROLLERS.names() or controller in _names(tuple(named))
 
 
 def check_record(record: FailureRecord, named: Sequence[str]) -> None:
-    """Refuses to run a failure that needs the code of a file, which may come from anywhere.
+    """Refuse to run a failure that needs code from a file, which may come from anywhere.
 
-    Before any of it is loaded.
+    None of that code is loaded.
 
     Raises:
         InvalidParameter: If its controller was not named at the start, or its motion model is not
@@ -57,7 +54,7 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
     if record.motion not in MOTIONS.names():
         raise InvalidParameter(
             "not-registered",
-            "{verdict}; it is not run here: its motion model {motion} is a file's",
+            "{verdict}; it is not run here: its motion model {motion} is from a file",
             "replay it at a terminal",
             verdict=record.verdict,
             motion=shown(record.motion[:60]),
@@ -65,9 +62,9 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
 
 
 def check_named(label: object, named: Sequence[str]) -> None:
-    """Refuses a controller that the page may not run.
+    """Refuse a controller that the page may not run.
 
-    With options of its own, ``NAME+option=value``, it may.
+    Its own options, ``NAME+option=value``, are allowed.
 
     Raises:
         InvalidParameter: If it is neither registered nor named at the start.
@@ -80,23 +77,23 @@ def check_named(label: object, named: Sequence[str]) -> None:
         raise InvalidParameter(
             "not-named",
             "controller {controller!r} was not named when the studio was started",
-            "worldgen studio --controller does",
+            "name it at the start: worldgen studio --controller",
             at_terminal=True,
             controller=text[:60],
         )
 
 
 def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
-    """Refuses what is no registered name: others are code of files.
+    """Refuse a name that is not registered, because it would be code from a file.
 
     Raises:
-        InvalidParameter: If it is none.
+        InvalidParameter: If the name is not registered.
     """
     if name not in offered:
         raise InvalidParameter(
             "not-registered",
             "{kind} {name!r} is not registered",
-            "choose one of the list",
+            "choose one from the list",
             kind=what,
             name=name[:40],
         )
@@ -104,10 +101,10 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
 
 @functools.cache
 def _names(labels: tuple[str, ...]) -> frozenset[str]:
-    """The controllers' own names in labels."""
+    """Return the controllers' names in labels, without variations."""
     found = set()
     for label in labels:
-        for motion in ("swept", "stepped"):  # variations may be of one kind or of the other
+        for motion in ("swept", "stepped"):  # variations may be for either kind of robot
             try:
                 found.add(Scenario.parse(label, motion=motion).controller)
                 break

@@ -1,4 +1,4 @@
-"""Serves a studio until Ctrl-C."""
+"""Serve a studio until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -18,29 +18,28 @@ __all__ = ["USUAL_PORT", "bind", "called", "serve"]
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """A socket at a port; 0 is any that is free.
+    """Return a socket at a port; 0 stands for any free port.
 
-    Where none is named, the studio's usual one, or any that is free.
+    If no port is given, use the studio's default port, or any that is free.
 
     Raises:
         InvalidParameter: If the host is not this machine's, or the port is taken.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     for number in (USUAL_PORT, 0) if port is None else (port,):
-        listener = socket.socket(
-            family, socket.SOCK_STREAM
-        )  # one that is bound cannot be bound again
+        # Use a new socket for each attempt: a socket can be bound only once.
+        listener = socket.socket(family, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((host, number))
             listener.listen(64)
         except OSError as error:
             fault = _fault(host, number, error)
-        except (TypeError, UnicodeError):  # Python's, of a name that no host can have
+        except (TypeError, UnicodeError):  # raised by Python for a name that no host can have
             fault = Message(
                 "not-a-host",
-                "no host can be called {host!r}",
-                "give another --host",
+                "{host!r} cannot be the name of a host",
+                "choose another --host",
                 at_terminal=True,
                 host=host,
             )
@@ -51,12 +50,12 @@ def bind(host: str, port: int | None) -> socket.socket:
 
 
 def _fault(host: str, port: int, error: OSError) -> Message:
-    """Why nobody can listen there, and the way out."""
+    """Return why it is not possible to listen there, and the remedy."""
     if error.errno == errno.EADDRINUSE:
         return Message(
             "port-taken",
-            "port {port} of {host} is taken, by another studio maybe",
-            "end that, or give another --port; with --port 0 it is any that is free",
+            "port {port} of {host} is taken, perhaps by another studio",
+            "stop that one, or choose another --port; --port 0 takes any free port",
             at_terminal=True,
             host=host,
             port=port,
@@ -64,8 +63,8 @@ def _fault(host: str, port: int, error: OSError) -> Message:
     if error.errno in (errno.EACCES, errno.EPERM):
         return Message(
             "port-not-allowed",
-            "port {port} of {host} is not for everybody",
-            "give a --port from 1024 on, or 0 for any that is free",
+            "port {port} of {host} needs special rights",
+            "choose a --port from 1024 on, or 0 for any free port",
             at_terminal=True,
             host=host,
             port=port,
@@ -73,8 +72,8 @@ def _fault(host: str, port: int, error: OSError) -> Message:
     if error.errno == errno.EADDRNOTAVAIL:
         return Message(
             "not-our-address",
-            "{host} is no address of this machine",
-            "give another --host, or none for this machine alone",
+            "{host} is not an address of this machine",
+            "choose another --host, or none for this machine alone",
             at_terminal=True,
             host=host,
         )
@@ -82,7 +81,7 @@ def _fault(host: str, port: int, error: OSError) -> Message:
     return Message(
         "cannot-listen",
         "{host}: {reason}",
-        "give another --host or --port",
+        "choose another --host or --port",
         at_terminal=True,
         host=host,
         reason=reason,
@@ -90,28 +89,28 @@ def _fault(host: str, port: int, error: OSError) -> Message:
 
 
 def called(host: str, listener: socket.socket) -> str:
-    """The host as a browser writes it: 127.0.0.1 for 127.1, a name in small letters."""
+    """Return the host as a browser writes it: 127.0.0.1 for 127.1, a name in lower case."""
     with contextlib.suppress(OSError, UnicodeError):
-        if host:  # all of this machine's addresses, where it is empty
+        if host:  # an empty host stands for all addresses of this machine
             socket.getaddrinfo(host, None, flags=socket.AI_NUMERICHOST)
         return str(listener.getsockname()[0])
     return host.lower()
 
 
 USUAL_PORT = 8642
-"""Where the page finds the server again, and what it kept of a drawing, after a new start."""
+"""Default port, so that after a restart the page finds the server and its unsaved drawing."""
 
 
 def serve(
     studio: Studio, listener: socket.socket, *, browse: bool, said: Callable[[str], None]
 ) -> None:
-    """Serves until Ctrl-C.
+    """Serve until Ctrl-C.
 
     Args:
-        studio: What.
-        listener: Where.
-        browse: Whether to open the address in the browser.
-        said: Called with sentences for the person at the terminal.
+        studio: The studio.
+        listener: A bound socket.
+        browse: Open the address in the browser.
+        said: Called with messages for the user at the terminal.
     """
     config = uvicorn.Config(
         make_app(studio),
@@ -124,9 +123,9 @@ def serve(
         timeout_graceful_shutdown=1,
         lifespan="on",
     )
-    said("Ctrl-C ends it; what you have saved stays.")
+    said("Press Ctrl-C to stop. Saved worlds stay.")
     if browse:
         with contextlib.suppress(webbrowser.Error):
             webbrowser.open(studio.gate.address_for_once())
-    with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+    with contextlib.suppress(KeyboardInterrupt):  # the regular end
         uvicorn.Server(config).run(sockets=[listener])

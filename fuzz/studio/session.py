@@ -1,6 +1,6 @@
-"""One page's connection: questions come in, answers and their parts go out.
+"""One page's connection: receives requests, sends answers and their parts.
 
-A newer question replaces an older one.
+Some newer requests replace older ones of the same kind.
 """
 
 from __future__ import annotations
@@ -22,36 +22,28 @@ from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]
 
-PROTOCOL = 2  # goes up whenever a page of before would not understand
-_REPLACED = frozenset(
-    {"decide", "widest", "signal", "generate", "measure", "run", "watch"}
-)  # only the newest counts
-_ENDED = _REPLACED | {
-    "before",
-    "hello",
-    "look",
-    "picture",
-}  # what runs controllers or takes long, and writes nothing
-_PATIENCE = (
-    0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
-)
-_WARM = {"campaigns": ("walls", "looks")}  # lanes that are asked next by a page that asks for that
+PROTOCOL = 2  # increased whenever an older page would not understand
+# Only the newest request of these kinds counts.
+_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})
+# Requests that run controllers or take long, and write nothing, can be ended.
+_ENDED = _REPLACED | {"before", "hello", "look", "picture"}
+# Seconds in which a replaced request may finish, because starting a new process takes longer.
+_PATIENCE = 0.7
+_WARM = {"campaigns": ("walls", "looks")}  # workers that the campaign page will use next
 _MOST_WAITING = 64
 _DIED = Message(
     "process-died",
-    "the process that did this has died, of a controller that ends or crashes Python or for want "
-    "of memory",
-    "what it said is in the studio's terminal; try again with another controller or a smaller "
-    "world",
+    "the process that did this has died: the controller ended or crashed Python, or memory ran out",
+    "see its output in the studio's terminal; try again with another controller or a smaller world",
 )
-_NO_JSON = Message("not-json", "this is no JSON", "send one object")
-_NO_ID = Message("no-id", "a message needs an id of its own, a whole number from 0")
-_FULL = Message("too-many-waiting", "too much is waiting", "wait for answers")
+_NO_JSON = Message("not-json", "this is not JSON", "send one object")
+_NO_ID = Message("no-id", "a message needs its own id, an integer from 0")
+_FULL = Message("too-many-waiting", "too many requests are waiting", "wait for answers")
 
 
 @dataclass(eq=False)
 class _StudioRequest:
-    """A question that is being answered."""
+    """A request that is being answered."""
 
     number: int
     kind: str
@@ -66,9 +58,9 @@ class Session:
     """One connection.
 
     Args:
-        socket: To the page.
-        lanes: Where the work is done, by name.
-        begins: What the page is told first: the file to open, if the studio was started with one.
+        socket: The connection to the page.
+        lanes: The workers by name.
+        begins: First message to the page: the file to open, if the studio was started with one.
     """
 
     socket: WebSocket
@@ -78,7 +70,7 @@ class Session:
     _newest: dict[str, _StudioRequest] = field(default_factory=dict)
 
     async def serve(self) -> None:
-        """Answers until the page is gone."""
+        """Answer requests until the page disconnects."""
         await self.socket.accept(SUBPROTOCOL)
         await self._send({"protocol": PROTOCOL, **self.begins})
         with contextlib.suppress(WebSocketDisconnect):
@@ -90,7 +82,7 @@ class Session:
     async def _hear(self) -> str:
         try:
             return await self.socket.receive_text()
-        except KeyError:  # of Starlette: these were bytes
+        except KeyError:  # raised by Starlette for bytes
             return ""
 
     async def _take(self, text: str) -> None:
@@ -99,6 +91,7 @@ class Session:
         except (ValueError, RecursionError):
             await self._send({"id": -1, "error": refusal(_NO_JSON)})
             return
+        # Every request has an id that is not in use.
         number = message.get("id") if isinstance(message, dict) else None
         if type(number) is not int or number < 0 or number in self._jobs:
             await self._send({"id": -1, "error": refusal(_NO_ID)})
@@ -112,7 +105,7 @@ class Session:
         elif not isinstance(kind, str) or kind not in LANES:
             unknown = Message(
                 "unknown-name",
-                "nothing is called {name!q}",
+                "there is no request {name!q}",
                 "see the protocol",
                 name=str(kind)[:40],
             )
@@ -129,15 +122,14 @@ class Session:
         self._jobs[job.number] = self._newest[job.kind] = job
         job.task = asyncio.create_task(self._do(job, old, message))
         for name in _WARM.get(job.kind, ()):
-            with contextlib.suppress(
-                OSError
-            ):  # no process can begin now; what is asked of it later says so
+            # If no process can start now, a later request to it reports that.
+            with contextlib.suppress(OSError):
                 self.lanes[name].warm()
 
     async def _do(
         self, job: _StudioRequest, old: _StudioRequest | None, message: dict[str, Any]
     ) -> None:
-        """Does one job after what it replaces is out of the way."""
+        """Do one job, after the one that it replaces has ended."""
         said: dict[str, Any] = {"ended": True}
         try:
             if old is not None and old.task is not None and not old.task.done():
@@ -148,15 +140,14 @@ class Session:
         except Ended:
             if not job.replaced:
                 said = {"error": refusal(_DIED)}
-        except (WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
+        except (WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has disconnected
             pass
-        except Exception as error:  # noqa: BLE001 - every question gets an answer, or the page waits for ever
+        except Exception as error:  # noqa: BLE001 - without an answer the page would wait forever
             said = {"error": refusal(our_fault(error))}
         finally:
             self._jobs.pop(job.number, None)
-        with contextlib.suppress(
-            WebSocketDisconnect, RuntimeError
-        ):  # RuntimeError: the page has gone meanwhile
+        # RuntimeError: the page has disconnected.
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             await self._send({"id": job.number, **said})
 
     async def _ask(self, job: _StudioRequest, message: dict[str, Any]) -> dict[str, Any]:
@@ -175,7 +166,7 @@ class Session:
             job.running = False
 
     def _end(self, job: _StudioRequest) -> None:
-        """Ends a job: what is running with its process, what waits by not beginning it."""
+        """End a job: a running one by ending its process, a waiting one by never starting it."""
         job.replaced = True
         if job.kind in _ENDED and job.running:
             job.lane.end()

@@ -1,7 +1,4 @@
-"""What is wrong with the studio's arguments.
-
-As far as it shows before any code of a user's is run.
-"""
+"""Check the studio's arguments, as far as possible without running a user's code."""
 
 from __future__ import annotations
 
@@ -33,27 +30,26 @@ _MAKES_NAMES = {
     "setattr",
     "exec",
 }
-"""What a module's text mentions that may make names which the text does not."""
+"""Names in a module's text which suggest that it defines further names at run time."""
 
 
 def check_controller(label: str) -> None:
-    """Refuses what names no controller.
+    """Refuse a name that does not belong to a controller.
 
-    Its code is looked at, and not run: that is left to processes that may hang.
+    Its code is read but not run; processes that may hang will do that.
 
     Args:
         label: A controller's name, with variations.
 
     Raises:
-        InvalidParameter: If nothing is called so.
+        InvalidParameter: If there is no such controller.
     """
     try:
         name = Scenario.parse(label).controller
     except InvalidParameter as error:
         try:
-            name = Scenario.parse(
-                label, motion="stepped"
-            ).controller  # with options of the other kind
+            # Perhaps its options are those of the thesis's robot.
+            name = Scenario.parse(label, motion="stepped").controller
         except InvalidParameter:
             raise error from None
     place, colon, attribute = name.rpartition(":")
@@ -63,14 +59,14 @@ def check_controller(label: str) -> None:
         check_file(name)
         return
     if not colon:
-        CONTROLLERS.get(name)  # which says what there is, and what is nearly called so
+        CONTROLLERS.get(name)  # raises, with the registered names and similar ones
     elif place.endswith(".py"):
         _check_file(name, Path(place).expanduser(), attribute)
     elif not place:
         raise InvalidParameter(
             "no-module-named",
-            "controller {name!r} names no module",
-            "name it too, module{attribute} or ./file.py{attribute}",
+            "controller {name!r} does not name a module",
+            "add it: module{attribute} or ./file.py{attribute}",
             name=name,
             attribute=name[:40],
         )
@@ -78,7 +74,7 @@ def check_controller(label: str) -> None:
         raise InvalidParameter(
             "module-missing",
             "controller {name!r}: there is no module {module}",
-            "a file is named ./{module}.py",
+            "if it is a file, write ./{module}.py",
             name=name,
             module=place,
         )
@@ -87,7 +83,7 @@ def check_controller(label: str) -> None:
 def _is_there(module: str) -> bool:
     try:
         return module != "__main__" and importlib.util.find_spec(module) is not None
-    except (ValueError, ImportError):  # of an empty name
+    except (ValueError, ImportError):  # ValueError: the name is empty
         return False
 
 
@@ -107,8 +103,8 @@ def _check_file(name: str, path: Path, attribute: str) -> None:
     except (SyntaxError, ValueError, RecursionError) as error:
         raise InvalidParameter(
             "invalid-python",
-            "controller {name!r}: {path} is no Python: {reason}",
-            "mend it",
+            "controller {name!r}: {path} is not valid Python: {reason}",
+            "correct it",
             name=name,
             path=path,
             reason=str(error),
@@ -128,7 +124,7 @@ def _check_file(name: str, path: Path, attribute: str) -> None:
 
 
 def _names_in(tree: ast.Module) -> set[str]:
-    """Every name that a module's text mentions: what is not among them, it hardly has."""
+    """Return every name in a module's text; the module is unlikely to define any other."""
     found: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef | ast.FunctionDef):
@@ -143,7 +139,7 @@ def _names_in(tree: ast.Module) -> set[str]:
 
 
 def check_world(path: Path) -> None:
-    """Refuses a file that holds no world; what a map leaves open, the page asks for.
+    """Refuse a file that holds no world; the page asks for options that a map needs.
 
     Raises:
         WorldgenError: If it cannot be read.
@@ -160,5 +156,5 @@ def check_world(path: Path) -> None:
     try:
         read_world(path) if is_world_file(path.name) else read_map(path)
     except WorldgenError as error:
-        if not error.message.at_terminal:  # its options are fields on the page
+        if not error.message.at_terminal:  # the page has fields for these options
             raise

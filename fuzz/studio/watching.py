@@ -1,7 +1,4 @@
-"""Watching a campaign, and stopping it.
-
-By its folder, beside everything else, whatever the lanes are busy with.
-"""
+"""Watch and stop campaigns by their folders, independently of what the workers are doing."""
 
 from __future__ import annotations
 
@@ -18,30 +15,30 @@ from worldgen.errors import InvalidParameter, Message, WorldgenError
 
 __all__ = ["Watching"]
 
-_EVERY = 0.5  # s between two looks
-_ENDS = 2.0  # s that a campaign is waited for that was told to end; it may end later
-_LOOK = 0.05  # s between two looks whether it has
-_OFTEN = 6  # looks without a change after which the state is told all the same: the clock goes on
+_EVERY = 0.5  # s between two looks at a campaign
+_ENDS = 2.0  # s to wait for a campaign that was stopped; it may end later
+_LOOK = 0.05  # s between two checks whether it has ended
+_OFTEN = 6  # looks without a change after which the state is sent anyway, because time passes
 
 
 class Watching:
-    """Answers ``watch`` and ``stop`` for any number of pages at once.
+    """Answers ``watch`` and ``stop`` for any number of pages at the same time.
 
-    Other lanes are processes that do one at a time.
+    Other workers are processes that do one thing at a time.
 
     Args:
-        folder: The opened one.
+        folder: The opened folder.
     """
 
     def __init__(self, folder: Folder) -> None:
         self._folder = folder
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
-        """Tells a campaign's state until it stands still; or has it stop, and tells the state then.
+        """Report a campaign's state until it ends; or stop it, and report the state then.
 
         Yields:
-            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` as often as there
-            is something, then ``("answer", {"state": state})`` or ``("error", refusal)``.
+            ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` whenever something
+            is, then ``("answer", {"state": state})`` or ``("error", refusal)``.
         """
         before: dict[str, Any] = {}
         quiet = 0
@@ -60,7 +57,7 @@ class Watching:
                         Message(
                             "unreadable",
                             "the campaign's folder cannot be read: {reason}",
-                            "look at it again",
+                            "try again",
                             reason=error.strerror or str(error),
                         )
                     ),
@@ -69,6 +66,7 @@ class Watching:
             if state is None or kind == "stop" or not state["running"]:
                 yield "answer", {"state": state}
                 return
+            # The elapsed time changes constantly, so it alone does not count as a change.
             changed = state | {"elapsed": 0.0} != before or quiet >= _OFTEN
             before = state | {"elapsed": 0.0}
             quiet = 0 if changed else quiet + 1
@@ -76,10 +74,10 @@ class Watching:
             await asyncio.sleep(_EVERY)
 
     def warm(self) -> None:
-        """Nothing: there is no process that would have to begin."""
+        """Do nothing: there is no process to start."""
 
     def end(self) -> None:
-        """Nothing: who is not asked for more ends by itself."""
+        """Do nothing: the generator ends when nobody asks for more."""
 
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))
@@ -88,16 +86,16 @@ class Watching:
         return state
 
     def _stop(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Has a campaign end as Ctrl-C would.
+        """End a campaign as Ctrl-C would.
 
-        What has yet to begin is ended by the process that waits for it.
+        The process that waits for a campaign to begin ends it if it has not begun yet.
         """
         reads = _reads()
         place = self._place(str(message.get("folder")))
         process = reads.running_process(place)
         if process is not None:
             reads.interrupt(process)
-        told = process is not None or end_beginnings(place / reads.MEMORY)
+        stopped = process is not None or end_beginnings(place / reads.MEMORY)
         until = time.monotonic() + _ENDS
         while (
             process is not None
@@ -105,21 +103,20 @@ class Watching:
             and time.monotonic() < until
         ):
             time.sleep(_LOOK)
-        return None if told and not reads.is_campaign(place) else self._state(message)
+        return None if stopped and not reads.is_campaign(place) else self._state(message)
 
     def _place(self, name: str) -> Path:
         place = self._folder.place(name)
         if not _reads().is_own(place):
             raise InvalidParameter(
                 "not-a-campaign-folder",
-                "{name!r} is no folder of a campaign in the opened one",
-                "give the name of another",
+                "{name!r} is not a campaign's folder in the opened one",
+                "choose another",
                 name=name,
             )
         return place
 
 
 def _reads() -> Any:
-    return importlib.import_module(
-        "fuzz.studio.campaign_state"
-    )  # heavy: not before somebody watches
+    # Expensive to import, so not before a page watches a campaign.
+    return importlib.import_module("fuzz.studio.campaign_state")

@@ -1,7 +1,4 @@
-"""Processes in which the work is done.
-
-The server stays live, and what nobody wants any more can be ended.
-"""
+"""Processes that do the work, so that the server stays responsive and work can be ended."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ from worldgen.errors import Message, WorldgenError
 
 __all__ = ["LANES", "Ended", "Worker"]
 
-_NICE = 5  # the page comes first
+_NICE = 5  # gives the page priority
 
 LANES = {
     "hello": "files",
@@ -53,41 +50,41 @@ LANES = {
     "elite": "looks",
     "snippet": "looks",
 }
-"""Which process does what.
+"""The process for each kind of request.
 
-What is saved is never ended, a long search for a proof stops no run, and
-what takes long to begin can be stopped meanwhile."""
+Saving is never ended, a long search for a proof does not delay a run, and anything that takes long
+to begin can be stopped meanwhile.
+"""
 
 
 class Ended(Exception):
-    """The work was ended before it was done."""
+    """The work was ended before it was finished."""
 
 
 class Worker:
-    """A process that does one thing after the other.
+    """A process that does one thing at a time.
 
-    It starts with the first and after each end by force.
+    It starts with the first request, and again after each forced end.
 
     Args:
-        folder: What can be read and written.
+        folder: The folder that can be read and written.
         named: Controllers that were named at the start.
     """
 
     def __init__(self, folder: Folder, named: tuple[str, ...]) -> None:
         self._given = (str(folder.root), named)
         self._turn = asyncio.Lock()
-        self._thread = ThreadPoolExecutor(
-            1, "lane"
-        )  # of its own: all that wait at once would use up asyncio's
+        # A separate thread: many waiting requests would use up asyncio's shared ones.
+        self._thread = ThreadPoolExecutor(1, "lane")
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
-        """Has one thing done.
+        """Have one request answered.
 
         Yields:
-            ``("turn", {})`` when its turn has come, ``("part", table)`` as often as there are
-            parts, then ``("answer", table)`` or ``("error", refusal)``.
+            ``("turn", {})`` when it is this request's turn, ``("part", table)`` for each part, then
+            ``("answer", table)`` or ``("error", refusal)``.
 
         Raises:
             Ended: If the process was ended meanwhile.
@@ -99,9 +96,8 @@ class Worker:
             heard_all = False
             wait = asyncio.get_running_loop().run_in_executor
             try:
-                await wait(
-                    self._thread, pipe.send, (kind, message)
-                )  # a large one waits until the process has begun
+                # Sending a large message blocks until the process has started.
+                await wait(self._thread, pipe.send, (kind, message))
                 while not heard_all:
                     said = await wait(self._thread, pipe.recv)
                     heard_all = said[0] != "part"
@@ -110,15 +106,15 @@ class Worker:
                 raise Ended from error
             finally:
                 if not heard_all:
-                    self.end()  # or the next one would hear the rest
+                    self.end()  # otherwise the next request would receive the remaining parts
 
     def warm(self) -> None:
-        """Has the process begin, which takes a second, before anything is asked of it."""
+        """Start the process before the first request, because that takes a second."""
         if self._process is None:
             self._start()
 
     def end(self) -> None:
-        """Ends what is being done."""
+        """End the current work."""
         if self._process is not None:
             self._process.kill()
             self._process = None
@@ -126,15 +122,15 @@ class Worker:
     def _start(self) -> Connection:
         ours, theirs = multiprocessing.Pipe()
         process = start_beside(_work, theirs, *self._given, nice=_NICE)
-        theirs.close()  # so that the end of the process is the end of the pipe
+        theirs.close()  # so that the pipe closes when the process ends
         self._process = process
         self._pipe = ours
         return ours
 
 
 def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
-    """What the process does until the server is gone."""
-    from fuzz.studio.answers import Answers  # noqa: PLC0415 - heavy: in this process only
+    """Answer requests in the process until the server ends."""
+    from fuzz.studio.answers import Answers  # noqa: PLC0415 - expensive, needed only here
     from fuzz.studio.running import allow_only  # noqa: PLC0415
 
     allow_only(named)
@@ -156,20 +152,20 @@ def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) 
         return "error", refusal(
             Message(
                 "half-a-character",
-                "the message has half of a character in a text",
-                "send whole ones",
+                "a text in the message contains half of a surrogate pair",
+                "send whole characters",
             )
         )
     except MemoryError:
-        return "error", refusal(Message("out-of-memory", "out of memory", "take a smaller world"))
-    except OSError as error:  # a full disk, of the temporary folder too
+        return "error", refusal(Message("out-of-memory", "out of memory", "use a smaller world"))
+    except OSError as error:  # for example a full disk, perhaps of the temporary folder
         return "error", answers.folder.refusal(
             Message(
                 "disk-refuses",
-                "the disk cannot do this: {reason}",
-                "make room, or use another one",
+                "the disk reported an error: {reason}",
+                "free some space, or use another disk",
                 reason=error.strerror or str(error),
             )
         )
-    except Exception as error:  # noqa: BLE001 - a fault of ours must not end the studio
+    except Exception as error:  # noqa: BLE001 - an internal error must not end the studio
         return "error", refusal(our_fault(error))

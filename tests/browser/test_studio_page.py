@@ -155,7 +155,7 @@ def test_a_page_without_the_token_gets_nothing(browser, gate):
     with browser.new_context() as context:
         page = context.new_page()
         page.goto(gate.address.partition("?")[0])
-        assert "does not know you" in page.inner_text("body")
+        assert "your browser has no access" in page.inner_text("body")
 
 
 def start_studio(folder, *port):

@@ -203,7 +203,7 @@ def test_a_host_is_known_by_what_a_browser_makes_of_it(host, name):
 
 @pytest.mark.parametrize("host", ["a\0b", "x" * 80, "a host", "::x"])
 def test_what_can_be_no_host_is_told(host):
-    with pytest.raises(InvalidParameter, match="give another --host"):
+    with pytest.raises(InvalidParameter, match="choose another --host"):
         bind(host, None)
 
 
@@ -670,7 +670,7 @@ def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
         (["--controller", "{}/gone.py:Robot"], "gone.py cannot be read: No such file"),
         (["--controller", "{}/loud.py:Nope"], "has no 'Nope'; its classes: Robot"),
         (["--controller", "{}/junk.grid:Robot"], "there is no module"),
-        (["--controller", "{}/torn.py:Robot"], "is no Python"),
+        (["--controller", "{}/torn.py:Robot"], "is not valid Python"),
         (["--controller", "__main__:Robot"], "there is no module __main__"),
         (
             ["--controller", ":Robot"],

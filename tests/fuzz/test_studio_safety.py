@@ -453,6 +453,6 @@ def test_ctrl_c_while_processes_begin_ends_the_studio_without_a_word(folder):
             os.killpg(server.pid, signal.SIGINT)  # as a terminal does
             _, said = server.communicate(timeout=60)
     said = said.replace(
-        "Ctrl-C ends it; what you have saved stays.\n", ""
+        "Press Ctrl-C to stop. Saved worlds stay.\n", ""
     )  # it may have been read with the address
     assert (server.returncode, said) == (0, "")
