@@ -199,7 +199,7 @@ def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and
             one.get_by_text("The studio does not answer.").wait_for()
         again = both.enter_context(studio_of(folder, port=first.port))
         fresh = another_tab(page, again.address)
-        other.get_by_text("Another tab goes on with what is drawn here.").wait_for()
+        other.get_by_text("Another tab has continued this drawing.").wait_for()
         page.locator("#gone").wait_for(state="hidden")
         assert [solid_cells(one) for one in (page, other, fresh)] == [*drawn, drawn[1]]
         page.wait_for_function(BOTH_KEPT)
@@ -255,7 +255,7 @@ def test_a_page_too_many_says_so_and_comes_when_another_one_is_closed(browser, f
         other = page.context.new_page()
         other.goto(page.url)
         other.get_by_text(
-            "1 pages are open, and the studio takes no more; close another one."
+            "1 pages are open, which is the limit; close another one."
         ).wait_for()
         page.close()
         other.locator("#proof.good").wait_for()

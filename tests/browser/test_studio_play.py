@@ -180,7 +180,7 @@ def test_with_a_wrong_setting_the_former_world_s_run_is_not_shown_as_this_one_s(
     drag(page, (16, 15), (22, 21))
     page.locator("#name", has_text="changed").wait_for()
     page.keyboard.press("2")
-    page.locator("#run-said.bad", has_text="a setting is not as it must be").wait_for()
+    page.locator("#run-said.bad", has_text="a setting is not valid").wait_for()
     assert page.locator(".stage.stale").count() == 1
     assert page.evaluate("document.activeElement.tagName") != "INPUT"
     page.locator("#run").click()

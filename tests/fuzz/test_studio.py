@@ -112,7 +112,7 @@ def test_the_address_with_the_token_gives_a_cookie_that_other_sites_cannot_send(
 )
 def test_nobody_gets_anything_without_the_token(gate, path):
     answer = get(gate, path, token=False)
-    assert answer.status == 403 and b"does not know you" in answer.body
+    assert answer.status == 403 and b"your browser has no access" in answer.body
 
 
 @pytest.mark.parametrize(
@@ -607,7 +607,7 @@ def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, mon
         assert closed.value.rcvd.code == FULL
         assert (
             closed.value.rcvd.reason
-            == "2 pages are open, and the studio takes no more; close another one."
+            == "2 pages are open, which is the limit; close another one."
         )
 
 
@@ -674,14 +674,14 @@ def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
         (["--controller", "__main__:Robot"], "there is no module __main__"),
         (
             ["--controller", ":Robot"],
-            "names no module; name it too, module:Robot or ./file.py:Robot",
+            "does not name a module; add it: module:Robot or ./file.py:Robot",
         ),
         (["{}/words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
         (["{}/junk.grid"], "junk.grid"),
         (["{}/my --words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
         (["{}/set.zip"], "set.zip is an archive of worlds; open its folder"),
-        (["--host", "192.0.2.1", "--port", "8000"], "192.0.2.1 is no address of this machine"),
-        (["--host", "192.0.2.1"], "192.0.2.1 is no address of this machine"),
+        (["--host", "192.0.2.1", "--port", "8000"], "192.0.2.1 is not an address of this machine"),
+        (["--host", "192.0.2.1"], "192.0.2.1 is not an address of this machine"),
     ],
 )
 def test_the_studio_does_not_start_with_arguments_that_are_wrong(tmp_path, arguments, words):

@@ -82,7 +82,7 @@ def test_a_way_out_that_only_a_terminal_has_is_marked():
 def test_a_note_of_an_import_names_the_page_s_field():
     note = Note("no-scale", "the map has no scale", "--cell-size says another", at_terminal=True)
     assert note == "the map has no scale; --cell-size says another"
-    assert describe_note(note) == "the map has no scale; Cell size, under World, says another"
+    assert describe_note(note) == "the map has no scale; set another Cell size, under World"
 
 
 @pytest.mark.parametrize(

@@ -166,11 +166,11 @@ test("the proof is told in words, with what a robot needs", () => {
   assert.deepEqual(proofWords(null), { head: "", words: "…", kind: "waiting" });
   assert.deepEqual(proofWords({ result: "reachable", length: 4.5678, duration: 2.2839, clearance: 0.123456 }), {
     head: "✓ reachable:",
-    words: " 4.57 m, 2.28 s; clearance of the way that is shown 0.1235 m",
+    words: " 4.57 m, 2.28 s; clearance of the path shown 0.1235 m",
     kind: "good",
   });
   const cut = { result: "blocked", cut: [], ring: 40, reason: "a ring of cells, so and so" };
-  assert.deepEqual(proofWords(cut), { head: "✗ blocked:", words: " a ring of 40 wall cells, every gap too narrow for this robot, parts the start from the target", kind: "bad" });
+  assert.deepEqual(proofWords(cut), { head: "✗ blocked:", words: " a ring of 40 wall cells, with gaps too narrow for this robot, separates the start from the target", kind: "bad" });
   assert.deepEqual(proofWords({ result: "undecided", reason: "too large" }), { head: "? undecided:", words: " too large", kind: "waiting" });
   assert.equal(proofWords({ error: "no world" }).kind, "bad");
 });

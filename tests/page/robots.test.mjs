@@ -60,7 +60,7 @@ test("which controllers the list does not have is said with the model that they 
   assert.equal(robots.message().controllers[0], "bug1");
   const list = robots.element.querySelector(".motion select");
   type(list, "stepped");
-  assert.equal(part("#other-controllers").textContent, "1 more under swept, bug1 among them. ");
+  assert.equal(part("#other-controllers").textContent, "1 more under swept, including bug1. ");
 });
 
 test("a controller that was named at the start is the first to drive, in its own model", () => {
@@ -203,9 +203,9 @@ function sizes() {
 
 test("a schedule that goes with its cells is told, and undo brings it back", () => {
   for (const [act, words] of [
-    [({ press }) => press("Clear"), "The world does not change any more: undo brings its 2 changes back."],
-    [({ press, sized }) => (sized(10, 10), press("New")), "The world does not change any more: undo brings its 2 changes back."],
-    [({ press, sized }) => (sized(20, 20), press("Resize")), "1 changes lay outside: undo brings its 2 changes back."],
+    [({ press }) => press("Clear"), "The world no longer changes: undo restores its 2 changes."],
+    [({ press, sized }) => (sized(10, 10), press("New")), "The world no longer changes: undo restores its 2 changes."],
+    [({ press, sized }) => (sized(20, 20), press("Resize")), "1 changes were outside: undo restores its 2 changes."],
     [({ press, sized }) => (sized(50, 50), press("Resize")), ""],
   ]) {
     const page = sizes();
@@ -226,7 +226,7 @@ test("a world is of one row up to four million cells, and no more", () => {
   for (const [width, height] of [[20_001, 1], [2048, 2049], [0, 5], ["", 5], [2.5, 5]]) {
     sized(width, height);
     press("Resize");
-    assert.match(said(), /at most 4,194,304 cells in all/);
+    assert.match(said(), /at most 4,194,304 cells in total/);
     assert.equal(model.world.width, 20_000);
   }
 });

@@ -1,18 +1,18 @@
-// The drawing board: a canvas that shows the world, what is being done to it, and its proof.
+// The drawing board: a canvas that shows the world, the current edit, and the world's proof.
 
 import { UNIT, numbersOf } from "#player/decode.js";
 import { drawScene } from "#player/map.js";
 import { line, penFor, ring, stroke } from "#player/pen.js";
 import { pictureOf } from "./pattern_picture.js";
 
-const NEAREST = 200; // pixels a cell
+const NEAREST = 200; // pixels per cell at the highest zoom
 const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
 
 /**
- * A board.
+ * Makes a board.
  * @param {HTMLCanvasElement} canvas
  * @param {import("./model.js").Model} model
- * @param {Record<string, boolean>} show - Which of grid, ruler, proof and signal
+ * @param {Record<string, boolean>} show - Visibility of grid, ruler, proof and signal
  * @returns {Board}
  */
 export function makeBoard(canvas, model, show) {
@@ -22,13 +22,13 @@ export function makeBoard(canvas, model, show) {
     model,
     show,
     view: null, // null: the whole world
-    proof: null, // of the server, for this very world
-    signal: null, // what the robot reads in each cell of it
-    ghost: null, // { pattern, at }: what would be put down
-    marks: [], // boxes of cells that would be changed
+    proof: null, // the server's, for this version of the world
+    signal: null, // the robot's reading in each cell
+    ghost: null, // { pattern, at }: a preview of what would be put down
+    marks: [], // boxes of cells that would change
     selection: null, // a rectangle of cells
     measure: null, // two points, in cells
-    cursor: null, // the cell that keys draw at
+    cursor: null, // the cell at which keys draw
     draw: () => drawBoard(board),
   };
   const board = /** @type {Board} */ (own);
@@ -46,7 +46,7 @@ function cameraOf(board) {
   return {
     now,
     /**
-     * The point of the world under a place in the window, in cells.
+     * Returns the point of the world at a place in the window, in cells.
      * @returns {CellPlace}
      */
     pointAt({ clientX, clientY }) {
@@ -57,7 +57,7 @@ function cameraOf(board) {
         y - (clientY - box.top - canvas.clientHeight / 2) / scale,
       ];
     },
-    /** Zooms; the point under the pointer stays where it is. */
+    /** Zooms; the point under the pointer stays in its place. */
     zoom(factor, event = null) {
       const before = now(),
         scale = Math.min(NEAREST, Math.max(whole().scale / 2, before.scale * factor));
@@ -71,7 +71,7 @@ function cameraOf(board) {
       board.view = { x: x - dx / scale, y: y + dy / scale, scale };
       board.draw();
     },
-    /** Moves the view as little as shows a cell, and some room around it. */
+    /** Moves the view by as little as possible to show a cell with some space around it. */
     reveal([ix, iy]) {
       if (!board.view) return;
       const { x, y, scale } = board.view;
@@ -91,7 +91,7 @@ function cameraOf(board) {
 }
 
 /**
- * A world as the player draws it, without a copy of its cells.
+ * Returns a world as the player draws it, without copying its cells.
  * @param {import("./model.js").Model} model
  * @param {Proof | null} proof
  * @returns {SceneWorld}
@@ -135,6 +135,7 @@ function drawBoard(board) {
     view = board.now();
   const scene = { world, show: { witness: show.proof, grid: show.grid } };
   drawScene(canvas, scene, view);
+  // Everything else is drawn on top of the scene, from the lowest layer to the highest.
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
   if (show.signal && board.signal) drawSignal(pen, board);
@@ -148,7 +149,7 @@ function drawBoard(board) {
   if (show.ruler) drawRulers(pen, board);
 }
 
-// The robot's disc at the start, with its heading.
+// Draws the robot's disc at the start, with its heading.
 function drawFootprint(pen, world) {
   const [x, y, heading] = world.start;
   ring(pen, x, y, world.radius, pen.colours.start, 1.5);
@@ -159,7 +160,7 @@ function drawFootprint(pen, world) {
   stroke(pen, pen.colours.start, 2.5);
 }
 
-// The signal as colours, stronger where it is stronger; one pixel a cell, made larger by the canvas.
+// Draws the signal in colours, stronger where it is stronger, from a picture with one pixel per cell.
 function drawSignal(pen, { signal, model }) {
   const { width, height } = model.world;
   if (signal.values.length !== width * height) return;
@@ -184,7 +185,7 @@ function drawSignal(pen, { signal, model }) {
   context.drawImage(signal.picture, px(0), py(height), width * scale, height * scale);
 }
 
-// What the robot's disc sweeps on the way of the proof.
+// Draws the area that the robot's disc sweeps on the path of the proof.
 function drawTube(pen, board) {
   const { x, y } = board.proof.opened || { x: [], y: [] };
   const { context } = pen;
@@ -204,7 +205,7 @@ function drawMarks(pen, { marks }) {
   context.save();
   context.globalAlpha = 0.45;
   context.fillStyle = colours.focus;
-  context.beginPath(); // one path: where boxes overlap, nothing is darker
+  context.beginPath(); // a single path, so that overlapping boxes do not become darker
   for (const { x, y, width, height } of marks)
     context.rect(px(x), py(y + height), width * pen.scale, height * pen.scale);
   context.fill();
@@ -263,7 +264,7 @@ function label(pen, text, x, y) {
   context.fillText(text, x, y);
 }
 
-// Metres along the upper and left edge of the window.
+// Draws rulers in metres along the upper and left edge of the window.
 function drawRulers(pen, { model }) {
   const { context, colours, width, height } = pen,
     { world } = model;
@@ -308,7 +309,7 @@ function ticks(length, metres) {
 }
 
 /**
- * 1, 2 or 5 times a power of ten, at least as long as asked.
+ * Returns the smallest value of 1, 2 or 5 times a power of ten that is not below a limit.
  * @param {number} least
  * @returns {number}
  */

@@ -1,9 +1,9 @@
-// Texts for the clipboard.
+// Copies texts to the clipboard.
 
 import { el, say } from "#player/dom.js";
 
 /**
- * Copies a text, and says so on the button; where a browser does not allow that, shows it to be copied by hand.
+ * Copies a text and confirms that on the button; if the browser does not allow it, shows the text for manual copying.
  * @param {HTMLElement} button
  * @param {string} text
  * @returns {Promise<void>}

@@ -1,31 +1,31 @@
-// The connection to the server: questions and answers by number; it comes back by itself when it was gone.
+// The connection to the server: requests and answers by number. It reconnects automatically.
 
 import { Refused } from "./refusals.js";
 
-const FIRST_WAIT = 300; // ms before the first attempt to come back
+const FIRST_WAIT = 300; // ms before the first attempt to reconnect
 const LONGEST_WAIT = 3000;
-const PROTOCOL = 2; // that this page speaks
-const FULL = 4000; // the code with which the server closes a connection too many; the reason is a sentence
+const PROTOCOL = 2; // the version of this page
+const FULL = 4000; // WebSocket code for too many connections; the reason is a sentence
 const TOO_LARGE = 1009;
-const TOKEN = "worldgen-studio-token"; // kept for this port's pages alone, unlike a cookie
+const TOKEN = "worldgen-studio-token"; // stored for pages of this port only, unlike a cookie
 let token = "";
 
-/** Takes the token of the address that was opened out of what the browser shows and remembers. */
+/** Removes the token from the address that the browser shows and remembers, and keeps it. */
 export function takeToken() {
   token = new URLSearchParams(location.search).get("token") || "";
   history.replaceState(null, "", `${location.pathname}${location.hash}`);
 }
 
-/** Keeps that token for this page when it is loaded anew, and for the pages of before the server's start. */
+/** Stores the token for reloads of this page, and for pages that were open before the server restarted. */
 export function shareToken() {
   try {
     if (token) localStorage.setItem(TOKEN, token);
   } catch {
-    // no storage: this page has the token until it is loaded anew
+    // no storage: the page loses the token when it is reloaded
   }
 }
 
-// The newest token: another page may have been opened since, with that of a new start.
+// Returns the newest token: another page may have been opened since, with the token of a restarted server.
 function newestToken() {
   try {
     return localStorage.getItem(TOKEN) || token;
@@ -38,22 +38,22 @@ function newestToken() {
  * A connection's state.
  * @typedef {object} State
  * @property {WebSocket | null} socket
- * @property {number} number - Of the last question
- * @property {number} largest - Bytes of a message to the server, once it has told
+ * @property {number} number - Number of the last request
+ * @property {number} largest - Limit of a message to the server, bytes, once the server has sent it
  * @property {Map<number, {done: (answer: any) => void, fail: (error: Error) => void, part: (part: any) => void}>} waiting
- * @property {number} wait - ms before the next attempt to come back
+ * @property {number} wait - ms before the next attempt to reconnect
  * @property {boolean} opened
  */
 
-/** What was asked in vain: it was stopped, a newer question has replaced it, or the connection is gone. */
+/** A request without an answer: it was stopped or replaced by a newer one, or the connection was lost. */
 export class Ended extends Error {}
 
 /**
- * A connection.
- * @param {(begins: Begins) => void} begun - Called each time the connection is there
- * @param {(forbidden: boolean, why: string) => void} lost - Called when it is gone;
- *     forbidden: the server is there, but does not know this page any more; why: a sentence of the server's, or empty
- * @param {Promise<any>} ready - A promise: the connection is opened after it
+ * Makes a connection.
+ * @param {(begins: Begins) => void} begun - Called whenever the connection is established
+ * @param {(forbidden: boolean, why: string) => void} lost - Called when it is lost;
+ *     forbidden: the server runs but no longer accepts this page; why: a sentence from the server, or empty
+ * @param {Promise<any>} ready - The connection opens after this promise
  * @returns {Connection}
  */
 export function makeConnection(begun, lost, ready) {
@@ -65,7 +65,7 @@ export function makeConnection(begun, lost, ready) {
     state.socket = socket;
     socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
     socket.addEventListener("close", async ({ code, reason }) => {
-      const error = code === TOO_LARGE ? new Refused(tooLarge(state)) : new Ended("The connection is gone.");
+      const error = code === TOO_LARGE ? new Refused(tooLarge(state)) : new Ended("The connection was lost.");
       for (const { fail } of state.waiting.values()) fail(error);
       state.waiting.clear();
       if (code === FULL) lost(false, reason);
@@ -86,7 +86,7 @@ export function makeConnection(begun, lost, ready) {
 function hear(state, said, begun) {
   if (!("id" in said)) {
     if (said.protocol !== PROTOCOL) {
-      location.reload(); // the page of the server that runs now; what is drawn is kept
+      location.reload(); // load the page of the server that runs now; the drawing is kept
       return;
     }
     state.opened = true;
@@ -115,7 +115,7 @@ function hear(state, said, begun) {
  */
 function ask(state, kind, message, part) {
   if (!state.socket || state.socket.readyState !== WebSocket.OPEN)
-    return refused(new Ended("The server is not there."));
+    return refused(new Ended("The server does not answer."));
   const id = state.number + 1,
     text = JSON.stringify({ ...message, id, do: kind });
   if (3 * text.length > state.largest && new Blob([text]).size > state.largest)
@@ -129,20 +129,20 @@ function ask(state, kind, message, part) {
   return Object.assign(answer, { stop });
 }
 
-// What is not asked at all can be stopped like a question, too.
+// A request that was never sent can be stopped like any other.
 function refused(error) {
   return Object.assign(Promise.reject(error), { stop: () => {} });
 }
 
-// What is larger would end the connection, and all that waits for answers with it.
+// A larger message would end the connection, together with all waiting requests.
 function tooLarge({ largest }) {
-  return `This is more than ${largest / 2 ** 20} MiB, the most that can be sent to the studio at once; put a file into its folder, draw a smaller world.`;
+  return `This is more than ${largest / 2 ** 20} MiB, the most that can be sent to the studio in one message; put the file into the studio's folder, or draw a smaller world.`;
 }
 
 async function isForbidden() {
   try {
     await fetch("/studio/start.js", { method: "HEAD" });
-    return true; // it is there and does not let this page in
+    return true; // it runs, but does not accept this page
   } catch {
     return false;
   }

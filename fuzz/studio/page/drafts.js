@@ -1,26 +1,26 @@
-// What is drawn and not saved is kept in the browser, for each tab by itself, in case the page or the server ends.
+// Keeps unsaved drawings in the browser, one for each tab, in case the page or the server ends.
 
 import { messageOf, worldOf } from "./model.js";
 
-const DRAFT = "worldgen-studio-draft-"; // and the tab's name
+const DRAFT = "worldgen-studio-draft-"; // followed by the tab's name
 const TAB = "worldgen-studio-tab";
 const OPENED = "worldgen-studio-opened";
-const TAKEN = "taken"; // stands where a draft was that another tab has taken over
-const LARGEST = 4e6; // characters: what browsers keep at least
-const PATIENCE = 5; // times that a lock is asked for: the page of before may be ending just now
+const TAKEN = "taken"; // replaces a draft that another tab has taken over
+const LARGEST = 4e6; // characters: the least that browsers keep
+const PATIENCE = 5; // attempts to get a lock, because the previous page may be just ending
 const WAIT = 60; // ms
 
-/* The drafts of this browser, seen from this tab.
+/* The drafts of this browser, as seen from this tab.
      key      of this tab's draft; "": nothing can be kept
-     left     { key, at } of drafts whose tabs were gone when this one began, the newest first
-     taken    the key of the one of them that this tab goes on with
-     letGo    gives up the lock on this tab's draft; null while it has none
-     kept     the version of the model that the draft holds */
+     left     { key, at } of drafts whose tabs no longer existed when this one began, the newest first
+     taken    the key of the one that this tab continues
+     letGo    releases the lock on this tab's draft; null without a lock
+     kept     the version of the model in the draft */
 /** @type {{key: string, left: {key: string, at: number}[], taken: string, letGo: (() => void) | null, kept: number | null}} */
 const state = { key: "", left: [], taken: "", letGo: null, kept: null };
 
 /**
- * Finds what this tab has drawn before it was loaded anew, or else what a tab has left that is gone; null: nothing.
+ * Finds the drawing of this tab before it was reloaded, or else one left by a closed tab; null if there is none.
  * @returns {Promise<EditedWorld | null>}
  */
 export async function findDraft() {
@@ -34,24 +34,24 @@ export async function findDraft() {
     state.taken = own ? "" : state.left[0]?.key || "";
     return own || read(state.taken);
   } catch {
-    return null; // a browser that keeps nothing
+    return null; // the browser keeps nothing
   }
 }
 
-// The key of this tab's draft, with its lock.
+// Returns the key of this tab's draft, with its lock.
 async function claim() {
   let name = sessionStorage.getItem(TAB);
   if (!name || !(await hold(DRAFT + name))) {
     name = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;
-    sessionStorage.setItem(TAB, name); // a new tab; one that was doubled has come with the other's name
+    sessionStorage.setItem(TAB, name); // a new tab, or a duplicated one that has the other's name
     await hold(DRAFT + name);
   }
   return DRAFT + name;
 }
 
-// Holds a lock until the page ends or lets it go; false where another page has it.
+// Holds a lock until the page ends or releases it; false if another page has it.
 async function hold(key) {
-  if (!navigator.locks) return true; // not over this connection: a doubled tab shares the draft
+  if (!navigator.locks) return true; // not available on this connection: duplicated tabs share a draft
   for (let k = 0; k < PATIENCE; k += 1) {
     const had = await new Promise((done) => {
       navigator.locks.request(key, { ifAvailable: true }, (lock) => {
@@ -66,18 +66,18 @@ async function hold(key) {
 }
 
 /**
- * The server is gone: the tab that its next start opens may go on with what is drawn here.
+ * Releases the draft when the server is lost, so that the tab opened by a restarted server may continue the drawing.
  * @param {import("./model.js").Model} model
  */
 export function lendDraft(model) {
-  if (!state.letGo) return; // it is lent already, or this tab is still beginning
+  if (!state.letGo) return; // already released, or this tab is still starting
   if (state.kept !== model.version) keepDraft(model);
   state.letGo();
   state.letGo = null;
 }
 
 /**
- * The server is there again; says whether another tab has gone on meanwhile with all that is drawn here.
+ * Takes the draft back when the server answers again; returns whether another tab has continued the drawing meanwhile.
  * @param {import("./model.js").Model} model
  * @returns {Promise<boolean>}
  */
@@ -88,16 +88,16 @@ export async function reclaimDraft(model) {
     state.key = await claim();
     return taken;
   } catch {
-    return false; // a browser that keeps nothing
+    return false; // the browser keeps nothing
   }
 }
 
-// Whether what is drawn is that which another tab has taken over: it is not kept twice.
+// Returns whether another tab has taken over exactly this drawing, so that it need not be kept twice.
 function isTaken(model) {
   return model.unsaved && state.kept === model.version && localStorage.getItem(state.key) === TAKEN;
 }
 
-// The keys of all tabs that are there.
+// Returns the keys of all open tabs.
 async function held() {
   const locks = navigator.locks ? (await navigator.locks.query()).held : [];
   return new Set((locks ?? []).map(({ name }) => name).filter((name) => name !== state.key));
@@ -113,7 +113,7 @@ function read(key) {
   }
 }
 
-// Whether a draft has all that is drawn: another version of the page may have kept it.
+// Returns whether a draft is complete: another version of the page may have written it.
 function isWhole({ width, height, start, target, cell_size: cell, robot_speed: speed, robot_radius: radius }) {
   const triple = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
   const lengths = [cell, speed].every((value) => Number.isFinite(value) && value > 0) && Number.isFinite(radius);
@@ -129,7 +129,7 @@ function timeOf(key) {
 }
 
 /**
- * Keeps what is drawn; says whether the browser has all that is not saved.
+ * Keeps the drawing; returns whether the browser has everything that is not saved.
  * @param {import("./model.js").Model} model
  * @returns {boolean}
  */
@@ -148,12 +148,12 @@ export function keepDraft(model) {
     }
     return true;
   } catch {
-    return !model.unsaved; // a browser that keeps nothing, or not so much: the page asks before it is left
+    return !model.unsaved; // the browser keeps nothing, or not that much: the page asks before it is left
   }
 }
 
-// Where there is no room, what tabs have left that are gone makes some, the oldest first; a tab that was only without a
-// server has kept its draft anew since.
+// Without enough space, removes drafts of closed tabs, the oldest first. A tab that was only without a server has
+// written its draft again since.
 function store(text) {
   for (;;) {
     try {
@@ -168,7 +168,7 @@ function store(text) {
 }
 
 /**
- * What was found is this tab's own now.
+ * Makes the draft that was found this tab's own.
  * @param {import("./model.js").Model} model
  */
 export function takeOver(model) {
@@ -178,7 +178,7 @@ export function takeOver(model) {
 }
 
 /**
- * The file that was open when this tab was loaded anew; empty where there was none.
+ * Returns the file that was open when this tab was reloaded; empty if there was none.
  * @returns {string}
  */
 export function openedBefore() {

@@ -1,4 +1,4 @@
-// The page on which worlds are drawn: tools, board, panels, and what is true of the world below it.
+// The page for drawing worlds: tools, board, panels, and below them the facts about the world.
 
 import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
 import { makeBoard } from "./board.js";
@@ -15,7 +15,7 @@ import { makeWorldPanel } from "./world_panel.js";
 const VIEWS = {
   grid: ["Grid", "#"],
   ruler: ["Ruler", "u"],
-  proof: ["Way", "w"],
+  proof: ["Path", "w"],
   signal: ["Signal", "i"],
   noise: ["Noise", "n"],
 };
@@ -23,7 +23,7 @@ const SOON = 80; // ms
 const PANELS = { world: "World", maker: "Generate", files: "Files" };
 
 /**
- * The page.
+ * Makes the page.
  * @param {HTMLElement} section
  * @param {Studio} studio
  * @returns {any}
@@ -82,7 +82,7 @@ function palette(draw, parts) {
 }
 
 function choose(draw, parts, tool) {
-  draw.cancelKeys?.(); // none while the page is made
+  draw.cancelKeys?.(); // not yet defined while the page is being made
   draw.tool = tool;
   draw.board.ghost = null;
   draw.board.marks = [];
@@ -91,14 +91,14 @@ function choose(draw, parts, tool) {
   if (tool !== "stamp") draw.tools.kit.turns = [];
   for (const button of parts.tools) {
     button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
-    button.tabIndex = button.dataset.tool === tool ? 0 : -1; // arrow keys go to the others
+    button.tabIndex = button.dataset.tool === tool ? 0 : -1; // arrow keys lead to the others
   }
   draw.canvas.dataset.tool = tool;
   showOptions(draw, parts);
   draw.board.draw();
 }
 
-// What can be set for the tool in hand, and what is shown on the board.
+// Shows the settings of the current tool, and what the board displays.
 function showOptions(draw, parts) {
   const { setting, tool } = draw,
     shown = [];
@@ -215,7 +215,7 @@ function toggle(draw, parts, name) {
   draw.board.draw();
 }
 
-// Asks what the robot reads, while it is shown; soon after the last of several changes.
+// Requests the robot's readings while they are displayed, shortly after the last of several changes.
 async function senseSignal(draw) {
   if (!draw.show.signal) return;
   draw.asked = (draw.asked || 0) + 1;
@@ -283,26 +283,26 @@ function refresh(draw, parts) {
   showPlace(draw, parts, parts.place);
 }
 
-// Where the pointer is, how large the world is, and whether the target can be reached.
+// Shows the place of the pointer or the size of the world, and whether the target can be reached.
 function showPlace(draw, parts, point) {
   parts.place = point;
   const { world } = draw.studio.model,
     side = world.cell_size;
   const changes = world.events ? `, ${grouped(world.events.times.length)} changes` : "";
   const mark = markAt(world, point);
-  draw.canvas.title = mark && `${mark}: drag it with the tool of that name`;
+  draw.canvas.title = mark && `${mark}: drag it with the tool of this name`;
   const place = point
     ? `${mark && `${mark} · `}cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
     : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
   const { head, words, kind } = proofWords(draw.board.proof);
   parts.where.textContent = place;
-  if (parts.proof.textContent === head + words) return; // a screen reader says it once
+  if (parts.proof.textContent === head + words) return; // so that a screen reader reads it only once
   parts.proof.className = `proof ${kind}`;
   parts.proof.title = head + words;
   parts.proof.replaceChildren(el("b", {}, head), words);
 }
 
-// Below the board; what stands there is also what a screen reader says of the board.
+// Makes the status below the board; it also describes the board to screen readers.
 function statusParts() {
   const where = el("span", { class: "place", id: "place" }),
     proof = el("span", { class: "proof", id: "proof", role: "status" }),

@@ -1,4 +1,4 @@
-// Exports what is drawn: a format, what can be asked of it, and where the file goes.
+// Exports the drawing: the format, its options, and where the file goes.
 
 import { bytesOf } from "#player/decode.js";
 import { choice, el } from "#player/dom.js";
@@ -8,10 +8,10 @@ import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
 /**
- * The form.
+ * Makes the form.
  * @param {Studio} studio
- * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Does something that the server may refuse, and shows what it says
- * @param {() => void} wrote - Called when files have been written into the folder
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the server may refuse, and shows the result
+ * @param {() => void} wrote - Called after files have been written to the folder
  * @returns {{element: HTMLElement, refresh: () => void}}
  */
 export function makeExport(studio, trying, wrote) {
@@ -27,7 +27,7 @@ export function makeExport(studio, trying, wrote) {
       "div",
       { class: "actions" },
       el("button", { type: "button", onclick: () => run(false) }, "Download"),
-      el("button", { type: "button", onclick: () => run(true) }, "Into the folder"),
+      el("button", { type: "button", onclick: () => run(true) }, "Save to the folder"),
     ),
   );
   return { element, refresh: () => refresh(form, parts) };
@@ -39,7 +39,7 @@ function morePart(parts) {
   parts.x = number("export-x", null);
   parts.y = number("export-y", null);
   parts.sidecar = el("input", { type: "checkbox", id: "export-sidecar", checked: true });
-  parts.time = labelled("At the time", parts.at, { unit: "s", help: "The cells at this time, for ever." });
+  parts.time = labelled("At the time", parts.at, { unit: "s", help: "Export the cells at this time only." });
   return el(
     "details",
     { id: "export-more" },
@@ -53,7 +53,7 @@ function morePart(parts) {
       labelled("x", parts.x, { unit: "m" }),
       labelled("y", parts.y, { unit: "m" }),
     ),
-    labelled("Sidecar", parts.sidecar, { help: "Keeps what the format has no room for in a file beside it." }),
+    labelled("Sidecar", parts.sidecar, { help: "Write what the format cannot store to a second file next to it." }),
   );
 }
 
@@ -80,20 +80,20 @@ function chooseFormat(form, parts, format) {
   showTime(form, parts);
 }
 
-// Only a world that changes has times.
+// Shows the field for a time if the world has events.
 function showTime(form, parts) {
   parts.time.hidden = !form.studio.model.world.events;
 }
 
-// What is asked for, as the server wants it.
+// Returns the options as the server expects them.
 function asked(form, parts) {
   checkOptions(parts.options);
   for (const input of [parts.at, parts.x, parts.y])
     if (!input.validity.valid) {
       input.focus();
-      throw new Refused("Give a number; a time is 0 or more.");
+      throw new Refused("Give a number; a time must be 0 or more.");
     }
-  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; give both, or none.");
+  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; give both, or neither.");
   const changing = form.studio.model.world.events !== null;
   return {
     options: form.given,
@@ -109,7 +109,7 @@ async function exportAs(form, parts, inFolder, wrote) {
   const name = (studio.model.world.name || "world.grid").replace(/\.grid(\.gz)?$/, "") + format.suffixes[0];
   const message = { format: format.name, name, world: messageOf(studio.model.world), keep: inFolder, ...more };
   const answer = await overwriting(name, (overwrite) => studio.connection.ask("export", { ...message, overwrite }));
-  if (!answer) return `${name} is as it was.`;
+  if (!answer) return `${name} was not changed.`;
   for (const file of answer.files || []) keep(file.name, new Blob([bytesOf(file.data)]));
   if (inFolder) wrote();
   const where = inFolder
@@ -118,12 +118,12 @@ async function exportAs(form, parts, inFolder, wrote) {
   return [where, ...answer.lost, ...answer.notes].join(" ");
 }
 
-// Writes over what is there only after it was said so; null: it was not.
+// Overwrites a file only after asking; null if the user declines.
 async function overwriting(name, write) {
   try {
     return await write(false);
   } catch (error) {
     if (!(error instanceof Refused) || error.code !== "file-exists") throw error;
-    return confirm(`${name}, or a file beside it, is there already. Overwrite?`) ? write(true) : null;
+    return confirm(`${name}, or a file that belongs to it, already exists. Overwrite?`) ? write(true) : null;
   }
 }

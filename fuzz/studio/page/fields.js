@@ -6,7 +6,7 @@ import { Refused } from "./refusals.js";
 let count = 0;
 
 /**
- * A label above a field.
+ * Makes a label above a field.
  * @param {string} words
  * @param {HTMLElement} input
  * @param {{unit?: string, help?: string}} [more]
@@ -27,7 +27,7 @@ export function labelled(words, input, { unit = "", help = "" } = {}) {
 }
 
 /**
- * A list of motion models: their short names, and below it what the chosen one is.
+ * Makes a list of motion models by name, with a description of the chosen one below it.
  * @param {Motion[]} motions
  * @param {string} chosen
  * @param {(name: string) => void} change
@@ -69,7 +69,8 @@ export function number(value, change, { low = null, high = null, step = "any" } 
 }
 
 /**
- * A field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, one number beside.
+ * Makes a field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, a
+ * single number that is allowed in addition to the range.
  * @param {Parameter} parameter
  * @param {any} value
  * @param {(value: any) => void} change
@@ -101,7 +102,7 @@ export function parameterField(parameter, value, change) {
 }
 
 /**
- * What is wrong with a parameter's value: its bounds are more than a browser's field can say.
+ * Returns what is wrong with a parameter's value; its bounds are more than a browser's field can express.
  * @param {Parameter} parameter
  * @param {number} value
  * @returns {string}
@@ -116,11 +117,11 @@ function boundsFault(parameter, value) {
   if (fits) return "";
   const ends = [low, high].map((end) => end?.toLocaleString("en-US"));
   const range = bounds || (low !== null && high !== null ? ends.join(" to ") : "");
-  return `${words(name)} is ${kind === "int" ? "a whole number" : "a number"}${range ? `, ${range}` : ""}.`;
+  return `${words(name)} must be ${kind === "int" ? "a whole number" : "a number"}${range ? `, ${range}` : ""}.`;
 }
 
 /**
- * Fields for options of a format: what is given goes into `given` by name.
+ * Makes fields for the options of a format; the values that a user enters are stored in `given` by name.
  * @param {Parameter[]} options
  * @param {Record<string, any>} given
  * @returns {HTMLElement[]}
@@ -135,7 +136,7 @@ export function optionFields(options, given) {
 }
 
 /**
- * Refuses what stands wrong in one of such fields, and goes there.
+ * Refuses an invalid value in one of these fields, and moves the focus there.
  * @param {HTMLElement} place
  */
 export function checkOptions(place) {
@@ -146,7 +147,7 @@ export function checkOptions(place) {
 }
 
 /**
- * The first field in a place that is not as it must be.
+ * Returns the first invalid field in a part of the page.
  * @param {HTMLElement} place
  * @returns {HTMLInputElement | undefined}
  */
@@ -172,7 +173,7 @@ export function isField(target) {
 }
 
 /**
- * Whether what is in a field is as it must be; if not, the field says why.
+ * Returns whether a field's value is valid; if not, shows why below the field.
  * @param {HTMLInputElement} input
  * @returns {boolean}
  */
@@ -194,7 +195,7 @@ export function isGood(input) {
 }
 
 /**
- * What is wrong in a field, and what to give instead; empty if nothing is.
+ * Returns what is wrong with a field and what to enter instead; empty if nothing is.
  * @param {Pick<HTMLInputElement, "validity" | "min" | "max" | "step" | "title" | "validationMessage">} input
  * @returns {string}
  */
@@ -207,7 +208,7 @@ export function faultOf({ validity, min, max, step, title, validationMessage }) 
 }
 
 /**
- * Which of several tabs is chosen; the Tab key stops at that one, arrow keys go to the others.
+ * Marks the chosen one of several tabs. The Tab key stops there, arrow keys lead to the others.
  * @param {HTMLElement[]} tabs
  * @param {string} chosen
  */

@@ -56,14 +56,14 @@ export function makeFiles(studio) {
   };
 }
 
-// The name under which a world would be saved: its own, until another is typed; that stays until another world is drawn on.
+// Sets the name for saving: the world's own, until the user types another, which stays until another world is drawn.
 function followName({ name, sheet }, files) {
   if (files.named === name && files.sheet === sheet) return;
   Object.assign(files, { named: name, sheet });
   files.parts.name.value = name;
 }
 
-// Does something that the server may refuse; what it says is shown where it was asked for.
+// Runs an action that the server may refuse, and shows the result next to its button.
 async function trying({ said }, where, act) {
   const tell = (words, kind) => {
     for (const [name, place] of Object.entries(said)) {
@@ -95,7 +95,7 @@ function savePart(studio, files) {
 }
 
 /**
- * Saves under a name; a file that is not the one that was opened or saved here is overwritten only after it was said so.
+ * Saves under a name; a file other than the one that was opened or saved here is overwritten only after asking.
  * @param {Studio} studio
  * @param {any} files
  * @param {string} name
@@ -114,8 +114,8 @@ export async function saveAs(studio, files, name) {
     if (!(error instanceof Refused)) throw error;
     const changed = error.code === "file-changed";
     if (!changed && error.code !== "file-exists") throw error;
-    const why = changed ? "was changed by another program since it was opened here" : "is there already";
-    if (!confirm(`${full} ${why}. Overwrite it?`)) return `${full} is as it was.`;
+    const why = changed ? "was changed by another program since it was opened here" : "already exists";
+    if (!confirm(`${full} ${why}. Overwrite it?`)) return `${full} was not changed.`;
     answer = await studio.connection.ask("save", { ...message, overwrite: true });
   }
   if (studio.model.world.sheet === world.sheet) studio.model.markSaved(answer.name, answer.world.source, answer.file, mark);
@@ -165,7 +165,7 @@ function showList(studio, files) {
   parts.found.hidden = found.length === 0;
   if (own.length === 0 && found.length > 0) parts.found.open = true;
   if (shown.length === 0 && files.files.length > 0)
-    parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
+    parts.list.append(el("li", { class: "quiet" }, `None of ${plural(files.files.length, "file")} matches.`));
 }
 
 function fileButton(studio, { parts }, file) {
@@ -180,7 +180,7 @@ function fileButton(studio, { parts }, file) {
 }
 
 /**
- * Opens a world of the folder, or imports another file of it; unless something else is wanted by the time it is there.
+ * Opens a world of the folder, or imports another file, unless `wanted` returns false by the time it has arrived.
  * @param {Studio} studio
  * @param {{name: string, world: boolean}} file
  * @param {() => boolean} [wanted]
@@ -189,6 +189,6 @@ function fileButton(studio, { parts }, file) {
 export async function openFile(studio, file, wanted = () => true) {
   const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
   if (!wanted()) return "";
-  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // in an archive nothing can be saved
+  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // archives cannot be saved to
   return [`${file.world ? "Opened" : "Imported"} ${file.name}.`, ...(answer.notes || [])].join(" ");
 }

@@ -1,15 +1,15 @@
-// Imports maps of other programs: files of this computer or of the folder, and how they are to be read.
+// Imports maps of other programs: files of this computer or of the folder, and the options for reading them.
 
 import { choice, el } from "#player/dom.js";
 import { checkOptions, isField, isGood, labelled, number, optionFields } from "./fields.js";
 import { Refused } from "./refusals.js";
 
-const AS_FOUND = ""; // the format that the server recognises
+const AS_FOUND = ""; // lets the server recognise the format
 
 /**
- * The form.
+ * Makes the form.
  * @param {Studio} studio
- * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Does something that the server may refuse, and shows what it says
+ * @param {(act: () => Promise<string | void>) => Promise<void>} trying - Runs an action that the server may refuse, and shows the result
  * @returns {any}
  */
 export function makeImport(studio, trying) {
@@ -25,7 +25,7 @@ export function makeImport(studio, trying) {
     "div",
     {},
     labelled("Import a map", parts.file, {
-      help: "Any format of worldgen formats, with the files that it names; or drop them on the page.",
+      help: "Any format that worldgen formats lists, with the files that it refers to. You can also drop them on the page.",
     }),
     morePart(form, parts),
   );
@@ -39,10 +39,10 @@ export function makeImport(studio, trying) {
 
 function morePart(form, parts) {
   parts.radius = number("", () => {}, { low: 0 });
-  parts.radius.placeholder = "as usual";
-  parts.seed = el("input", { type: "text", inputmode: "numeric", pattern: "[0-9]{1,20}", placeholder: "as usual", title: "The seed is a whole number." });
+  parts.radius.placeholder = "default";
+  parts.seed = el("input", { type: "text", inputmode: "numeric", pattern: "[0-9]{1,20}", placeholder: "default", title: "The seed must be a whole number." });
   parts.row = number("", () => {}, { low: 1, step: 1 });
-  parts.rows = labelled("Row of the scenario", parts.row, { help: "Start and target of which problem; nothing: placed." });
+  parts.rows = labelled("Row of the scenario", parts.row, { help: "The problem whose start and target to use. If empty, they are placed automatically." });
   parts.rows.hidden = true;
   parts.again = el("button", { type: "button", disabled: true, onclick: () => again(form, parts) }, "Import again");
   const more = el(
@@ -62,7 +62,7 @@ function morePart(form, parts) {
   );
   more.addEventListener("keydown", (event) => {
     const enters = event.key === "Enter" && isField(event.target) && !parts.again.disabled;
-    if (enters) setTimeout(() => again(form, parts)); // what was typed counts by then
+    if (enters) setTimeout(() => again(form, parts)); // after the field has taken the typed value
   });
   parts.more = more;
   return more;
@@ -77,34 +77,34 @@ function refresh(form, parts) {
   showFound(form, parts);
 }
 
-// How the last map was read, once there is a list to say it in.
+// Shows how the last map was read, once the list of formats exists.
 function showFound(form, parts) {
   if (parts.format) parts.format.options[0].textContent = form.found ? `as recognised: ${form.found}` : "as recognised";
 }
 
-// The format that is chosen; otherwise that which the last map was found to have.
+// Returns the chosen format, or else the one recognised in the last map.
 const formatOf = (form, parts) => (parts.format ? parts.format.value : AS_FOUND) || form.found;
 
-// Its options, as usual.
+// Shows the format's options at their defaults.
 function showOptions(form, parts) {
   const format = (form.readable || []).find(({ name }) => name === formatOf(form, parts));
   form.given = {};
   parts.options.replaceChildren(...optionFields(format ? format.read_options : [], form.given));
 }
 
-/** Files of the browser's become the world: a map, and what it names. */
+/** Replaces the world by files from the browser: a map, and the files that it refers to. */
 async function bringFiles(form, parts, files) {
   if (files.length === 0) return;
   await form.trying(async () => {
     const total = files.reduce((sum, { size }) => sum + size, 0);
     const most = form.studio.limits?.dropped ?? Infinity;
-    if (total > most) throw new Refused(`Dropped files have at most ${most / 2 ** 20} MiB; put larger ones into the folder.`);
+    if (total > most) throw new Refused(`Dropped files can have at most ${most / 2 ** 20} MiB; put larger ones into the folder.`);
     const sent = await Promise.all(files.map(async (file) => ({ name: file.name, data: await textOf(file) })));
     return bring(form, parts, { files: sent });
   });
 }
 
-// A file's bytes in base64.
+// Returns a file's bytes in base64.
 async function textOf(file) {
   let bytes;
   try {
@@ -117,19 +117,19 @@ async function textOf(file) {
   return btoa(text);
 }
 
-/* Another map: read as it is, unless a format is chosen.
-     brought    { files } or { name } of the folder's */
+/* Reads another map, in the format that is recognised unless one is chosen.
+     brought    { files }, or { name } of a file in the folder */
 function bring(form, parts, brought) {
   form.brought = brought;
   form.found = AS_FOUND;
-  if (!parts.format || parts.format.value === AS_FOUND) showOptions(form, parts); // those of another map say nothing of this one
+  if (!parts.format || parts.format.value === AS_FOUND) showOptions(form, parts); // options of another map do not apply
   parts.row.value = "";
   parts.rows.hidden = true;
   parts.again.disabled = false;
   return ask(form, parts);
 }
 
-// The same map once more, as the options say.
+// Reads the same map again with the current options.
 function again(form, parts) {
   return form.trying(() => ask(form, parts));
 }
@@ -154,13 +154,13 @@ async function ask(form, parts) {
   return [`Imported ${answer.main}.`, ...(answer.notes || []), ...more].join(" ");
 }
 
-// What is asked for, as the server wants it.
+// Returns the options as the server expects them.
 function asked(form, parts) {
   checkOptions(parts.options);
   for (const input of [parts.radius, parts.seed, parts.row])
     if (!isGood(input)) {
       input.focus();
-      throw new Refused("An option of the import cannot be right; see there.");
+      throw new Refused("An option of the import is not valid; see the marked field.");
     }
   const format = formatOf(form, parts);
   const valueOf = (input) => (input.value === "" ? null : input.valueAsNumber);

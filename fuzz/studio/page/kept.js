@@ -1,9 +1,9 @@
-// What this browser keeps of the choices made in an opened folder; a browser may keep nothing, or be full of a drawing.
+// Stores choices made in an opened folder in this browser, which may keep nothing, or be full of a drawing.
 
-const KEPT = "worldgen-studio-kept-"; // and the choice's name and the folder
+const KEPT = "worldgen-studio-kept-"; // followed by the choice's name and the folder
 
 /**
- * What was kept for a folder under a name; null where nothing was.
+ * Returns what was stored for a folder under a name; null if nothing was.
  * @param {string} folder
  * @param {string} name
  * @returns {any}
@@ -17,7 +17,7 @@ export function keptOf(folder, name) {
 }
 
 /**
- * Keeps something for a folder under a name.
+ * Stores a value for a folder under a name.
  * @param {string} folder
  * @param {string} name
  * @param {any} value
@@ -26,6 +26,6 @@ export function keep(folder, name, value) {
   try {
     localStorage.setItem(`${KEPT}${name}-${folder}`, JSON.stringify(value));
   } catch {
-    // the page begins with what is usual when it is loaded anew
+    // the page uses the default when it is reloaded
   }
 }

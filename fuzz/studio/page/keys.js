@@ -1,4 +1,4 @@
-// What the keys do, on all pages.
+// The keyboard shortcuts of all pages.
 
 import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
 import { byId, el } from "#player/dom.js";
@@ -9,30 +9,30 @@ const EVERYWHERE = [
   ["d", "Dark or light"],
   ["1, 2, 3", "Draw, play, campaign"],
   ["Ctrl+S", "Save the drawn world"],
-  ["Ctrl+Enter", "Run the robots in what is drawn; again from the start"],
-  ["Ctrl+M, Ctrl+I", "To the board; to the run of what is drawn"],
+  ["Ctrl+Enter", "Run the robots in the drawn world; restart a run"],
+  ["Ctrl+M, Ctrl+I", "Go to the board; to the run in the drawn world"],
   ["Ctrl+O, Ctrl+L", "Open a file"],
-  ["Ctrl+B", "The settings of the robots' behaviours"],
-  ["Arrows", "Among tools, and among tabs"],
+  ["Ctrl+B", "Go to the settings of the robots' behaviours"],
+  ["Arrows", "Move among tools, and among tabs"],
 ];
 const DRAWING = [
   ...Object.values(TOOLS).map(([words, key]) => [key, words]),
   ["Ctrl+Z, Ctrl+Y", "Undo, redo"],
   ["[ ]", "Brush or stamp smaller, larger"],
-  ["Arrows, Space", "On the board: move the cursor, use the tool; Shift+Space the other way"],
+  ["Arrows, Space", "On the board: move the cursor, use the tool; Shift+Space erases"],
   ["x y .", "Mirror, flip, turn the selection or the stamp"],
   ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
   ["Enter, Delete", "Fill, clear the selection"],
-  ["Escape", "Take back what is being drawn"],
-  ["# u w i n", "Grid, ruler, way or cut, signal, its noise filter"],
-  ["+ − 0", "Zoom; show the whole world; the middle button moves it"],
+  ["Escape", "Cancel the current stroke"],
+  ["# u w i n", "Grid, ruler, path or cut, signal, its noise filter"],
+  ["+ − 0", "Zoom; show the whole world; drag with the middle button to move it"],
 ];
 const PLAYING = [
   ["Space, Ctrl+P", "Play, pause"],
   ["← →", "One step; with Shift ten"],
-  ["Home End", "To the start, to the end"],
-  ["l", "One period of a loop again and again"],
-  ["e", "To the next marked step"],
+  ["Home End", "Go to the start, to the end"],
+  ["l", "Repeat one period of a loop"],
+  ["e", "Go to the next marked step"],
   ["r", "Follow the robot"],
   ["t u s i m w", "Trail, touched walls, sensors, signal, the robot's memory, witness"],
   ["+ − 0", "Zoom; show the whole world"],
@@ -45,7 +45,7 @@ export function showKeys() {
 }
 
 /**
- * Listens to the keys.
+ * Starts listening to keys.
  * @param {Studio} studio
  */
 export function listen(studio) {
@@ -87,10 +87,10 @@ function toFiles(studio) {
 
 function toSettings(studio) {
   studio.go("play");
-  setTimeout(() => studio.play.settings()); // the page is shown by then
+  setTimeout(() => studio.play.settings()); // after the page has become visible
 }
 
-// Arrow keys among the buttons of a toolbar or a row of tabs; a tab is opened at once.
+// Moves among the buttons of a toolbar or a row of tabs with arrow keys; a tab opens immediately.
 function moveAmong(event) {
   const group = event.target.closest("[role=tablist], [role=toolbar]");
   const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
@@ -103,7 +103,7 @@ function moveAmong(event) {
   return true;
 }
 
-// What was typed into a field counts before it is left.
+// Makes a field take the typed value before an action, by leaving it for a moment.
 function settled(target, act) {
   if (target.matches("input")) {
     target.blur();

@@ -1,11 +1,12 @@
-// The world that is drawn, and its history: every change can be undone, without limit.
+// The drawn world and its history: every change can be undone, without limit.
 
 import { KEEP } from "./shapes.js";
 
-const MOST_BOXES = 64; // that are remembered of what was painted last
+const MOST_BOXES = 64; // most recent boxes of painted cells that are remembered
 
 /**
- * An empty world of the thesis's kind: a border of walls, where there is room for one; start and target in opposite corners.
+ * Returns an empty world with the thesis's dimensions: a border of walls if there is space for one, and start and target
+ * in opposite corners.
  * @param {number} width
  * @param {number} height
  * @param {Partial<EditedWorld>} [usual]
@@ -27,14 +28,14 @@ export function emptyWorld(width, height, usual = {}) {
     target: [far(width), far(height), round(0.5 * cell)],
     events: null,
     source: null,
-    name: "", // of its file in the folder; empty: it has none
-    file: null, // the digest of that file as it was opened or saved
-    sheet: Symbol("sheet"), // the same for all that one drawing has been
+    name: "", // of its file in the folder; empty without a file
+    file: null, // the digest of that file when it was opened or saved
+    sheet: Symbol("sheet"), // the same for all versions of one drawing
   };
 }
 
 /**
- * Free cells with a border of walls; a side of one or two cells has no room for one.
+ * Returns free cells with a border of walls; a side of one or two cells has no space for a border.
  * @param {number} width
  * @param {number} height
  * @returns {Uint8Array}
@@ -47,7 +48,7 @@ export function bordered(width, height) {
 }
 
 /**
- * A length without the dirt of binary arithmetic.
+ * Rounds a length to hide the errors of binary arithmetic.
  * @param {number} value
  * @returns {number}
  */
@@ -56,7 +57,7 @@ export function round(value) {
 }
 
 /**
- * A world as the server sends it, made ready to edit; with the name and digest of its file, if it has one.
+ * Returns a world from the server ready for editing, with the name and digest of its file, if it has one.
  * @param {WorldMessage} message
  * @param {string} [name]
  * @param {string | null} [file]
@@ -65,12 +66,12 @@ export function round(value) {
 export function worldOf(message, name = "", file = null) {
   const text = atob(message.cells),
     cells = new Uint8Array(message.width * message.height);
-  for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1; // not from(): a tenth of its time
+  for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1; // ten times as fast as from()
   return { ...message, cells, name, file, sheet: Symbol("sheet") };
 }
 
 /**
- * A world as the server wants it.
+ * Returns a world as the server expects it.
  * @param {EditedWorld} world
  * @returns {WorldMessage}
  */
@@ -79,7 +80,7 @@ export function messageOf(world) {
   for (let k = 0; k < world.cells.length; k += 1) if (world.cells[k]) bytes[k >> 3] |= 1 << (k & 7);
   let text = "";
   for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
-  const { name, file, sheet, ...sent } = world; // these are not sent
+  const { name, file, sheet, ...sent } = world; // the first three are not sent
   return { ...sent, cells: btoa(text) };
 }
 
@@ -97,21 +98,21 @@ export class Model {
     this.past = [];
     /** @type {HistoryEntry[]} */
     this.future = [];
-    this.version = 0; // of what is seen; goes up with each change
+    this.version = 0; // of the visible world; increases with each change
     this.counted = { version: -1, solid: 0 };
     /** @type {HistoryEntry | null} */
-    this.saved = null; // the last entry of the past when it was saved
+    this.saved = null; // the last entry of the past at the time of saving
     /** @type {Uint8Array | null} */
-    this.stroke = null; // the cells as they were before what is being drawn
+    this.stroke = null; // the cells before the current stroke
     /** @type {{since: number, boxes: (Box & {version: number})[]}} */
-    this.painted = { since: 0, boxes: [] }; // which cells have changed after that version, each box with its own
+    this.painted = { since: 0, boxes: [] }; // the cells changed after that version, each box with its version
   }
 
   get unsaved() {
     return this.saved !== (this.past.at(-1) || null);
   }
 
-  /** How many cells are solid; counted once for each version. */
+  /** The number of solid cells, counted only once for each version. */
   get solid() {
     if (this.counted.version !== this.version) {
       let solid = 0;
@@ -121,7 +122,7 @@ export class Model {
     return this.counted.solid;
   }
 
-  /** Sets boxes of cells in the stroke that is being drawn; what lies outside is passed over. */
+  /** Sets boxes of cells in the current stroke, ignoring anything outside. */
   paint(boxes, value) {
     const { width, height } = this.world,
       all = this.begun();
@@ -136,14 +137,14 @@ export class Model {
     this.touch(boxAround(boxes));
   }
 
-  /** Sets cells by their numbers, row by row from the lowest. */
+  /** Sets cells by their numbers, which count row by row from the lowest. */
   paintCells(numbers, value) {
     const all = this.begun();
-    for (let k = 0; k < numbers.length; k += 1) all[numbers[k]] = value; // of millions, far faster than for ... of
+    for (let k = 0; k < numbers.length; k += 1) all[numbers[k]] = value; // much faster than for ... of for millions of cells
     this.touch(rowsOf(numbers, this.world.width));
   }
 
-  /** Puts a pattern down, its lower left corner at (x, y). */
+  /** Puts a pattern down with its lower left corner at (x, y). */
   put(pattern, [x, y]) {
     const { width, height } = this.world,
       all = this.begun();
@@ -155,13 +156,13 @@ export class Model {
     this.touch({ x, y, width: pattern.width, height: pattern.height });
   }
 
-  // The cells, to be changed; as they were before is kept until the stroke ends.
+  // Returns the cells for changing, and keeps a copy until the stroke ends.
   begun() {
     this.stroke ||= this.world.cells.slice();
     return this.world.cells;
   }
 
-  /** Ends the stroke: one step of the history. */
+  /** Ends the stroke, which becomes one step of the history. */
   lift(label) {
     const before = this.stroke,
       { cells } = this.world;
@@ -171,7 +172,7 @@ export class Model {
     if (runs.length > 0) this.note({ label, runs });
   }
 
-  /** Changes anything but single cells; changes of one kind that follow each other, as of a slider, are one step. */
+  /** Changes anything but single cells; consecutive changes of one kind, such as by a slider, become one step. */
   change(label, parts, together = false) {
     this.lift("stroke");
     const last = this.past.at(-1);
@@ -217,7 +218,7 @@ export class Model {
   }
 
   /**
-   * Something is another now; of the cells themselves at most those in a box.
+   * Notes a change, and the box of cells that it may have affected.
    * @param {Box | null} [box]
    */
   touch(box = null) {
@@ -229,7 +230,7 @@ export class Model {
     this.changed();
   }
 
-  /** A box with all cells that may have changed after a version; null where that is not known any more. */
+  /** Returns a box of all cells that may have changed after a version; null if that is no longer known. */
   boxSince(version) {
     const { since, boxes } = this.painted,
       { width, height } = this.world;
@@ -240,7 +241,7 @@ export class Model {
     return { x, y, width: Math.min(width, all.x + all.width) - x, height: Math.min(height, all.y + all.height) - y };
   }
 
-  /** The step of the history that is being saved; what is changed from now on is another one. */
+  /** Returns the step of the history that is being saved; later changes become a new step. */
   mark() {
     this.lift("stroke");
     const last = this.past.at(-1) || null;
@@ -248,7 +249,7 @@ export class Model {
     return last;
   }
 
-  /** What stood there at a mark is in a file now; so is, under its name, all that the drawing has been before. */
+  /** Records that the state at a mark is now in a file; earlier versions of the drawing get the file's name too. */
   markSaved(name, source, file, mark) {
     const { sheet } = this.world,
       entries = [...this.past, ...this.future];
@@ -260,7 +261,7 @@ export class Model {
 }
 
 /**
- * Where two maps differ: from and to of each run of cells, in order; for undoing as often as one likes, in little room.
+ * Returns where two maps differ: first and end of each run of cells, in order. This is compact enough to keep all history.
  * @param {Uint8Array} cells
  * @param {Uint8Array} before
  * @returns {Int32Array}
@@ -292,7 +293,7 @@ function boxAround(boxes) {
 }
 
 /**
- * The rows in which cells of these numbers lie.
+ * Returns a box of the rows that contain the cells with these numbers.
  * @param {ArrayLike<number>} numbers
  * @param {number} width
  * @returns {Box | null}
@@ -311,12 +312,12 @@ function rowsOf(numbers, width) {
 }
 
 /**
- * The same world in another size: what lies beyond is cut, what is new is free; start and target are kept inside.
+ * Returns the same world in another size. Cells beyond it are cut off, new ones are free; start and target stay inside.
  * @param {EditedWorld} world
  * @param {number} width
  * @param {number} height
- * @param {number[]} [kept] - Across and up, which part stays where it is:
- *     0 the left or lower one, 0.5 the middle, 1 the right or upper one
+ * @param {number[]} [kept] - The part that stays in place, across and up:
+ *     0 the left or lower part, 0.5 the middle, 1 the right or upper part
  * @returns {Partial<EditedWorld>}
  */
 export function resized(world, width, height, kept = [0, 0]) {
@@ -361,7 +362,7 @@ function eventsIn({ events }, [right, up], width, height) {
 }
 
 /**
- * Whether the start or the target is at a point, in cells; empty where neither is.
+ * Returns whether the start or the target is at a point, in cells; empty if neither is.
  * @param {EditedWorld} world
  * @param {CellPlace | null} point
  * @returns {string}

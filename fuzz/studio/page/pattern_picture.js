@@ -1,5 +1,5 @@
 /**
- * A pattern as a picture of one pixel a cell, kept with it.
+ * Returns a pattern as a picture with one pixel per cell, which is kept with the pattern.
  * @param {Pattern} pattern
  * @param {Record<string, string>} colours
  * @returns {OffscreenCanvas}
@@ -21,7 +21,7 @@ export function pictureOf(pattern, colours) {
   return picture;
 }
 
-// A colour as a pixel.
+// Returns a colour as a pixel.
 function shadeOf(colour) {
   const context = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(1, 1).getContext("2d"));
   context.fillStyle = colour;

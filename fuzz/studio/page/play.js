@@ -1,4 +1,4 @@
-// The page on which robots drive: who, how, and the player that reports have, too.
+// The page on which robots run: their settings, and the same player as in reports.
 
 import { buildPlayer, dragToMove } from "#player/controls.js";
 import { bytesOf } from "#player/decode.js";
@@ -11,12 +11,12 @@ import { messageOf } from "./model.js";
 import { Refused, refusalWords } from "./refusals.js";
 import { makeRobots } from "./robots.js";
 
-const SLOW = 1500; // ms after which one wants to know what takes so long
-const FIRST = "Running … The first run of a new installation prepares the simulator, once; that can take half a minute.";
-const PARTED = "No robot of this size can reach the target: the cut, which is drawn, parts it from the start.";
+const SLOW = 1500; // ms after which the page explains the delay
+const FIRST = "Running … The first run of a new installation prepares the simulator, which can take half a minute.";
+const PARTED = "No robot of this size can reach the target: the drawn cut separates it from the start.";
 
 /**
- * The page.
+ * Makes the page.
  * @param {HTMLElement} section
  * @param {Studio} studio
  * @returns {any}
@@ -31,7 +31,7 @@ export function makePlay(section, studio) {
   };
   parts.stop = el("button", { type: "button", id: "stop-run", hidden: true, onclick: () => stop(play) }, "Stop");
   parts.stage = el("div", { class: "stage" }, parts.canvas);
-  parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Beside it: as found, before shrinking");
+  parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Compare with the original, before shrinking");
   /** @type {any} */
   const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, ran: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
   play.robots = makeRobots(studio, () => run(play, true));
@@ -66,20 +66,20 @@ function wheel(play, event) {
   play.player.zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15);
 }
 
-// Who is in front, and how it drives; null where nothing was played yet.
+// Returns the robot in front and how it ran; null before the first run.
 function played({ message, runs, looked }) {
   const front = runs[looked];
   return front && front.run ? { controller: front.name, motion: message.motion, time_step: message.time_step } : null;
 }
 
-// The page was opened: what was drawn since the last run is run at once.
+// Opens the page: changes since the last run are run immediately.
 function begin(play) {
   play.robots.refresh();
   if (play.version !== play.studio.model.version) run(play);
   else if (play.player) play.player.draw();
 }
 
-// Runs the world as it is; where a setting is wrong, one who pressed Run is led to it.
+// Runs the world as it is. If a setting is not valid, pressing Run leads to it.
 async function run(play, pressed = false) {
   const { studio, parts } = play;
   if (!studio.offered) return;
@@ -121,7 +121,7 @@ async function run(play, pressed = false) {
   }
 }
 
-// Nothing is run; what is shown, or under way, of another world is told apart from this one's.
+// Runs nothing, and marks results of another world, shown or in progress, as outdated.
 function showWrong(play, version) {
   const { parts } = play;
   if (play.under !== version) {
@@ -130,7 +130,7 @@ function showWrong(play, version) {
     showStale(play, play.version !== version);
   }
   parts.said.className = "said bad";
-  parts.said.textContent = "Not run: a setting is not as it must be. Run leads to it.";
+  parts.said.textContent = "Not run: a setting is not valid. Press Run to go to it.";
 }
 
 function showStale({ parts }, stale) {
@@ -142,7 +142,7 @@ function endRun(play) {
   hideStop(play.parts.stop);
 }
 
-// Ends the runs that are still under way; those that are over stay.
+// Stops the runs that are in progress; finished ones stay.
 function stop(play) {
   play.running.stop();
   play.parts.said.textContent = "Stopping …";
@@ -153,7 +153,7 @@ function hideStop(button) {
   button.hidden = true;
 }
 
-// One part of the answer: the world, with which what was shown before goes, or a robot's run.
+// Handles a part of the answer: the world, which replaces earlier results, or a robot's run.
 function take(play, part, message) {
   if (part.world !== undefined) {
     Object.assign(play, { world: part.world, message, runs: [], looked: 0 });
@@ -170,16 +170,16 @@ function take(play, part, message) {
     look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
 }
 
-// The world alone, before the first robot has driven.
+// Shows the world alone, before the first robot has finished.
 function showBare(play) {
-  const drawn = { world: play.world, run: null, why: "The robots are on their way." };
+  const drawn = { world: play.world, run: null, why: "The robots are running." };
   play.bare = buildPlayer(play.parts.canvas, play.parts.under, drawn, null);
   play.parts.stage.classList.remove("stale");
   play.parts.canvas.style.height = "";
   play.bare.draw();
 }
 
-// In a blocked world the cut is shown, until one says otherwise; in the next one that is not, what was shown before.
+// Shows the cut in a blocked world until the user hides it, and restores the earlier choice in the next reachable one.
 function showCut(play) {
   const { player, world } = play;
   if (Boolean(world.cut) === play.cut) return;
@@ -211,7 +211,7 @@ function look(play, number) {
   showTable(play);
 }
 
-// Another robot of the same world is looked at: at the same time, from the same place.
+// Continues with another robot of the same world at the same time and place.
 function goOn(player, seen, playing) {
   player.view = seen.view;
   player.speed = seen.speed;
@@ -224,7 +224,7 @@ function showTable(play) {
   showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number), play.world.cut ? PARTED : "");
 }
 
-// Whether the failure that was opened, and has not changed since, is there as it was found.
+// Asks whether the campaign has the original of the failure that was opened, if it has not changed since.
 async function askBefore(play) {
   const { model, connection } = play.studio;
   const version = model.version;
@@ -254,10 +254,10 @@ function besideOf(play) {
   return besideIn(play.parts.stage, play.both ? play.before : null, ["As found", "Shrunk"]);
 }
 
-// What the server can make of the same runs: files of pictures and pages.
+// Returns what the server can make of the same runs: files of pictures and pages.
 /** @returns {NonNullable<Drawn["saves"]>} */
 function savesOf(play) {
-  const message = { ...play.message, looked: play.looked }; // of these runs, whatever is asked meanwhile
+  const message = { ...play.message, looked: play.looked }; // of these runs, even if others start meanwhile
   /** @type {(words: string, kind: string) => [string, () => Promise<string>]} */
   const file = (words, kind) => [words, () => keepPicture(play, kind, message)];
   return [file("Animation, GIF", "gif"), file("Drawing, SVG", "svg"), file("Replay, one HTML file", "html")];

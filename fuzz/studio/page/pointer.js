@@ -1,8 +1,8 @@
-// Pointers, wheel and keys on the board: draw with one finger, pan and zoom with two, with wheel and middle button.
+// Pointers, wheel and keys on the board: draw with one finger; pan and zoom with two, or with wheel and middle button.
 
 /**
- * Listens to the board.
- * @param {any} draw - The page: its board, its tool in hand
+ * Starts listening to the board.
+ * @param {any} draw - The page, with its board and the current tool
  */
 export function listenToBoard(draw) {
   const { canvas, board } = draw;
@@ -49,7 +49,7 @@ function down(draw, state, event) {
     return;
   }
   draw.cancelKeys();
-  if (!state.stroke) begin(draw, state, board.pointAt(event), how(event)); // else another button, while one draws
+  if (!state.stroke) begin(draw, state, board.pointAt(event), how(event)); // otherwise another button was pressed while drawing
 }
 
 function begin(draw, state, point, how) {
@@ -66,20 +66,20 @@ function stopStroke(state) {
   state.stroke = null;
 }
 
-// What has been begun was not meant, by the first finger of two or before Escape; says whether there was something.
+// Cancels the current stroke, because a second finger came down or Escape was pressed; returns whether there was one.
 function takeBack(draw, state) {
   const { model } = draw.studio,
     { steps, future, selection, measure } = state.before || {};
   if (!state.stroke) return false;
   stopStroke(state);
   while (model.past.length > steps) model.undo();
-  model.future = future; // nobody wants it again, but what had been undone before
+  model.future = future; // restores what had been undone before, without the cancelled stroke
   Object.assign(draw.board, { selection, measure, marks: [], ghost: null });
   model.touch();
   return true;
 }
 
-// How far two fingers are apart, and the place between them.
+// Returns the distance between two fingers, and the point between them.
 function pinchOf({ pointers }) {
   const [a, b] = [...pointers.values()];
   return {
@@ -97,7 +97,7 @@ function move(draw, state, event) {
     const now = pinchOf(state),
       last = state.pinch;
     board.pan(now.clientX - last.clientX, now.clientY - last.clientY);
-    board.zoom(now.wide / Math.max(1, last.wide), now); // what is between the fingers stays there
+    board.zoom(now.wide / Math.max(1, last.wide), now); // the point between the fingers stays in place
     state.pinch = now;
     return;
   }
@@ -139,7 +139,7 @@ function leave(draw, state) {
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
-// The cursor goes by arrows; Space uses the tool there. Tools that span two cells begin at one Space and end at the next.
+// Moves the cursor by arrow keys and uses the tool with Space. Tools that span two cells need Space at both.
 function keyDown(draw, state, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { board } = draw,
@@ -151,13 +151,13 @@ function keyDown(draw, state, event) {
   const point = [board.cursor[0] + 0.5, board.cursor[1] + 0.5];
   if (!arrow) useTool(draw, state, point, event.shiftKey);
   else if (state.stroke) state.stroke.tool.drag(point, state.stroke);
-  else draw.tools[draw.tool].hover?.(point); // what it would do here
+  else draw.tools[draw.tool].hover?.(point); // preview of what it would do here
   draw.where(point);
   draw.studio.say(cellWords(draw.studio.model.world, board.cursor));
   board.draw();
 }
 
-// The cursor begins in the middle of what is seen, and what is seen goes with it.
+// Moves the cursor, which starts in the middle of the visible part, and keeps it visible.
 function moveCursor({ board, studio }, arrow, far) {
   const { world } = studio.model,
     inside = (value, most) => Math.min(most - 1, Math.max(0, Math.floor(value)));
@@ -168,7 +168,7 @@ function moveCursor({ board, studio }, arrow, far) {
   board.reveal(board.cursor);
 }
 
-// For screen readers: what the cursor is on.
+// Describes the cell under the cursor for screen readers.
 function cellWords(world, [ix, iy]) {
   const here = ([x, y]) => Math.floor(x / world.cell_size) === ix && Math.floor(y / world.cell_size) === iy;
   const there = [world.cells[iy * world.width + ix] ? "wall" : "free", here(world.start) && "start", here(world.target) && "target"];

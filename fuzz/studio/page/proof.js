@@ -1,4 +1,4 @@
-// Whether the target can be reached, asked of the server while one draws: the newest world counts.
+// Asks the server while the user draws whether the target can be reached; only the newest world counts.
 
 import { numbersOf } from "#player/decode.js";
 import { Ended } from "./connection.js";
@@ -6,35 +6,35 @@ import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
 const SOON = 60; // ms after the last change
-const LATER = 500; // ms of quiet before the widest robot is asked for
-const LARGEST_WIDEST = 40_000; // cells: in larger worlds the widest robot is asked for by hand
+const LATER = 500; // ms of quiet before asking for the widest robot
+const LARGEST_WIDEST = 40_000; // cells: in larger worlds the user has to ask for the widest robot
 const LARGE = 500_000; // cells of a world whose proof takes seconds
-const DECIDING = {}; // stands for a proof that takes a while
-const DECIDING_LONG = {}; // likewise, in a large world
+const DECIDING = {}; // placeholder for a proof that takes a while
+const DECIDING_LONG = {}; // the same in a large world
 
-/** Stands for the widest robot while it is looked for by hand. */
+/** Placeholder for the widest robot while the search that the user started is running. */
 export const LOOKING = Symbol("looking");
 
-/** Whether the widest robot is only looked for when it is asked for: it takes up to a minute. */
+/** Whether the widest robot is only searched for on request, because that takes up to a minute. */
 export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDEST && !events;
 
-const ring = (cells) => `a ring of ${cells} wall cells, every gap too narrow for this robot, parts the start from the target`;
+const ring = (cells) => `a ring of ${cells} wall cells, with gaps too narrow for this robot, separates the start from the target`;
 
 /**
- * The proof in words, of which `head` comes first and is bold, and whether it is good news.
+ * Describes the proof; `head` comes first in bold, and `kind` tells good news from bad.
  * @param {Proof | null} proof
  * @returns {{head: string, words: string, kind: string}}
  */
 export function proofWords(proof) {
   if (!proof) return { head: "", words: "…", kind: "waiting" };
   if (proof === DECIDING) return { head: "deciding …", words: "", kind: "waiting" };
-  if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes some seconds; draw on meanwhile", kind: "waiting" };
+  if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes some seconds; you can draw meanwhile", kind: "waiting" };
   if (proof.error) return { head: "", words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
     const { length, duration, clearance } = proof;
     return {
       head: "✓ reachable:",
-      words: ` ${length.toFixed(2)} m, ${duration.toFixed(2)} s; clearance of the way that is shown ${clearance.toPrecision(4)} m`,
+      words: ` ${length.toFixed(2)} m, ${duration.toFixed(2)} s; clearance of the path shown ${clearance.toPrecision(4)} m`,
       kind: "good",
     };
   }
@@ -44,7 +44,7 @@ export function proofWords(proof) {
 }
 
 /**
- * What the thesis's robot reads in each cell, or the reason why it reads nothing.
+ * Returns the reading of the thesis's robot in each cell; null if there is none, with the reason announced.
  * @param {Studio} studio
  * @param {boolean} noise
  * @returns {Promise<Board["signal"]>}
@@ -62,11 +62,11 @@ export async function askSignal(studio, noise) {
 }
 
 /**
- * Asks for the proof after each change; its `widest` asks for the widest robot by hand.
+ * Makes a function that asks for the proof after each change; its `widest` searches for the widest robot on request.
  * @param {Studio} studio - Its model and connection
- * @param {(proof: Proof) => void} proved - Called with the proof of what is drawn now, or with what stands for it while it takes long
+ * @param {(proof: Proof) => void} proved - Called with the proof of the current drawing, or a placeholder if it takes long
  * @param {(radius: number | symbol | null) => void} widest - Called with the largest radius that passes, m;
- *     null while it is not known, LOOKING while it is looked for
+ *     null while it is unknown, LOOKING during a search on request
  * @returns {{(): void, widest: () => Promise<void>}}
  */
 export function makeProver(studio, proved, widest) {
@@ -74,7 +74,7 @@ export function makeProver(studio, proved, widest) {
   const prove = () => {
     clearTimeout(state.soon);
     clearTimeout(state.later);
-    if (state.version !== studio.model.version) widest(null); // saving changes nothing that was found
+    if (state.version !== studio.model.version) widest(null); // saving does not change the result
     state.version = studio.model.version;
     state.soon = setTimeout(() => decide(studio, proved), SOON);
     if (!isWidestByHand(studio.model.world)) state.later = setTimeout(() => measure(studio, widest), LATER);
@@ -90,7 +90,7 @@ async function decide(studio, proved) {
   const version = studio.model.version,
     current = (proof) => version === studio.model.version && proved(proof),
     large = studio.model.world.cells.length > LARGE,
-    waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150); // a proof that is nearly there does not flicker
+    waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150); // so that a quick proof does not flicker
   try {
     const proof = await studio.connection.ask("decide", { world: { ...messageOf(studio.model.world), source: null } });
     current(proof);

@@ -1,11 +1,11 @@
-// What was asked for lately, so that it need not be asked for again; what was not wanted for longest is forgotten.
+// A cache of recent results; the least recently used one is dropped first.
 
-/* Keeps as many things, by name.
-     most    how many */
+/* Keeps a limited number of things by name.
+     most    the limit */
 export class Recent {
   constructor(most) {
     this.most = most;
-    this.things = new Map(); // what was wanted last is the last
+    this.things = new Map(); // from the least to the most recently used
   }
 
   get(name) {

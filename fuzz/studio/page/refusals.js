@@ -1,7 +1,7 @@
-// What the server refuses, as data: { code, problem, remedy, terminal, opens, facts, line, source }; and how it reads.
+// Refusals of the server as data, { code, problem, remedy, terminal, opens, facts, line, source }, and as sentences.
 
 /**
- * A refusal as a sentence: where, what came and the rule, the way out.
+ * Returns a refusal as a sentence: the place, the problem, the remedy.
  * @param {Refusal} refusal
  * @returns {string}
  */
@@ -11,9 +11,9 @@ export function refusalWords({ problem, remedy, terminal, line, source }) {
   return place ? `${place}: ${whole}` : whole;
 }
 
-/** What the server objects to; `code` and `facts` say it to the page, `message` to its user. */
+/** A refusal of the server; `code` and `facts` are for the page, `message` is for the user. */
 export class Refused extends Error {
-  /* refusal    of the server's, or a sentence of the page's own */
+  /* refusal    the server's, or a sentence from the page itself */
   constructor(refusal) {
     const own = typeof refusal === "string";
     super(own ? refusal : refusalWords(refusal));

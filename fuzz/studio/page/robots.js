@@ -1,4 +1,4 @@
-// The panel that says which robots drive, and how.
+// The panel for choosing robots and their settings.
 
 import { breakable, el, plural } from "#player/dom.js";
 import { Ended } from "./connection.js";
@@ -18,9 +18,9 @@ export function makeRobots(studio, run) {
   const state = {
     motion: "stepped",
     chosen: ["thesis-2"],
-    own: [], // robots with options of their own, NAME+option=value
+    own: [], // robots with their own options, NAME+option=value
     seed: 0,
-    time_step: 0, // the usual one, once it is known
+    time_step: 0, // the default, once it is known
     steps: 20_000,
     options: {},
     still: false,
@@ -29,7 +29,7 @@ export function makeRobots(studio, run) {
   parts.run = runButton(run);
   parts.due = el("span", { class: "quiet due", id: "run-due", role: "status" });
   parts.others = el("p", { class: "quiet others", id: "other-controllers" });
-  parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" }, el("span", { class: "quiet" }, "Asking …"));
+  parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" }, el("span", { class: "quiet" }, "Loading …"));
   parts.another = anotherForm(
     (label) => studio.connection.ask("check", { ...messageFor(robots), controller: label }),
     (label) => addOwn(robots, label),
@@ -71,7 +71,7 @@ export function makeRobots(studio, run) {
   };
 }
 
-// Whether all numbers are as they must be; if asked to, it leads to the first that is not.
+// Returns whether all numbers are valid; if `leads` is true, moves the focus to the first that is not.
 function isAllGood({ element, parts }, leads) {
   const wrong = [...element.querySelectorAll("input[type=number]")].filter((input) => !isGood(input));
   if (wrong.length === 0) return true;
@@ -82,7 +82,7 @@ function isAllGood({ element, parts }, leads) {
   return false;
 }
 
-// Whether the drawn world changes while robots drive; one that does not yet is made to.
+// Makes the checkbox for a world that changes during runs; a world without events gets some.
 function changesField(change) {
   const box = el("input", { type: "checkbox", id: "changes", onchange: change });
   const words = el("span");
@@ -121,7 +121,7 @@ async function letChange(robots) {
   }
 }
 
-// A robot whose options are not those of all, in the command line's words.
+// Makes the form for a robot with its own options, in the notation of the command line.
 //   check    asks whether it may run, and fails with the reason
 function anotherForm(check, add) {
   const input = el("input", { type: "text", id: "another", autocomplete: "off", spellcheck: false });
@@ -148,7 +148,7 @@ function anotherForm(check, add) {
   const element = el(
     "form",
     { class: "another", novalidate: true, onsubmit: send },
-    labelled("Another robot, with options", input, { help: "NAME+option=value, as at a terminal" }),
+    labelled("Another robot, with options", input, { help: "NAME+option=value, as on the command line" }),
     el("button", { type: "submit" }, "Add"),
   );
   const change = (label) => {
@@ -166,7 +166,7 @@ function addOwn(robots, label) {
   showList(robots);
 }
 
-// Nothing is run before one asks for it: what is chosen, and what is shown, may differ.
+// Says that the chosen settings differ from those of the shown runs; nothing runs until the user presses Run.
 function showDue(robots) {
   const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
   robots.parts.due.textContent = due ? "Not run yet: press Run." : "";
@@ -192,7 +192,7 @@ function refresh(robots) {
   if (!studio.offered) return;
   showChanges(robots);
   if (robots.offered === studio.offered) return;
-  const again = robots.offered !== null; // the studio was started anew, with others
+  const again = robots.offered !== null; // the studio was restarted and offers something else
   robots.offered = studio.offered;
   const first = studio.offered.controllers.find(({ named, fault }) => named && !fault);
   if (first && !again) Object.assign(state, { chosen: [first.name], motion: first.motion });
@@ -220,7 +220,7 @@ function setMotion(robots, name) {
   showMotion(robots);
 }
 
-// The robots and options of the motion model; who does not drive under it is no more chosen.
+// Shows the robots and options of the motion model; robots that it does not support are no longer chosen.
 function showMotion(robots) {
   const { state, parts } = robots;
   const names = [...offeredTo(robots).map((one) => one.name), ...state.own];
@@ -232,7 +232,7 @@ function showMotion(robots) {
   showOptions(robots);
 }
 
-// Under the thesis's own model a robot that has two names is there once, unless both are chosen.
+// Lists a robot that has two names only once under the thesis's own model, unless both are chosen.
 function listed(robots) {
   const { state } = robots,
     all = offeredTo(robots);
@@ -263,7 +263,7 @@ function showList(robots) {
       "div",
       { class: "own" },
       one({ name, also: "" }),
-      el("button", { type: "button", class: "small", "aria-label": `Change ${name}`, title: "Change its words", onclick: () => changeOwn(robots, name) }, "Change"),
+      el("button", { type: "button", class: "small", "aria-label": `Change ${name}`, title: "Change its options", onclick: () => changeOwn(robots, name) }, "Change"),
     );
   parts.list.replaceChildren(...listed(robots).map(one), ...state.own.map(own));
   parts.run.disabled = state.chosen.length === 0;
@@ -271,7 +271,7 @@ function showList(robots) {
   showDue(robots);
 }
 
-// The words of a robot of one's own go back to where they were typed.
+// Moves the text of a user's robot back to the field where it was typed.
 function changeOwn(robots, name) {
   const { state, parts } = robots;
   state.own = state.own.filter((one) => one !== name);
@@ -280,13 +280,13 @@ function changeOwn(robots, name) {
   parts.another.change(name);
 }
 
-// Which controllers the list does not have.
+// Describes the controllers that are not in the list.
 function othersOf(robots) {
   const { controllers } = robots.studio.offered;
   const here = offeredTo(robots).map(({ name }) => name);
   const away = controllers.filter(({ name, fault }) => !fault && !here.includes(name));
   const own = away.filter(({ named }) => named).map(({ name }) => name);
-  const more = own.length > 0 ? `, ${own.join(", ")} among them` : "";
+  const more = own.length > 0 ? `, including ${own.join(", ")}` : "";
   return [
     ...(away.length > 0 ? [`${away.length} more under ${away[0].motion}${more}. `] : []),
   ];
@@ -343,7 +343,7 @@ function messageFor({ state }) {
   };
 }
 
-// A failure's file was opened: its controller, with its settings.
+// Takes over controller and settings of a failure whose file was opened.
 function prefer(robots, failure) {
   const { state, studio } = robots;
   refresh(robots);
@@ -360,7 +360,7 @@ function prefer(robots, failure) {
   showChanges(robots);
 }
 
-// Another world was opened: the failure's seed and steps go with it, unless one has typed others.
+// Drops the failure's seed and steps when another world is opened, unless the user has changed them.
 function forget(robots) {
   const { state, lent } = robots;
   robots.lent = null;

@@ -1,8 +1,8 @@
-// What is done with the selected rectangle, or with the stamp in hand.
+// Actions on the selected rectangle, or on the current stamp.
 
 import { flipped, mirrored, patternIn, turned } from "./shapes.js";
 
-/** What can be done with the selection; each is one step of the history. */
+/** The actions on the selection; each is one step of the history. */
 export const SELECTION = {
   copy: ["Copy", "Ctrl+C"],
   cut: ["Cut", "Ctrl+X"],
@@ -15,7 +15,7 @@ export const SELECTION = {
 };
 
 /**
- * Does something with the selection; with the stamp in hand, turns and mirrors that.
+ * Applies an action to the selection; with the stamp tool, turns and mirrors the stamp.
  * @param {any} kit
  * @param {string} what
  * @param {boolean} stamping

@@ -3,10 +3,10 @@
 import { el } from "#player/dom.js";
 import { isGood, labelled, parameterField, words } from "./fields.js";
 
-const DEGREES = { rad: "°", "rad/s": "°/s" }; // angles are told as a person thinks of them
+const DEGREES = { rad: "°", "rad/s": "°/s" }; // the page shows angles in degrees
 
 /**
- * The settings; `change` is called whenever one has changed.
+ * Makes the settings; `change` is called whenever one has changed.
  * @param {() => void} change
  * @returns {any}
  */
@@ -15,7 +15,7 @@ export function makeSettings(change) {
   const element = el("div", { class: "settings" });
   return {
     element,
-    /* Shows options, and of `values`, by name, what is not at its default; that is changed here. */
+    /* Shows options; `values` contains those that are not at their default, by name, and is updated. */
     offer: (options, values) => offer(Object.assign(settings, { options, values }), element),
     open: (heading) => open(settings, heading || Object.keys(settings.groups)[0]),
     headingOf: (input) => Object.keys(settings.groups).find((heading) => settings.groups[heading].contains(input)),
@@ -59,7 +59,7 @@ function field(settings, option) {
     show(settings);
     change();
   });
-  input.title = `+${name}${option.kind === "bool" ? "" : "=…"} behind a robot's name`;
+  input.title = `+${name}${option.kind === "bool" ? "" : "=…"} after a robot's name`;
   const element = labelled(words(name), input, { unit: name.endsWith(unit) ? "" : DEGREES[unit] || unit, help: noteOf(option) });
   if (option.kind === "bool") element.classList.add("switch");
   return element;
@@ -67,7 +67,7 @@ function field(settings, option) {
 
 const inDegrees = (value) => (value === null ? null : Number(((value * 180) / Math.PI).toFixed(6)));
 
-// What it means; its bounds and its unit stand at the field.
+// Returns the option's help, without the unit and bounds that the field already shows.
 function noteOf({ help, unit }) {
   const plain = help.replaceAll("``", "");
   return unit in DEGREES ? plain.replace(`, ${unit}`, "").replace(", 0 to pi", "") : plain;
@@ -79,7 +79,7 @@ function toggle(settings, heading) {
   if (settings.open) settings.groups[heading].scrollIntoView({ block: "nearest" });
 }
 
-/* Opens a heading and goes to its first field. */
+/* Opens a heading and moves the focus to its first field. */
 function open(settings, heading) {
   if (!heading) return;
   settings.open = heading;
@@ -87,7 +87,7 @@ function open(settings, heading) {
   settings.groups[heading].querySelector("input, select").focus();
 }
 
-// Which heading is open, and of how many options under each the value is another than usual.
+// Shows which heading is open, and how many options under each differ from their default.
 function show(settings) {
   for (const [heading, one] of Object.entries(settings.buttons)) {
     const changed = settings.options.filter(({ name, group }) => group === heading && name in settings.values).length;

@@ -1,10 +1,10 @@
-// Cells by geometry: lines, rectangles, floods, and patterns that can be turned and mirrored.
-// A pattern has width, height and cells, row by row from the lowest: 1 solid, 0 free, KEEP what was there.
+// The geometry of cells: lines, rectangles, floods, and patterns that can be turned and mirrored.
+// A pattern has width, height and cells, row by row from the lowest: 1 solid, 0 free, KEEP for no change.
 
 export const KEEP = 2;
 
 /**
- * The cells of a straight line, both ends included.
+ * Returns the cells of a straight line, including both ends.
  * Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4 (1965).
  * @param {CellPlace} from
  * @param {CellPlace} to
@@ -35,7 +35,7 @@ export function lineCells([x0, y0], [x1, y1]) {
 }
 
 /**
- * The rectangle with two opposite corners.
+ * Returns the rectangle with two opposite corners.
  * @param {CellPlace} from
  * @param {CellPlace} to
  * @returns {Box}
@@ -47,7 +47,7 @@ export function rectangleOf([x0, y0], [x1, y1]) {
 }
 
 /**
- * The rectangle as boxes: itself, or its four sides.
+ * Returns the rectangle as boxes: itself, or its four sides.
  * @param {Box} rectangle
  * @param {boolean} [hollow]
  * @returns {Box[]}
@@ -63,7 +63,7 @@ export function rectangleBoxes({ x, y, width, height }, hollow = false) {
 }
 
 /**
- * A square brush of so many cells around a cell.
+ * Returns a square brush with sides of `size` cells around a cell.
  * @param {CellPlace} cell
  * @param {number} size
  * @returns {Box}
@@ -74,7 +74,7 @@ export function brushBox([x, y], size) {
 }
 
 /**
- * All cells like the one at (x, y) that hang together with it by their sides, by their numbers.
+ * Returns the numbers of all cells that are connected by sides to the one at (x, y) and equal to it.
  * @param {{cells: Uint8Array, width: number, height: number}} map
  * @param {CellPlace} cell
  * @returns {Int32Array}
@@ -82,7 +82,7 @@ export function brushBox([x, y], size) {
 export function floodCells({ cells, width, height }, [x, y]) {
   const wanted = cells[y * width + x],
     seen = new Uint8Array(width * height),
-    found = new Int32Array(width * height); // those before `done` have been looked at from all sides
+    found = new Int32Array(width * height); // the neighbours of those before `done` have been visited
   let count = 0;
   const meet = (to) => {
     if (seen[to] || cells[to] !== wanted) return;
@@ -103,7 +103,7 @@ export function floodCells({ cells, width, height }, [x, y]) {
 }
 
 /**
- * What stands in a rectangle of a map; outside the map nothing is changed.
+ * Returns the contents of a rectangle of a map; cells outside the map become KEEP.
  * @param {{cells: Uint8Array, width: number, height: number}} map
  * @param {Box} box
  * @returns {Pattern}
@@ -132,7 +132,7 @@ export function patternOf(width, height, cell) {
 const at = (pattern, ix, iy) => pattern.cells[iy * pattern.width + ix];
 
 /**
- * A quarter turn to the left.
+ * Turns a pattern by a quarter turn to the left.
  * @param {Pattern} pattern
  * @returns {Pattern}
  */
@@ -158,7 +158,7 @@ export function flipped(pattern) {
 
 const walls = (size, solid) => patternOf(size, size, (ix, iy) => (solid(ix, iy, size - 1) ? 1 : KEEP));
 
-/** Stamps by name: each makes a pattern of about so many cells a side. */
+/** Stamps by name; each makes a pattern with sides of about `size` cells. */
 export const STAMPS = {
   "U trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0 || iy === last),
   "L trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0),
@@ -179,16 +179,16 @@ export const STAMPS = {
     }),
 };
 
-// Two slanted walls that meet at the right, two cells thick so that no disc slips through between corners.
+// Makes two slanted walls that meet at the right. They are two cells thick, so that no disc slips through at corners.
 function vEdge(ix, iy, last) {
   const across = Math.abs(2 * iy - last) / 2;
   return Math.abs(across - (last - ix) / 2) < 0.9;
 }
 
-// A wall that winds inwards, three free cells between its turns, open at the lower left.
+// Makes a wall that winds inwards, with three free cells between its turns, open at the lower left.
 function spiral(size) {
   const made = { width: size, height: size, cells: new Uint8Array(size * size).fill(KEEP) };
-  const ways = [
+  const directions = [
     [1, 0],
     [0, 1],
     [-1, 0],
@@ -199,7 +199,7 @@ function spiral(size) {
   for (let turn = 0; ; turn += 1) {
     const length = size - 1 - (turn > 2 ? 4 * Math.ceil((turn - 2) / 2) : 0);
     if (length < 1) return made;
-    const [dx, dy] = ways[turn % 4];
+    const [dx, dy] = directions[turn % 4];
     for (let step = 0; step <= length; step += 1) made.cells[(y + dy * step) * size + x + dx * step] = 1;
     x += dx * length;
     y += dy * length;

@@ -1,4 +1,4 @@
-// The size of the world: a new one, the same one larger or smaller, or without its walls.
+// The size of the world: a new world, the same one larger or smaller, or one without walls.
 
 import { el, grouped } from "#player/dom.js";
 import { labelled, number } from "./fields.js";
@@ -18,7 +18,7 @@ const UP = [
 ];
 
 /**
- * The form; its fields become parts.width and parts.height.
+ * Makes the form; its fields become parts.width and parts.height.
  * @param {Studio} studio
  * @param {any} draw
  * @param {Record<string, any>} parts
@@ -58,10 +58,10 @@ export function sizePart(studio, draw, parts) {
       "div",
       { class: "actions" },
       button("New", "An empty world of this size", sized((width, height) => newWorld(model, width, height, say))),
-      button("Resize", "Keep what is drawn; cut or add cells where it does not stay", sized((width, height) =>
+      button("Resize", "Keep the drawing; cut off or add cells outside of the part that stays in place", sized((width, height) =>
         resize(model, width, height, anchor.kept, say),
       )),
-      button("Clear", "Take all walls away but the border, and all changes", () => clear(model, say)),
+      button("Clear", "Remove all walls except the border, and all changes", () => clear(model, say)),
     ),
     said,
   );
@@ -75,14 +75,14 @@ export function sizePart(studio, draw, parts) {
  * @returns {string}
  */
 function sizeFault(width, height, limits) {
-  if (!limits) return "The studio does not answer yet; try again when it does.";
+  if (!limits) return "The studio does not answer yet; try again in a moment.";
   const { side: longest, cells } = limits;
   const is = (side) => Number.isInteger(side) && side >= 1 && side <= longest;
   if (is(width) && is(height) && width * height <= cells) return "";
-  return `Columns and rows are 1 to ${grouped(longest)} each, and at most ${grouped(cells)} cells in all.`;
+  return `Columns and rows must be 1 to ${grouped(longest)} each, with at most ${grouped(cells)} cells in total.`;
 }
 
-// Which part of the drawing stays in its place when the size is another.
+// Makes the choice of the part of the drawing that stays in place when the size changes.
 function anchorPart(anchor) {
   const radio = ([row, up], [column, across]) =>
     el("input", {
@@ -99,7 +99,7 @@ function anchorPart(anchor) {
   return el(
     "fieldset",
     { class: "anchor" },
-    el("legend", {}, "Resizing, this part stays in its place"),
+    el("legend", {}, "When resizing, keep this part in place"),
     el("div", { class: "nine" }, UP.map((row) => ACROSS.map((column) => radio(row, column)))),
   );
 }
@@ -125,9 +125,9 @@ function clear(model, say) {
 
 const changesOf = ({ world }) => (world.events ? world.events.times.length : 0);
 
-// That a schedule is gone is seen nowhere else at once.
+// Reports lost events, because nothing else on the page shows that.
 function lost(before, after) {
   if (before === after) return "";
-  const words = after === 0 ? "The world does not change any more" : `${before - after} changes lay outside`;
-  return `${words}: undo brings its ${before} changes back.`;
+  const words = after === 0 ? "The world no longer changes" : `${plural(before - after, "change")} ${before - after === 1 ? "was" : "were"} outside`;
+  return `${words}: undo restores its ${before} changes.`;
 }

@@ -1,4 +1,4 @@
-// The studio: what all pages share, which page is shown, and whether the server is there.
+// The studio: everything that the pages share, which page is visible, and whether the server answers.
 
 import { byId, el, keyButton, say } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
@@ -16,16 +16,16 @@ import { makeProver } from "./proof.js";
 import { Refused, refusalWords } from "./refusals.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
-const SIDE = 40; // cells of the world that one begins with
-const SLOW = 2000; // ms after which one wants to know what takes so long
+const SIDE = 40; // cells of the initial world
+const SLOW = 2000; // ms after which the page explains the delay
 
 /** @type {Studio} */
 const studio = {
   model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
   connection: /** @type {any} */ (null), // made when the page begins
-  folder: "", // that the server has open
+  folder: "", // the server's opened folder
   limits: null,
-  offered: null, // what the server has to choose from
+  offered: null, // the choices that the server offers
   widest: null,
   draw: null,
   play: null,
@@ -35,11 +35,11 @@ const studio = {
   page: () => (Object.hasOwn(PAGES, location.hash.slice(1)) ? location.hash.slice(1) : "draw"),
   go: (page) => {
     location.hash = page;
-    route(); // at once: what comes next may need the page, and the browser tells of it later
+    route(); // now, because the next action may need the page, and the browser reports the change later
   },
   show,
   showName,
-  undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()), // first what is being drawn
+  undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()), // cancels the current stroke first
   redo: () => studio.draw.cancel() || step("Redone", studio.model.redo()),
   save,
   run: () => (studio.page() === "play" ? studio.play.run() : studio.go("play")),
@@ -47,9 +47,9 @@ const studio = {
 const prove = makeProver(studio, setProof, setWidest);
 let scheduled = 0;
 let keeping = 0;
-let refused = false; // the server refused to save, last time
+let refused = false; // whether the server refused the last attempt to save
 
-// After a change: everything is drawn once a frame, however much has changed.
+// Redraws everything after changes, at most once per frame.
 function changed() {
   if (!studio.draw) return;
   studio.draw.board.proof = null;
@@ -80,7 +80,7 @@ function setWidest(widest) {
   studio.draw.refresh();
 }
 
-// What the page in front is about: the drawn world, or the folder whose failures are shown.
+// Shows the subject of the current page: the drawn world, or the folder whose failures are shown.
 function showName() {
   const { unsaved, past, future, world } = studio.model;
   if (studio.page() === "campaign") {
@@ -98,7 +98,7 @@ function showName() {
   byId("redo").disabled = future.length === 0;
 }
 
-/** Another world takes the place of the one that is drawn; undo brings that back. */
+/** Replaces the drawn world by another one; undo brings it back. */
 function show(answer, name, label) {
   const world = worldOf(answer.world, name, answer.file || null);
   studio.draw.cancel();
@@ -120,7 +120,7 @@ async function save() {
   }
   try {
     say(await saveAs(studio, null, name));
-    if (refused) notice(""); // what was said of the last time holds no more
+    if (refused) notice(""); // the message about the last attempt no longer applies
     refused = false;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -129,7 +129,7 @@ async function save() {
   }
 }
 
-let routed = ""; // the page that is shown
+let routed = ""; // the visible page
 
 function route() {
   const page = studio.page();
@@ -137,7 +137,7 @@ function route() {
   routed = page;
   for (const name of Object.keys(PAGES)) byId(name).hidden = name !== page;
   for (const name of ["undo", "redo"]) byId(name).hidden = page !== "draw";
-  byId("save-drawn").hidden = page === "campaign"; // it saves what is drawn
+  byId("save-drawn").hidden = page === "campaign"; // it saves the drawing
   byId("tabs").replaceChildren(
     ...Object.entries(PAGES).map(([name, [words, key]]) =>
       el("a", { href: `#${name}`, "aria-current": name === page ? "page" : null, "aria-keyshortcuts": key }, words),
@@ -152,7 +152,7 @@ function route() {
 
 function notice(words, closable = true) {
   const told = byId("gone");
-  if (told.dataset.words === words) return; // a screen reader says it once
+  if (told.dataset.words === words) return; // so that a screen reader reads it only once
   told.dataset.words = words;
   const close = el("button", { type: "button" }, "Close");
   close.addEventListener("click", () => notice(""));
@@ -160,12 +160,12 @@ function notice(words, closable = true) {
   told.hidden = words === "";
 }
 
-// The connection is there, at first or again: what was asked for in vain is asked again.
+// Called when the connection is established, for the first time or again; repeats requests that failed.
 async function begun(begins) {
   const first = studio.offered === null;
   const moved = !first && begins.folder !== studio.folder;
-  const told = moved ? [`The studio has another folder open now: ${begins.folder}. What you save goes there.`] : [];
-  if (await reclaimDraft(studio.model)) told.push("Another tab goes on with what is drawn here.");
+  const told = moved ? [`The studio now has another folder open: ${begins.folder}. Files are saved there.`] : [];
+  if (await reclaimDraft(studio.model)) told.push("Another tab has continued this drawing.");
   notice(told.join(" "));
   if (moved) studio.model.world.name = ""; // a file of the other folder
   studio.folder = begins.folder;
@@ -176,7 +176,7 @@ async function begun(begins) {
     studio.offered = offered;
     told.push(...unusable(offered.controllers));
     const file = openedBefore() || begins.file;
-    const untouched = () => studio.model.past.length === 0; // nothing was dropped on the page meanwhile
+    const untouched = () => studio.model.past.length === 0; // nothing has been dropped on the page meanwhile
     if (first && file && untouched())
       await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) }, untouched);
   } catch (error) {
@@ -191,7 +191,7 @@ async function begun(begins) {
 }
 
 /**
- * What there is to choose from; which controller it is that keeps the page waiting is said.
+ * Asks for the choices that the server offers, and shows which controller delays the answer.
  * @param {string[]} told
  * @returns {Promise<Offered>}
  */
@@ -210,7 +210,7 @@ async function hello(told) {
   }
 }
 
-// What is wrong with controllers that were named at the start: no list shows them.
+// Describes the faults of controllers that were named at the start, because no list shows them.
 function unusable(controllers) {
   const faults = controllers.map(({ fault }) => fault).filter((fault) => fault !== null);
   return faults.map((fault) => `Named at the start, but cannot run: ${refusalWords(fault)}.`);
@@ -220,19 +220,19 @@ function lost(forbidden, why) {
   studio.draw.board.proof = null;
   lendDraft(studio.model);
   if (why) {
-    notice(`${why} This one comes back by itself.`, false);
+    notice(`${why} This page reconnects automatically.`, false);
     return;
   }
   notice(
     forbidden
-      ? "The studio was started anew and does not know this page any more. Open the address that it has printed in this tab: what is drawn here comes along."
-      : "The studio does not answer. What you draw stays here. If it has ended, start it again and open the address that it prints: what is drawn comes along.",
+      ? "The studio was restarted and no longer accepts this page. Open the address that it has printed in this tab; your drawing will be kept."
+      : "The studio does not answer. Your drawing stays here. If the studio has ended, start it again and open the address that it prints; your drawing will be kept.",
     false,
   );
 }
 
-// The first click into a number's field selects what stands there: one types another. What lies under the pointer when
-// its button is let go may be something else, for a panel can move meanwhile.
+// The first click into a number's field selects its contents, so that typing replaces them. A panel may have moved when
+// the button is released, so the element under the pointer does not matter then.
 function selectNumbers() {
   /** @type {HTMLInputElement | null} */
   let fresh = null;
@@ -270,21 +270,22 @@ function begin() {
   takeDrops();
   addEventListener("hashchange", route);
   addEventListener("beforeunload", (event) => {
-    if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept: the browser asks
+    if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept, so the browser asks the user
   });
-  studio.connection = makeConnection(begun, lost, goOn().finally(shareToken)); // in this order: who shares is no more alone
+  // Find the draft first: after sharing the token, other tabs may connect.
+  studio.connection = makeConnection(begun, lost, goOn().finally(shareToken));
   route();
 }
 
-// What was drawn before and not saved comes back.
+// Restores an unsaved drawing.
 async function goOn() {
   const kept = await findDraft();
   if (!kept) return;
-  studio.model.change("what was drawn before", kept);
+  studio.model.change("the unsaved drawing", kept);
   takeOver(studio.model);
 }
 
-// Past the header, to what the page is about.
+// Moves the focus past the header to the contents of the page.
 function toContent() {
   const first = { draw: "#board", play: "#play button, #play select", campaign: "#campaign select" };
   document.querySelector(first[studio.page()]).focus();
@@ -296,7 +297,7 @@ function takeDrops() {
     event.preventDefault();
     const files = [...(event.dataTransfer?.files ?? [])];
     if (files.length === 0) return;
-    studio.go("draw"); // where it is shown, or why it cannot be
+    studio.go("draw"); // this page shows the world, or the reason why it cannot be read
     studio.draw.bring(files);
   });
 }

@@ -1,4 +1,4 @@
-// The tools: what the pointer does on the board. Each begins, drags and ends at points in cells.
+// The tools: how the pointer acts on the board. Each begins, drags and ends at points in cells.
 
 import {
   STAMPS,
@@ -12,7 +12,7 @@ import {
 } from "./shapes.js";
 import { round } from "./model.js";
 
-/** Every tool: its words, its key, its picture in a square of 16. */
+/** Every tool: its name, its key, its icon in a square of 16. */
 export const TOOLS = {
   brush: ["Brush", "b", "M10.5 1.5l4 4-7 7-4.5.5.5-4.5zM1 15.5h14v-1.5H1z"],
   erase: ["Eraser", "e", "M6 13l-4-4 7-7 5 5-6 6zm-4 1.5h12v1H2z"],
@@ -51,10 +51,10 @@ const cellOf = ([x, y]) => [Math.floor(x), Math.floor(y)];
 const holds = (box, [x, y]) => box && x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
 
 /**
- * The tools of a board.
+ * Makes the tools of a board.
  * @param {Board} board
  * @param {{size: number, hollow: boolean, stamp: string, stampSize: number}} setting
- * @param {(words: string) => void} said - Called with what was done
+ * @param {(words: string) => void} said - Called with a description of each action
  * @returns {any}
  */
 export function makeTools(board, setting, said) {
@@ -75,7 +75,7 @@ export function makeTools(board, setting, said) {
   };
 }
 
-// Each cell of a line as wide as the brush, as boxes.
+// Returns each cell of a line as a box of the brush's width.
 function thick(cells, size) {
   return cells.map((cell) => brushBox(cell, size));
 }
@@ -205,7 +205,7 @@ function selector(kit) {
   };
 }
 
-/** The pattern that the stamp puts down; made anew only when it is another one. */
+/** Returns the pattern that the stamp puts down, made again only if it has changed. */
 function stampOf(kit) {
   const { stamp, stampSize } = kit.setting,
     made = kit.stamped;
@@ -251,7 +251,7 @@ function stamper(kit) {
 }
 
 /**
- * Moves the start to the middle of a cell, or to the exact place with Alt; a drag away from it turns it.
+ * Moves the start to the middle of a cell, or with Alt to the exact place; dragging away from it turns it.
  * @param {any} kit
  * @returns {Tool}
  */
@@ -269,7 +269,7 @@ function starter(kit) {
         dy = point[1] * side - at[1];
       if (Math.hypot(dx, dy) < 0.6 * side) return;
       const heading = Math.atan2(dy, dx),
-        steps = Math.round((heading * 180) / Math.PI / 5) * 5; // five degrees, as by hand
+        steps = Math.round((heading * 180) / Math.PI / 5) * 5; // steps of five degrees are easy to hit
       kit.model.change("turn of the start", { start: [...at, round((steps * Math.PI) / 180)] }, true);
     },
     end() {},
@@ -277,7 +277,7 @@ function starter(kit) {
 }
 
 /**
- * One drag is one step of the history.
+ * Moves the target; one drag is one step of the history.
  * @param {any} kit
  * @returns {Tool}
  */

@@ -1,4 +1,4 @@
-// The panel of the world: its size, its robot, start and target, and how wide a robot passes.
+// The world panel: size, robot, start and target, and the widest robot that passes.
 
 import { el } from "#player/dom.js";
 import { Ended } from "./connection.js";
@@ -59,8 +59,8 @@ function radiusPart(studio, parts) {
   });
   parts.radiusNumber = lengthField(studio, parts, change);
   parts.widest = el("p", { class: "quiet widest", id: "widest" });
-  parts.find = el("button", { type: "button", id: "find-widest", onclick: () => studio.askWidest() }, "Find where every way closes");
-  parts.closes = el("i", { class: "closes", title: "Here the way closes" });
+  parts.find = el("button", { type: "button", id: "find-widest", onclick: () => studio.askWidest() }, "Find the widest robot that passes");
+  parts.closes = el("i", { class: "closes", title: "The widest robot that passes" });
   return el(
     "div",
     {},
@@ -84,23 +84,23 @@ function speedPart(studio, parts) {
 }
 
 /**
- * What stands in the fields: a number of the world, and the drawing that it is of.
+ * The contents of the fields: a number of the world, and the drawing to which it belongs.
  * @type {WeakMap<HTMLInputElement, {value: number, sheet: symbol}>}
  */
 const shown = new WeakMap();
 
-// A field whose number changes the world, if it lies within its bounds; else the field says what they are.
+// Makes a field that changes the world if its number is within bounds; otherwise the field shows the bounds.
 function bounded(change, bounds) {
   const input = number(0, (value) => isGood(input) && change(value), bounds);
   input.addEventListener("blur", () => {
     if (input.value !== "") return;
-    input.value = String(shown.get(input)?.value ?? ""); // nothing, or no number
+    input.value = String(shown.get(input)?.value ?? ""); // it was empty or not a number
     isGood(input);
   });
   return input;
 }
 
-// A field for a length, m, or a speed, m/s; the server tells its bounds, and until then nothing is changed.
+// Makes a field for a length, m, or a speed, m/s; it changes nothing until the server has sent the bounds.
 function lengthField(studio, parts, change) {
   const input = bounded((value) => studio.limits && change(value), {});
   parts.lengths.push(input);
@@ -108,7 +108,7 @@ function lengthField(studio, parts, change) {
 }
 
 /**
- * Give the fields the bounds that the server has told.
+ * Gives the fields the bounds that the server has sent.
  * @param {Limits} limits
  * @param {Record<string, any>} parts
  */
@@ -117,7 +117,7 @@ function setBounds({ lengths, side }, parts) {
   parts.width.max = parts.height.max = side;
 }
 
-// What the world has stands in a field, unless another number is being typed, or stands there as wrong for this drawing.
+// Shows a value of the world in a field, unless the user is typing there, or has typed an invalid one for this drawing.
 function show(input, value, { sheet }) {
   const before = shown.get(input);
   const wrong = input.hasAttribute("aria-invalid") && before?.value === value && before?.sheet === sheet;
@@ -127,7 +127,7 @@ function show(input, value, { sheet }) {
   isGood(input);
 }
 
-// Other cells, the same drawing: places stay in their cells, and the robot is as large as it was, in cells.
+// Returns the same drawing with other cells: places stay in their cells, and the robot keeps its size in cells.
 function scaled(world, cell) {
   const share = cell / world.cell_size;
   const [x, y, heading] = world.start;
@@ -166,7 +166,7 @@ function placePart(studio, parts) {
   );
 }
 
-// How hard the world is, by its metrics; asked for by hand, for it may take a while.
+// Makes the part that measures the world's difficulty, only on request because that may take a while.
 function hardPart(studio) {
   const found = el("div", { role: "status" });
   let measured = studio.model.version;
@@ -201,7 +201,7 @@ function hardPart(studio) {
     found,
   );
   const forget = () => {
-    if (measured !== studio.model.version) found.replaceChildren(); // that was another world
+    if (measured !== studio.model.version) found.replaceChildren(); // the result is for another world
   };
   return { element, forget };
 }
@@ -224,7 +224,7 @@ function refresh(world, parts) {
   showSize(world, parts);
 }
 
-// The size, when it has changed: what was typed for the next one stays until then.
+// Shows the size if it has changed; what the user types for the next size stays until then.
 function showSize({ width, height }, parts) {
   if (parts.shown === `${width} x ${height}`) return;
   parts.shown = `${width} x ${height}`;
@@ -236,7 +236,7 @@ function showWidest({ widest, model, say }, parts) {
     known = typeof widest === "number";
   parts.closes.hidden = !known || widest > most;
   if (!parts.closes.hidden) parts.closes.style.left = `${(100 * widest) / most}%`;
-  const found = known && parts.find.disabled; // by hand
+  const found = known && parts.find.disabled; // the search on request has ended
   if (found && parts.focused && [null, document.body, parts.find].includes(document.activeElement)) parts.radius.focus();
   if (widest === LOOKING && !parts.find.disabled) parts.focused = document.activeElement === parts.find;
   parts.find.hidden = known || !isWidestByHand(model.world);
@@ -246,9 +246,9 @@ function showWidest({ widest, model, say }, parts) {
 }
 
 function widestWords(widest, world) {
-  if (world.events) return "The world changes: how wide a robot passes is not known.";
-  if (widest === LOOKING) return "Looking for the widest robot that passes …";
+  if (world.events) return "The world changes, so the widest robot that passes is not known.";
+  if (widest === LOOKING) return "Searching for the widest robot that passes …";
   if (widest === null) return isWidestByHand(world) ? "In a large world this takes up to a minute." : "…";
   if (widest === 0) return "No robot can pass, however small.";
-  return `Every way closes for a radius above ${widest.toPrecision(4)} m.`;
+  return `Robots pass up to a radius of ${widest.toPrecision(4)} m.`;
 }
