@@ -1,20 +1,20 @@
-// Faults in the controllers that see by range beams, and in Q-learning. What is wrong says fuzz/faults/by_sight.py.
+// Faults in the controllers that see by range beams, and in Q-learning. fuzz/faults/by_sight.py describes each fault.
 
 #include "faults.h"
 
 enum { SECTORS = 72 };
 
-static const double CELL = 0.1;  // m: of the families' worlds
+static const double CELL = 0.1;  // m: cell size of the families' worlds
 
 typedef struct StaleTarget {
     WgThreeLayerMemory own;
-    double noted;           // 1 once the heading has been noted
+    double noted;           // 1 after the heading has been noted
     double target_heading;  // rad
 } StaleTarget;
 
 typedef struct NeverClears {
     WgVfhMemory own;
-    double ever[SECTORS];  // 1 for each sector that was ever blocked
+    double ever[SECTORS];  // 1 for each sector that has ever been blocked
 } NeverClears;
 
 static void three_layer_patience_starts_anew(const WgObservation *seen, double *memory, WgCommand *command)

@@ -1,4 +1,4 @@
-// Faults in the controllers that follow walls by touch: Bug1 and Bug2. What is wrong says fuzz/faults/by_touch.py.
+// Faults in the controllers that follow walls by touch: Bug1 and Bug2. fuzz/faults/by_touch.py describes each fault.
 
 #include <stdbool.h>
 
@@ -10,16 +10,16 @@ static const double BUG1_ROUND = 3.0;
 static const double BUG2_GOAL = 1.0;
 static const double BUG2_ROUND = 2.0;
 
-static const double STILL_ROUND = 2.0;  // WgBug1Memory.away: it is back at the hit point
+static const double STILL_ROUND = 2.0;  // WgBug1Memory.away: the robot is back at the hit point
 
 typedef struct StaleRound {
     WgBug1Memory own;
-    double seen_round;  // what `away` was when a round was finished
+    double seen_round;  // value of `away` when a round was finished
 } StaleRound;
 
 typedef struct StaleLine {
     WgBug2Memory own;
-    double hit_x;  // of the first obstacle
+    double hit_x;  // values of the first obstacle
     double hit_y;
     double line_x;
     double line_y;
@@ -127,7 +127,7 @@ static void bug2_leaves_behind_the_hit_point(const WgObservation *seen, double *
     double y = seen->y - own->hit_y;
     double before = own->line_x * from_y - own->line_y * from_x;
     double after = own->line_x * y - own->line_y * x;
-    bool away = x * x + y * y > 0.01;  // (0.1 m)^2: not at once
+    bool away = x * x + y * y > 0.01;  // (0.1 m)^2: do not leave immediately after hitting
     if (own->mode == BUG2_ROUND && away && (before > 0.0) != (after > 0.0)) {
         own->mode = BUG2_GOAL;
     }

@@ -1,4 +1,4 @@
-// Draws layouts, and floods them.
+// Draws layouts and floods them.
 
 #include "layouts.h"
 
@@ -73,7 +73,7 @@ static void measure(Feature *feature)
     }
 }
 
-// Whether row i, column j of a feature is solid.
+// Returns whether row i, column j of a feature is solid.
 static bool is_solid(const Feature *feature, int i, int j)
 {
     int length = feature->length;
@@ -94,7 +94,7 @@ static bool is_solid(const Feature *feature, int i, int j)
     }
 }
 
-// Draws one feature; what falls outside the world is cut off.
+// Draws one feature; parts outside the world are cut off.
 static void draw_feature(const uint8_t bytes[WG_FEATURE_BYTES], const WgPlaces *places, uint64_t solid[WG_ROWS])
 {
     int width = (int)places->width;
@@ -183,8 +183,8 @@ static uint64_t joined(uint64_t clear, uint64_t row, uint64_t below, uint64_t ab
 
 int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS])
 {
-    // Rows of corners that are clear, that were reached, and that were reached by the last step. A corner of cell
-    // (ix, iy) is bit and row of the cell above and right of it.
+    // Rows of corners: clear ones, reached ones, and those reached by the last step. A corner of cell (ix, iy) has the
+    // bit and the row of the cell above and to the right of it.
     uint64_t clear[WG_ROWS] = {0};
     uint64_t reached[WG_ROWS] = {0};
     uint64_t latest[WG_ROWS] = {0};
@@ -201,6 +201,8 @@ int64_t wg_layout_distance(const WgPlaces *places, const uint64_t solid[WG_ROWS]
 
     uint64_t goal = (uint64_t)3 << (places->target_x + WG_MARGIN);
     int64_t goal_row = places->target_y + WG_MARGIN;
+
+    // Flood all corners by one step at a time; only rows from `low` to `high` have changed last time.
     for (int64_t steps = 0; low <= high; steps++) {
         if (((reached[goal_row] | reached[goal_row + 1]) & goal) != 0) {
             return steps;

@@ -5,11 +5,11 @@
 #include "step.h"
 
 enum {
-    SLACK = 20, // lattice units: walls that are no further away than they could be and this are touched
-    NEXT = 0x39CE << (2 * WG_NEAR + 1), // bits of a mask: the eight cells next to a cell, and itself
+    SLACK = 20, // lattice units: a wall at most this much beyond the disc's edge counts as touched
+    NEXT = 0x39CE << (2 * WG_NEAR + 1), // bits of a mask: a cell and the eight cells around it
 };
 
-// Lattice units that no step exceeds.
+// Returns a number of lattice units that no step exceeds.
 static int64_t fastest(const WgSettings *settings)
 {
     return (int64_t)(settings->top_speed * settings->speed) + 1;
@@ -25,7 +25,7 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
     settings->target_x = places->target_x * WG_UNIT + WG_UNIT / 2;
     settings->target_y = places->target_y * WG_UNIT + WG_UNIT / 2;
 
-    // A scene says more about the robot and its target.
+    // A scene also sets the robot's radius, its target's radius and a finer heading.
     int64_t heading = (int64_t)WG_FINER_HEADINGS * (bytes[4] % WG_LAYOUT_HEADINGS);
     int64_t radius = 0;
     int64_t target = 0;
@@ -48,7 +48,7 @@ static int64_t own_budget(const WgPatience *patience, const WgSettings *settings
     return wg_least(wg_most(by_path, patience->fewest), patience->most);
 }
 
-// Draws a layout, and notes what can be said of its world before anything runs.
+// Draws a layout, and notes all facts about its world that do not need a run.
 static WgPlaces note_world(const uint8_t *layout, uint64_t solid[WG_ROWS], WgLook *look)
 {
     WgPlaces places = wg_layout_places(layout);
@@ -88,18 +88,18 @@ bool wg_look_open(WgSeat *seat, int64_t run)
     look->solid = wg_layout_fill(solid, arena);
     arena->visited[places.start_y * places.width + places.start_x] = 1;
 
-    // Where the masks reach as far as a step, a run needs no table of distances.
+    // If the masks reach as far as a step, a run needs no table of distances.
     arena->clearance = NULL;
     if (settings->reach + fastest(settings) > (int64_t)WG_NEAR * WG_UNIT) {
         wg_chessboard_clearance(wg_grid(arena), seat->clearance);
         arena->clearance = seat->clearance;
     }
 
-    // Beams skip free cells by a table: first looks with 36 beams take a quarter less time.
+    // A table lets beams skip free cells: screening with 36 beams takes a quarter less time.
     arena->runs = NULL;
     if (settings->senses & WG_SENSE_BEAMS) {
         wg_beam_spread(settings->beams, settings->beam_field, seat->spread);
-        wg_free_runs(wg_grid(arena), seat->runs); // never refused: a layout is small
+        wg_free_runs(wg_grid(arena), seat->runs); // cannot fail, because a layout is small
         arena->spread = seat->spread;
         arena->runs = seat->runs;
     }
@@ -125,14 +125,14 @@ static void note_path(const WgArena *arena, WgLook *look)
     }
 }
 
-// How many of the four cells that share an edge with a cell are solid.
+// Returns how many of the four cells that share an edge with a cell are solid.
 static int64_t solid_beside(WgGrid grid, int64_t ix, int64_t iy)
 {
     return (wg_cell_state(grid, ix + 1, iy) == WG_SOLID) + (wg_cell_state(grid, ix - 1, iy) == WG_SOLID) +
            (wg_cell_state(grid, ix, iy + 1) == WG_SOLID) + (wg_cell_state(grid, ix, iy - 1) == WG_SOLID);
 }
 
-// Notes of what kind the wall is that the robot went through or into.
+// Notes the kind of wall that the robot went through or into.
 static void note_wall(const WgArena *arena, WgLook *look)
 {
     const WgReport *report = &look->report;
@@ -151,7 +151,7 @@ void wg_look_close(WgSeat *seat)
     note_wall(seat->arena, look);
 }
 
-// The kind of wall that a robot touches, by the solid cells next to its disc.
+// Returns the kind of wall that a robot touches, judging by the solid cells next to its disc.
 static int64_t contact_of(WgGrid grid, int64_t reach, int64_t x, int64_t y)
 {
     int64_t farthest = (reach + SLACK) * (reach + SLACK);

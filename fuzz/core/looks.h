@@ -8,19 +8,19 @@
 #include "layouts.h"
 #include "wg_looks.h"
 
-// Draws the world of a run and packs it if a robot can surely reach the target; else returns false.
+// Draws the world of a run and packs it if a robot can surely reach the target; otherwise returns false.
 bool wg_look_open(WgSeat *seat, int64_t run);
 
-// Notes what came of a run that has ended.
+// Notes the result of a run that has ended.
 void wg_look_close(WgSeat *seat);
 
-// Prepares the notes on a robot that loops, or that spent its budget, and continues for a while.
+// Prepares the notes on a robot that loops, or has spent its budget, and is watched for further steps.
 void wg_look_watch(WgSeat *seat);
 
-// Whether a robot is watched for another step; notes its heading before that.
+// Returns whether a robot is watched for another step, and notes its heading before that step.
 bool wg_look_goes_on(WgSeat *seat);
 
-// Notes touches, turning, extent and progress of a step that was watched.
+// Notes contacts, turning, extent and progress of a watched step.
 void wg_look_note_step(WgSeat *seat);
 
 #endif

@@ -11,7 +11,7 @@ enum {
     MOST_STEPS = 1 << 30,
 };
 
-// A seat with what it points to, in one block.
+// A seat and everything that it points to, in one block.
 typedef struct Block {
     WgSeat seat;
     WgArena arena;
@@ -21,7 +21,7 @@ typedef struct Block {
     uint8_t cells[WG_MOST_CELLS];
     uint8_t visited[WG_MOST_CELLS];
     uint16_t runs[(LARGEST_SIDE + 2) * (LARGEST_SIDE + 2) * 4];
-    int64_t spread[]; // of the setting with the most beams
+    int64_t spread[]; // sized for the setting with the most beams
 } Block;
 
 int64_t wg_looks_longest(const WgLooks *looks)
@@ -47,7 +47,7 @@ static size_t block_size(const WgLooks *looks)
     return sizeof(Block) + (size_t)most_beams(looks) * sizeof(int64_t);
 }
 
-// Whether the numbers of a batch fit each other.
+// Returns whether the numbers of a batch are consistent.
 static bool fits(const WgLooks *looks)
 {
     bool bytes = looks->layout_bytes == WG_LAYOUT_BYTES || looks->layout_bytes == WG_SCENE_BYTES;
@@ -70,7 +70,7 @@ static bool fits(const WgLooks *looks)
     return true;
 }
 
-// Makes a seat in a block that is all zero, without its episode.
+// Makes a seat in a block of zeros, without its episode.
 static WgSeat *prepare(Block *block, WgLooks *looks)
 {
     WgSeat *seat = &block->seat;
@@ -117,7 +117,7 @@ void wg_seat_free(WgSeat *seat)
 {
     if (seat != NULL) {
         wg_episode_free(seat->episode);
-        free(seat); // the first member of its block
+        free(seat); // it is the first member of its block
     }
 }
 
@@ -167,7 +167,7 @@ WgStatus wg_seat_begin(WgSeat *seat)
     return wg_episode_begin(seat->episode);
 }
 
-// Notes a run that has ended; whether watching the robot says more.
+// Notes a run that has ended; returns whether watching the robot further gives more information.
 static bool says_more(WgSeat *seat)
 {
     wg_look_close(seat);
@@ -219,7 +219,7 @@ int64_t wg_seat_stop(void *subject)
     return wg_seat_step(subject);
 }
 
-// Notes that a controller which is a C function has failed, while it ran or while it was watched.
+// Notes that a controller that is a C function has failed, during its run or while it was watched.
 static void note_crash(WgSeat *seat)
 {
     WgLook *look = &seat->looks->looks[seat->run];
@@ -236,7 +236,7 @@ static void note_crash(WgSeat *seat)
     look->closer = 0;
 }
 
-// Lets the robot of a controller that is a C function continue, at most so many steps; returns those done.
+// Continues the robot of a controller that is a C function by at most this many steps; returns the number done.
 static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
 {
     WgEpisode *episode = seat->episode;
@@ -259,7 +259,7 @@ static int64_t watch(WgSeat *seat, int64_t most_steps, bool *over)
     return most_steps;
 }
 
-// Continues the run of a seat, at most so many steps; returns those done.
+// Continues the run of a seat by at most this many steps; returns the number done.
 static int64_t run_on(WgSeat *seat, int64_t most_steps, bool *over)
 {
     WgEpisode *episode = seat->episode;
@@ -320,7 +320,7 @@ int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)
     return WG_GOES_ON;
 }
 
-// Gives a seat worlds until its controller is to act in one; false if none is left.
+// Gives a seat worlds until its controller has to act in one; returns false if none is left.
 static bool board(WgSeat *seat)
 {
     while (wg_seat_next(seat) >= 0) {

@@ -1,4 +1,4 @@
-// Controllers of the library with one realistic fault each, to measure fault finding by.
+// Library controllers with one realistic fault each, to measure fault finding.
 
 #ifndef WG_FAULTS_H
 #define WG_FAULTS_H
@@ -10,10 +10,10 @@
 typedef struct WgFault {
     const char *name;
     WgAct act;
-    int64_t room;  // numbers of memory behind those of the controller without the fault, 0 at reset
+    int64_t room;  // numbers of memory after those of the controller without the fault, 0 at reset
 } WgFault;
 
-// The fault of a name; NULL if the name is unknown.
+// Returns the fault with a name; NULL if the name is unknown.
 const WgFault *wg_fault(const char *name);
 
 #endif

@@ -1,8 +1,8 @@
-// First looks: many worlds from layout bytes, each with one run of a controller.
+// Screening: many worlds from layout bytes, each with one run of a controller.
 //
-// A seat holds one robot and its world. A controller that is a C function runs in one seat, world after
-// world (wg_looks_run). For others the core stops wherever the controller is to act: one seat for a
-// controller that drives one robot (wg_seat_step), many for one that drives many at once
+// A seat holds one robot and its world. A controller that is a C function runs in one seat, in one world
+// after another (wg_looks_run). For others the core stops wherever the controller has to act: with one seat
+// for a controller that drives one robot (wg_seat_step), with many for one that drives many at the same time
 // (wg_seats_act). Arrays belong to the caller and must outlive the seats.
 
 #ifndef WG_LOOKS_H
@@ -15,10 +15,10 @@
 #include "wg_guard.h"
 #include "wg_parts.h"
 
-// WgReport.ending of a look without a run: the flood found no path.
+// Value of WgReport.ending without a run, because the flood found no path.
 enum { WG_NOT_RUN = -1 };
 
-// Kinds of contact, the one that says most first.
+// Kinds of contact, the most specific first.
 enum {
     WG_NOOK = 0,
     WG_END = 1,
@@ -28,52 +28,52 @@ enum {
     WG_NO_CONTACT = 5,
 };
 
-// A clearance of that many cells, or more.
+// A clearance of this many cells or more.
 enum { WG_FAR = 3 };
 
-// What came of a run.
+// The result of a run.
 typedef struct WgLook {
     WgReport report;
-    int64_t distance; // cells of a path to the target, an upper bound; -1: none was found
+    int64_t distance; // cells of a path to the target, an upper bound; -1 if none was found
     int64_t budget;   // steps
     int64_t width;    // cells
     int64_t height;
     int64_t solid;           // solid cells
-    int64_t straight_sq;     // squared distance of start and target, cells
+    int64_t straight_sq;     // squared distance between start and target, cells
     int64_t visited;         // cells that the centre was in
     int64_t least_clearance; // least chessboard distance of such a cell to a solid one, at most WG_FAR
     int64_t clearances;      // sum of all these distances
     int64_t watched;         // further steps: one period of a loop
-    int64_t bumps;           // times that a wall was begun to be touched in these
+    int64_t bumps;           // how often a contact with a wall began in these
     int64_t turned;          // net turn in these, heading units
     int64_t left;            // least and greatest x of the centre in these, lattice units
     int64_t right;
     int64_t low; // the same of y
     int64_t high;
-    int64_t contact; // of the walls touched in these, the kind that says most
-    int64_t closer;  // 1 if these come closer to the target than the start is
-    int64_t around;  // solid cells that share an edge with the one that was hit; -1: none was
+    int64_t contact; // most specific kind of wall touched in these
+    int64_t closer;  // 1 if these get closer to the target than the start is
+    int64_t around;  // solid cells that share an edge with the one that was hit; -1 if none was hit
 } WgLook;
 
-// How many steps a run gets that has no budget of its own, and for how many it is watched after that.
+// The budget of runs without their own one, and how long they are watched after that.
 typedef struct WgPatience {
     int64_t multiple; // of the time that the path takes at top speed
     int64_t fewest;
     int64_t most;
-    int64_t watched; // of a run that spent its budget
+    int64_t watched; // steps for a run that spent its budget
 } WgPatience;
 
-// Runs, and what came of them.
+// A batch of runs, and their results.
 typedef struct WgLooks {
     const uint8_t *layouts; // (count, layout_bytes)
     int64_t layout_bytes;   // 56 for layouts, 59 for scenes
     int64_t count;
     const uint64_t *seeds;      // (count,)
-    const int64_t *kinds;       // (count,) which of the settings
-    const int64_t *budgets;     // (count,) steps; 0 for some that the path to the target suggests
-    const WgSettings *settings; // (setting_count,) of each time step, for any start
+    const int64_t *kinds;       // (count,) index of the settings to use
+    const int64_t *budgets;     // (count,) steps; 0 to derive them from the path to the target
+    const WgSettings *settings; // (setting_count,) one for each time step, for any start
     int64_t setting_count;
-    const WgDisc *discs; // (radius_count,) of each radius of a scene's robot
+    const WgDisc *discs; // (radius_count,) for each radius of a scene's robot
     const double *radii; // (radius_count,) the same in m
     int64_t radius_count;
     const int64_t *targets; // (target_count,) squared radii of a scene's targets, lattice units
@@ -81,28 +81,28 @@ typedef struct WgLooks {
     const int64_t *headings; // the table of wg_heading_table
     const WgRay *rays;       // (8193,) the table of wg_ray_table
     WgPatience patience;
-    WgLook *looks; // (count,) filled
-    int64_t at;    // the run that comes next, or that is under way
+    WgLook *looks; // (count,) filled by the runs
+    int64_t at;    // the next run, or the current one
 } WgLooks;
 
-// A robot in a world of its own.
+// A robot in its own world.
 typedef struct WgSeat {
     WgLooks *looks;
     WgEpisode *episode;
     WgArena *arena;
     WgSettings *settings;
-    int32_t *clearance; // what arena->clearance points to where it is needed
+    int32_t *clearance; // target of arena->clearance, if that is needed
     uint16_t *runs;     // the same for arena->runs
     int64_t *spread;    // the same for arena->spread
-    int64_t number; // for its owner
-    int64_t run;    // -1: it has no world
-    int64_t watch;  // steps for which it is watched; -1 before its run is over
+    int64_t number; // for the caller's use
+    int64_t run;    // -1 without a world
+    int64_t watch;  // steps for which it is watched; -1 before its run has ended
     int64_t fresh;  // 1 until the controller has acted in this world
-    int64_t heading; // before the next step, of a robot that is watched
+    int64_t heading; // of a watched robot, before the next step
     int64_t touched; // 1 if it touched a wall then
 } WgSeat;
 
-// The most steps that a run can have.
+// Returns the most steps that a run can have.
 int64_t wg_looks_longest(const WgLooks *looks);
 
 // Makes a seat without a world. The controller's memory at reset is read whenever a run begins.
@@ -110,61 +110,61 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
 
 void wg_seat_free(WgSeat *seat);
 
-// The same in memory of the caller's: the bytes of three blocks, of which the first two are all zero.
+// For memory of the caller: returns the sizes of three blocks in bytes; the first two must contain zeros.
 WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int64_t sizes[3]);
 
-// Makes a seat in such blocks. Nothing of it is to be freed.
+// Makes a seat in such blocks. Nothing of it must be freed.
 WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller);
 
-// Draws worlds from run `at` on, up to the next in which a robot can surely reach the target, and makes
-// it the seat's. Returns its number, which `at` is then; -1 if none is left.
+// Draws worlds from run `at` on, up to the next in which a robot can surely reach the target, and gives it to
+// the seat. Returns its number, which is then the value of `at`; -1 if none is left.
 int64_t wg_seat_next(WgSeat *seat);
 
-// Makes a run's world the seat's, whatever the run that comes next. Returns false if no path was found.
+// Gives a run's world to the seat, without changing the next run. Returns false if no path was found.
 bool wg_seat_open(WgSeat *seat, int64_t run);
 
 // Puts the robot at its start.
 WgStatus wg_seat_begin(WgSeat *seat);
 
-// Applies the command if the controller was to act, and continues until it is to act again, WG_ACTS, or the
-// run is noted, WG_OVER. seat->watch says whether the robot is only watched.
+// Applies the command if the controller had to act, and continues until it has to act again (WG_ACTS) or the
+// run is noted (WG_OVER). seat->watch tells whether the robot is only watched.
 int64_t wg_seat_step(WgSeat *seat);
 
-// The same as a WgStop, of a WgSeat.
+// The same as a WgStop; the subject is a WgSeat.
 int64_t wg_seat_stop(void *subject);
 
-// For a controller that is a C function: runs from `at` on, so many steps or little more. Returns WG_OVER
+// For a controller that is a C function: runs from `at` on, for this many steps or slightly more. Returns WG_OVER
 // when all runs are noted, else WG_GOES_ON.
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps);
 
-// The same as a call in another process: seat, and the steps.
+// The same as a call in another process, with a seat and the number of steps.
 int64_t wg_call_looks(const WgCall *call);
 
-// Notes that the controller has failed in the run under way, after the process that ran it has ended. Returns false if
-// no run was under way.
+// Notes that the controller failed in the current run, after the process that ran it has ended. Returns false if there
+// is no current run.
 bool wg_looks_fail(WgSeat *seat);
 
-// Gives each seat the next world, in order. Those with a robot that is to act come first then; returns
-// how many.
+// Gives each seat the next world, in order, and moves those whose robot has to act to the front; returns
+// their number.
 int64_t wg_seats_board(WgSeat **seats, int64_t count);
 
-// Copies what the first `count` seats sense, and their memories.
+// Copies the senses and memories of the first `count` seats.
 //
 // observations: (count, 17 + beams)
 // memories:     (count, memory)
-// numbers:      (count,) of the seats
+// numbers:      (count,) numbers of the seats
 // fresh:        (count,) 1 before the first act in a world
 void wg_seats_sense(WgSeat **seats, int64_t count, double *observations, double *memories,
                     int64_t *numbers, uint8_t *fresh);
 
-// Lets the first `count` seats continue with commands and memories, each up to where its controller is to
-// act again, in the next world if its run is over. Seats without a world come last; returns how many have one.
+// Continues the first `count` seats with commands and memories, each until its controller has to act again, in
+// the next world if its run has ended. Seats without a world move to the end; returns how many have one.
 //
 // commands: (count, 3) speed, turn rate, and whether the random number was used.
 int64_t wg_seats_act(WgSeat **seats, int64_t count, const double *commands, const double *memories);
 
-// For tests: draws a layout into the arena of a seat, and notes what can be said of its world. Returns how
-// many cells are solid.
+// For tests: draws a layout into the arena of a seat, and notes the facts about its world. Returns the number of
+// solid cells.
 int64_t wg_look_draw(const uint8_t *layout, WgSeat *seat, WgLook *look);
 
 #endif

@@ -205,7 +205,7 @@ test("a schedule that goes with its cells is told, and undo brings it back", () 
   for (const [act, words] of [
     [({ press }) => press("Clear"), "The world no longer changes: undo restores its 2 changes."],
     [({ press, sized }) => (sized(10, 10), press("New")), "The world no longer changes: undo restores its 2 changes."],
-    [({ press, sized }) => (sized(20, 20), press("Resize")), "1 changes were outside: undo restores its 2 changes."],
+    [({ press, sized }) => (sized(20, 20), press("Resize")), "1 change was outside: undo restores its 2 changes."],
     [({ press, sized }) => (sized(50, 50), press("Resize")), ""],
   ]) {
     const page = sizes();

@@ -1,6 +1,6 @@
 // The size of the world: a new world, the same one larger or smaller, or one without walls.
 
-import { el, grouped } from "#player/dom.js";
+import { el, grouped, plural } from "#player/dom.js";
 import { labelled, number } from "./fields.js";
 import { bordered, emptyWorld, resized } from "./model.js";
 
