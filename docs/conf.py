@@ -24,6 +24,7 @@ exclude_patterns = ["_build"]
 
 # Headings get the anchors that they have on code hosts, so that one link works in both places.
 myst_heading_anchors = 4
+myst_enable_extensions = ["deflist"]
 # Many JSON and Python snippets leave lines out with "...", which is not valid in either language.
 suppress_warnings = ["misc.highlighting_failure"]
 

@@ -151,7 +151,7 @@ def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
 
 
 @pytest.mark.gate
-def test_the_table_of_the_readme_is_what_the_command_prints():
-    readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
+def test_the_table_of_the_documentation_is_what_the_command_prints():
+    page = (FOLDER.parents[1] / "docs/howto/compare.md").read_text(encoding="utf-8")
     printed = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS)).out
-    assert f"```text\n{printed}```" in readme
+    assert f"```text\n{printed}```" in page

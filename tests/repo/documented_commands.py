@@ -256,15 +256,20 @@ def run_page(page: Page, folder: Path) -> Iterator[Done]:
     with contextlib.chdir(folder), mock.patch.dict(os.environ, environment):
         for block in page.blocks:
             if block.runs_here:
+                # This process keeps the modules that it has imported, so it would miss an edit.
+                edited = any(one.hidden and "sed -i" in one.text for one in block.commands)
                 for command in block.commands:
-                    yield run(command)
+                    yield run(command, in_this_process=not edited)
 
 
-def run(command: Command) -> Done:
-    """Run one command in the current folder: ``worldgen`` in this process, everything else as a program."""
+def run(command: Command, in_this_process: bool = True) -> Done:
+    """Run one command in the current folder.
+
+    ``worldgen`` runs in this process, which is quicker, everything else as a program.
+    """
     text = os.path.expandvars(command.text) if command.hidden else command.text
     words = shlex.split(_BUDGET.sub(r"\1--units 1", text), comments=True)
-    if words[0] == "worldgen" and "|" not in words and ">" not in words:
+    if words[0] == "worldgen" and in_this_process and "|" not in words and ">" not in words:
         code, printed = _run_here(words)
     else:
         done = subprocess.run(
