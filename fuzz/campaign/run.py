@@ -472,9 +472,9 @@ class Campaign:
         executor.listen()
 
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_ShrinkJob]:
-        """Adds a unit's result and remembers it.
+        """Add a unit's result to the totals and to the store.
 
-        Returns what is to be shrunk, the same for any timing.
+        Return what is to be shrunk, which is the same for any timing.
         """
         state = self.state
         result = under.future.result()
@@ -494,35 +494,14 @@ class Campaign:
         state.steps += result.steps
         state.verdicts += result.verdicts
         state.met += result.met
-        jobs = []
-        kept: dict[str, Failure] = {}
-        for kind, failure in sorted(result.failures.items()):
-            is_known = self._is_known(failure)
-            candidates = self._known_ones if is_known else self._candidates
-            is_interesting = state.memory.is_interesting(kind, failure)
-            few = len(candidates.get(kind, ())) < _RESTARTS
-            if is_interesting:
-                totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.lane, kind, failure, *totals))
-            few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
-            if few_whole or self._memory.is_interesting(kind, failure):
-                kept[kind] = failure
-            self._met_whole[kind, is_known] += not result.cut
-            if is_known:
-                state.known[kind] += result.met[kind]
-            if few if self.config.shrink else is_interesting:
-                jobs += (
-                    [] if is_known else [_ShrinkJob(failure, before=len(candidates.get(kind, ())))]
-                )
-                candidates.setdefault(kind, []).append(failure)
+        jobs, kept = self._enter_failures(unit, result, seconds)
         elites = {
             cell: elite
             for cell, elite in result.elites.items()
             if self._memory.is_better(cell, elite)
         }
-        result = replace(
-            result, failures=kept, elites=elites
-        )  # so that the memory is in the store's order, too
+        # The memory then has the same order as the store.
+        result = replace(result, failures=kept, elites=elites)
         if under.seconds is None:
             self._store.save_unit(unit, Done(result, seconds))
         state.memory = state.memory.after(result)
@@ -533,6 +512,36 @@ class Campaign:
         if (unit + 1) % self.config.epoch == 0:
             self._known.append(self._memory)
         return jobs
+
+    def _enter_failures(
+        self, unit: int, result: UnitResult, seconds: float
+    ) -> tuple[list[_ShrinkJob], dict[str, Failure]]:
+        """Return what is to be shrunk of a unit's failures, and those that the store keeps."""
+        state = self.state
+        jobs: list[_ShrinkJob] = []
+        kept: dict[str, Failure] = {}
+        for kind, failure in sorted(result.failures.items()):
+            is_known = self._is_known(failure)
+            candidates = self._known_ones if is_known else self._candidates
+            before = len(candidates.get(kind, ()))
+            is_interesting = state.memory.is_interesting(kind, failure)
+            if is_interesting:
+                totals = (state.worlds, state.steps, seconds)
+                state.finds.append(DiscoveryTotals(unit, result.lane, kind, failure, *totals))
+            # What is stored depends on whole units alone, so that a resumed campaign agrees.
+            few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
+            if few_whole or self._memory.is_interesting(kind, failure):
+                kept[kind] = failure
+            self._met_whole[kind, is_known] += not result.cut
+            if is_known:
+                state.known[kind] += result.met[kind]
+            # Without shrinking only a smaller failure of a class is worth a job.
+            is_wanted = before < _RESTARTS if self.config.shrink else is_interesting
+            if is_wanted:
+                candidates.setdefault(kind, []).append(failure)
+            if is_wanted and not is_known:
+                jobs.append(_ShrinkJob(failure, before=before))
+        return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
         """A unit's result, or what an earlier run had of the same unit, if that came further."""

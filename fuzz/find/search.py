@@ -32,8 +32,6 @@ _SAMPLES = 200  # layouts drawn in a unit before it climbs
 _CLIMBS = 1500  # edits tried in a unit
 _MEMORY = 40  # steps back that an edit may be compared with, instead of with the last
 
-_Work = tuple["NearestWorld | None", int]
-
 
 @dataclass(frozen=True)
 class FindConfig:
@@ -91,6 +89,21 @@ class NearestWorld:
 
 def _distance(results: tuple[Result, ...]) -> float:
     return sum(result.distance for result in results)
+
+
+@dataclass(frozen=True)
+class _UnitResult:
+    """What a unit hands in.
+
+    Args:
+        nearest: Its best world, if any was proved.
+        tried: Worlds tried.
+        interrupted: Whether Ctrl-C broke into the unit; the search must not go on.
+    """
+
+    nearest: NearestWorld | None
+    tried: int
+    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -166,14 +179,19 @@ class _Unit:
     def _done(self) -> bool:
         return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
-    def run(self) -> NearestWorld | None:
+    def run(self) -> _UnitResult:
         """Sample, climb, simplify.
 
-        What a slow controller is doing when the time is over is given up.
+        A run of a slow controller that is under way when the time is over is given up. So is one
+        that Ctrl-C interrupts because it did not end in time: the best until then is kept.
         """
-        with contextlib.suppress(OutOfTime), stopping_when(self._stopped):
-            self._search()
-        return self.found()
+        interrupted = False
+        try:
+            with contextlib.suppress(OutOfTime), stopping_when(self._stopped):
+                self._search()
+        except KeyboardInterrupt:
+            interrupted = True
+        return _UnitResult(self.found(), self.tried, interrupted)
 
     def _search(self) -> None:
         config = self.config
@@ -355,7 +373,7 @@ class OutcomeSearch:
             WorkersLost: If a worker process died.
         """
         deadline = Deadline(begin=now() + self._seconds)
-        waiting: deque[Future[_Work]] = deque()
+        waiting: deque[Future[_UnitResult]] = deque()
         number = 0
         with local_executor(self.workers) as executor:
             try:
@@ -368,7 +386,10 @@ class OutcomeSearch:
                     # In order of unit numbers, so that the result does not depend on the workers.
                     while wait([waiting[0]], LISTEN).not_done:
                         executor.listen()
-                    yield from self._take(waiting.popleft())
+                    unit = waiting.popleft()
+                    yield from self._take(unit)
+                    if unit.result().interrupted:
+                        raise KeyboardInterrupt
                     executor.listen()
                     if self.best is not None and self.best.distance == 0.0:
                         return
@@ -383,11 +404,12 @@ class OutcomeSearch:
                 # Nobody waits for units whose world is not needed any more.
                 executor.stop()
 
-    def _take(self, unit: Future[_Work]) -> Iterator[NearestWorld]:
+    def _take(self, unit: Future[_UnitResult]) -> Iterator[NearestWorld]:
         """Keep what a unit found, and yield it if it is better than all before."""
-        found, tried = unit.result()
+        result = unit.result()
+        found = result.nearest
         self.done += 1
-        self.tried += tried
+        self.tried += result.tried
         if found is not None and (self.best is None or found.rank() < self.best.rank()):
             self.best = found
             yield found
@@ -398,6 +420,5 @@ class OutcomeSearch:
         return number > 0 and deadline.to_begin_is_over()
 
 
-def _search_unit(config: FindConfig, number: int, deadline: Deadline) -> _Work:
-    unit = _Unit(config, number, deadline.to_begin_is_over)
-    return unit.run(), unit.tried
+def _search_unit(config: FindConfig, number: int, deadline: Deadline) -> _UnitResult:
+    return _Unit(config, number, deadline.to_begin_is_over).run()

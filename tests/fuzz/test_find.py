@@ -444,6 +444,45 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     assert worldgen("verify", tmp_path / "w.grid").code == 0
 
 
+STUCK = """
+import os, signal
+from itertools import count
+from sim import Command
+
+EPISODES = count()
+
+class Stuck:
+    stuck = False
+
+    def reset(self):
+        if next(EPISODES) == 20:
+            self.stuck = True
+            os.kill(os.getpid(), signal.SIGINT)
+        return ()
+
+    def act(self, observation, memory):
+        while self.stuck:
+            pass
+        return Command(0.0, 0.0), memory
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
+def test_ctrl_c_in_a_unit_that_does_not_end_keeps_what_it_had(tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.campaign.executors.local.TO_HAND_IN", 0.0)
+    (tmp_path / "mine.py").write_text(STUCK)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        result = worldgen(
+            "find", "--outcome", f"{tmp_path}/mine.py:Stuck=reached@9999", "--units", 2,
+            "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid",
+        )  # fmt: skip
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert result.code == 130 and "in 1 unit; wrote" in result.out
+    assert worldgen("verify", tmp_path / "w.grid").code == 0
+
+
 def test_a_budget_of_time_ends_a_unit_that_takes_longer(mine, tmp_path, monkeypatch):
     looks = []
     clock = SimpleNamespace(
