@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.campaigns``, ``--json`` for one object. For each lane worlds and steps a
 second and core, with proof and classification of what fails. For a whole campaign bytes a unit on
-    disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
+disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
         a piece
 of work costs client and scheduler together. ``--units`` is the number of units of each lane
 (default 3). Times are the processor's, so other work on the machine counts little; before the clock

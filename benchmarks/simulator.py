@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its
 rate and its ratio to each peer, all from one run. Peers that are not installed are left out, and
-    named: pymunk and mujoco come with pip.
+named: pymunk and mujoco come with pip.
 
 The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller
 is a simple reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are

@@ -73,8 +73,8 @@ class Family:
     """A generator of worlds.
 
     Call it with a seed and its own parameters: ``maze(seed=7, size=60)`` is a proved world.
-        ``inspect.signature`` shows its parameters with their bounds and units, and ``help``
-        explains them.
+    ``inspect.signature`` shows its parameters with their bounds and units, and ``help`` explains
+    them.
 
     Args:
         name: The world's noun, as on the command line.
@@ -267,8 +267,8 @@ def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build
     """Makes a family of a function ``(rng, *, size=..., ...) -> World``.
 
     Register it as an entry point. A parameter called ``margin`` has a meaning of its own: so many
-        seconds later than at once may the robot set out
-    on the witness that the world gets, and still arrive.
+    seconds later than at once may the robot set out on the witness that the world gets, and still
+    arrive.
 
     Args:
         name: The world's noun.

@@ -1,8 +1,7 @@
 """What every family promises, as checks that you can run over your own.
 
-In a test: ``check_family(my_family)``, or one check at a time,
-    ``pytest.mark.parametrize("check", CHECKS, ids=str)``.
-On the command line: ``worldgen check-family NAME``.
+In a test: ``check_family(my_family)``, or one check at a time, ``pytest.mark.parametrize("check",
+CHECKS, ids=str)``. On the command line: ``worldgen check-family NAME``.
 
 A check is called with the family and a case, that is, with some of its parameters; it raises
 ``BrokenContract``.

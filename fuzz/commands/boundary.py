@@ -53,7 +53,7 @@ def boundary(
     name: str,
     as_json: bool,
 ) -> None:
-    """Say at which values of one number a controller arrives and at which it fails.
+    """Find the radius, speed or heading at which failures begin.
 
     Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to
     65 cells), and narrows each change down to two neighbouring values. What changes twice between

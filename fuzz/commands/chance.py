@@ -40,7 +40,7 @@ def chance(
     seeds: int,
     as_json: bool,
 ) -> None:
-    """Say whether a random controller arrives with probability one, never, or in part.
+    """Decide whether a random controller always, never or sometimes arrives.
 
     Looks at every state that some draws lead to; if there are too many, counts the seeds that do
     not arrive. Exit code 0 if the robot arrives with probability one, or with every seed; 1 if not.

@@ -41,7 +41,7 @@ def _paths(command: F) -> F:
 
 @click.group()
 def corpus() -> None:
-    """Look at saved failures, compare and merge folders of them, and keep them small.
+    """List, compare, merge and prune folders of failures.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are
     of one class if controller, motion model and class are the same. docs/howto/corpus.md has the whole of
@@ -49,7 +49,7 @@ def corpus() -> None:
     """
 
 
-@corpus.command("list")
+@corpus.command("list", epilog="\b\n  worldgen corpus list failures/ --verdict loop")
 @_paths
 @_filters
 @json_option
@@ -91,7 +91,7 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
         note(f"passed over {counted(found.others, 'world')} without a failure")
 
 
-@corpus.command()
+@corpus.command(epilog="\b\n  worldgen corpus show failures/ --png failures.png")
 @_paths
 @_filters
 @click.option(
@@ -224,7 +224,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
         raise SystemExit(1)
 
 
-@corpus.command()
+@corpus.command(epilog="\b\n  worldgen corpus prune failures/ --dry-run")
 @click.argument("folder", type=FILE, metavar="DIR")
 @_filters
 @click.option("--dry-run", is_flag=True, help="Say what would go; delete nothing.")

@@ -16,7 +16,9 @@ _UNITS = 3
 _EXAMPLES = 200
 
 
-@click.command()
+@click.command(
+    epilog="\b\n  worldgen demo --out demo\n  worldgen demo --controller bug2 --out demo-bug2"
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -29,7 +31,7 @@ _EXAMPLES = 200
 @json_option
 @force_option
 def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) -> None:
-    """Make a world, run a robot in it, find and draw the smallest worlds in which it fails.
+    """Make a world, run a robot in it and find its failures, in one go.
 
     Everything lands in one folder; each step says which command does it. Exit code 0.
     """

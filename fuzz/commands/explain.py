@@ -21,7 +21,7 @@ EXAMPLES = "\b\n  worldgen explain failures/loop-wall.grid\n  worldgen explain f
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @json_option
 def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> None:
-    """Say what a failure depends on: the least changes after which the robot arrives.
+    """Report what a failure depends on, one change at a time.
 
     Frees each wall cell near the path, drops each event and each option, and varies start heading,
     radius, speed and time step, one at a time. A change counts only if the target is still provably

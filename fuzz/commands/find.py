@@ -98,7 +98,7 @@ def find(
     as_json: bool,
     force: bool,
 ) -> None:
-    r"""Find a world in which given controllers have given outcomes, or come as near as the budget allows.
+    r"""Search for a world with the outcomes that you name.
 
     An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang,
     invalid-command), never (loop or stalled; with chance also timeout), or fails (anything but

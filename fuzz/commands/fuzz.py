@@ -108,7 +108,7 @@ def fuzz(
     force: bool,
     **begun: Any,
 ) -> None:
-    """Search for worlds in which a controller fails; prove, shrink and save what is found.
+    """Search for worlds in which a controller fails.
 
     Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there
     is any that no --baseline has, 0 if not; a robot burned by what its controller cannot sense is

@@ -56,7 +56,7 @@ def init(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Set up FOLDER so that its CI looks for worlds in which your controller fails.
+    """Set up a project whose CI searches for failures.
 
     Runs the search that pull requests will run and stores what it finds as known failures; writes a
     CI job that fails when a pull request brings another one; and adds your controller to

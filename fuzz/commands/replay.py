@@ -39,11 +39,11 @@ def replay(
     force: bool,
     **outputs: Path | None,
 ) -> None:
-    """Run saved failures again: does each still fail, how, or does the robot arrive now.
+    """Run saved failures again and report what has changed.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and
-        certificate. Exit code 0
-    if every one is, 1 if one is not (also if the robot arrives now), 2 if a file holds no failure.
+    certificate. Exit code 0 if every one is, 1 if one is not (also if the robot arrives now), 2 if
+    a file holds no failure.
     """
     from fuzz.ci import CiFinding, Outputs, Report, State
     from fuzz.describe import describe

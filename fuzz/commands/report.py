@@ -22,7 +22,7 @@ FILE = click.Path(path_type=Path)
 @json_option
 @force_option
 def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force: bool) -> None:
-    """Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.
+    """Show failures and their campaign in one HTML page.
 
     The page needs no network and no other file. Each failure is run again for it, so the
     controllers that the files name are run. docs/howto/report.md has the whole of it.

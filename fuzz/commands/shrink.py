@@ -81,7 +81,7 @@ def shrink(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Make a failure's world as small as it can be, keeping verdict and certificate.
+    """Make the world of a failure as small as possible.
 
     Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing
     more can go, and checks that independently. Ctrl-C keeps the best so far.

@@ -40,7 +40,7 @@ EXAMPLES = (
 def studio(
     path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool
 ) -> None:
-    """Draw worlds, run robots in them and watch, in the browser.
+    """Draw worlds, run robots in them and watch, in your browser.
 
     PATH is a world's file, or a folder; only that folder, or the file's, can be read and written
     from the page. The server answers this machine alone, and only the browser that opens the

@@ -53,7 +53,7 @@ class WorldMessage(TypedDict):
     """A world without its proof.
 
     Lengths in m, ``cells`` as bits in base64, row by row from the lowest y. ``source`` is the text
-        of the file that it was opened from, or null: a world that is the same still is written with
+    of the file that it was opened from, or null: a world that is the same still is written with
     that file's proof, provenance and failure.
     """
 

@@ -58,7 +58,7 @@ def audit(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Say whether a trajectory, recorded in any simulator, was possible in a world.
+    """Check whether a trajectory from any simulator was possible.
 
     TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported
     are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the

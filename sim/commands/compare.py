@@ -91,7 +91,7 @@ def compare(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Run controllers in many worlds and print one table of times, failures, best and worst.
+    """Run several controllers in many worlds and print one table.
 
     PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its
     run, so that thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with

@@ -44,14 +44,13 @@ _COMPILERS = {
 @json_option
 @force_option
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
-    """Write a working, commented controller to begin from.
+    """Write a working, commented controller to start from.
 
     All kinds drive by the same rule: to the target, and after a bump away from the wall for a
-        while. Those in C and C++
-    and the compiled one take millions of steps a second and their loops are proved; the Python
-    class takes some hundred thousand and its loops are proved too, and so are those of the vector
-    class, which takes millions where it drives many robots; the process may be in any language and
-    hide anything, so it is at most stalled.
+    while. Those in C and C++ and the compiled one take millions of steps a second and their loops
+    are proved; the Python class takes some hundred thousand and its loops are proved too, and so
+    are those of the vector class, which takes millions where it drives many robots; the process may
+    be in any language and hide anything, so it is at most stalled.
     """
     import importlib.resources
 

@@ -76,7 +76,7 @@ def run(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Run a controller in a world and say how it ends.
+    """Run a controller in a world and report how it ends.
 
     Exit code 0 if the robot arrives, 1 if it does not.
     """

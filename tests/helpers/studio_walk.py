@@ -2,7 +2,7 @@
 
 Real commands, real mouse and keyboard. A document's commands are its ``console`` blocks; what the
 page is asked for are the sentences of its numbered steps. Each sentence has to be one of
-    ``SENTENCES``: what stands between stars is a name or words on the page, what stands
+``SENTENCES``: what stands between stars is a name or words on the page, what stands
 between backticks is typed, places are metres. Whatever else a document says stands outside its
 steps.
 """

@@ -1,13 +1,15 @@
 """The command line as a whole: light to start, one line per error, one table of commands."""
 
+import platform
 import subprocess
 import sys
 from importlib.metadata import entry_points
 
+import click
 import pytest
 
 from tests.helpers.command_line import worldgen
-from worldgen.cli.main import _SUMMARY
+from worldgen.cli.overview import COMMANDS
 
 HEAVY = ("numpy", "scipy", "numba", "shapely", "trimesh", "hypothesis", "PIL", "sim", "fuzz")
 
@@ -38,11 +40,39 @@ def test_a_small_maze_imports_neither_numba_nor_scipy_nor_shapely(tmp_path):
     }  # fmt: skip
 
 
-def test_the_table_of_commands_says_what_each_command_says_of_itself():
-    own = {point.name: point.load() for point in entry_points(group="worldgen.commands")}
-    assert set(own) == set(_SUMMARY)
-    for name, command in own.items():
-        assert command.help.split("\n\n")[0].replace("\n", " ").strip() == _SUMMARY[name]
+OWN = {point.name: point.load() for point in entry_points(group="worldgen.commands")}
+each_command = pytest.mark.parametrize("name", sorted(OWN))
+
+
+def test_help_lists_every_command_once_under_its_job():
+    listed = [name for summaries in COMMANDS.values() for name in summaries]
+    assert sorted(listed) == sorted(OWN)
+
+
+@each_command
+def test_help_lists_a_command_with_its_own_summary(name):
+    (summary,) = (summaries[name] for summaries in COMMANDS.values() if name in summaries)
+    assert OWN[name].help.split("\n\n")[0].replace("\n", " ").strip() == summary
+
+
+@each_command
+def test_every_option_of_a_command_has_help(name):
+    options = [p for p in OWN[name].params if isinstance(p, click.Option) and not p.hidden]
+    assert [option.name for option in options if not option.help] == []
+
+
+@each_command
+def test_every_command_ends_its_help_with_examples_of_itself(name):
+    command = OWN[name]
+    commands = command.commands.values() if isinstance(command, click.Group) else [command]
+    for one in commands:
+        assert f"worldgen {name}" in (one.epilog or ""), one.name
+
+
+def test_version_names_what_a_bug_report_needs():
+    lines = worldgen("--version").out.splitlines()
+    assert lines[0].startswith("worldgen, version ") and platform.python_version() in lines[1]
+    assert all(name in lines[2] for name in ("numpy", "scipy", "shapely", "hypothesis"))
 
 
 def test_a_misspelt_command_is_suggested():

@@ -7,7 +7,7 @@ import errno
 import os
 import shlex
 import sys
-from importlib.metadata import EntryPoint, version
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import NoReturn
 
@@ -16,6 +16,7 @@ import click
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
 from worldgen.cli.output import note
+from worldgen.cli.overview import COMMANDS, describe_versions
 from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.own_packages import check_hidden, prefer_own_packages
@@ -88,54 +89,19 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Lists names by kind without importing a single command."""
-        with formatter.section("Families (worldgen FAMILY --out w.grid)"):
-            formatter.write_text(", ".join(sorted(self._points("worldgen.families"))))
-        with formatter.section("Commands"):
-            formatter.write_dl(
-                [
-                    (name, _SUMMARY.get(name, ""))
-                    for name in sorted(self._points("worldgen.commands"))
-                ]
-            )
-
-
-# One line per command of our own, so that --help need not import them; tests hold it against the
-# commands.
-_SUMMARY = {
-    "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
-    "boundary": "Say at which values of one number a controller arrives and at which it fails.",
-    "census": "Count in how many foreign maps a disc can reach its target, and where only a grid "
-    "says so.",
-    "compare": "Run controllers in many worlds and print one table of times, failures, best and "
-    "worst.",
-    "chance": "Say whether a random controller arrives with probability one, never, or in part.",
-    "check-family": "Check what every family promises, over a family of your own.",
-    "check-scenarios": "Check that MovingAI problems have the shortest path that their file says.",
-    "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
-    "corpus": "Look at saved failures, compare and merge folders of them, and keep them small.",
-    "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
-    "find": "Find a world in which given controllers have given outcomes, or come as near as the "
-    "budget allows.",
-    "explain": "Say what a failure depends on: the least changes after which the robot arrives.",
-    "export": "Write a world in another program's format.",
-    "formats": "List the formats that import reads and export writes; of one, its options.",
-    "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
-    "init": "Set up FOLDER so that its CI looks for worlds in which your controller fails.",
-    "import": "Read a foreign map and place start and target.",
-    "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot "
-    "astray.",
-    "new-controller": "Write a working, commented controller to begin from.",
-    "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
-    "report": "Show failures in one HTML page: pictures, replays, numbers, and how their campaign "
-    "went.",
-    "replay": "Run saved failures again: does each still fail, how, or does the robot arrive now.",
-    "run": "Run a controller in a world and say how it ends.",
-    "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
-    "studio": "Draw worlds, run robots in them and watch, in the browser.",
-    "shrink": "Make a failure's world as small as it can be, keeping verdict and certificate.",
-    "verify": "Check a world's proof, or decide a map afresh.",
-}
+        """List the commands by job, without importing any of them."""
+        installed = dict.fromkeys(sorted(self._points("worldgen.commands")), "")
+        families = ", ".join(sorted(self._points("worldgen.families")))
+        rows = {"Make worlds": [("FAMILY", f"Make a world of a family: {families}.")]}
+        for job, summaries in COMMANDS.items():
+            known = [(name, text) for name, text in summaries.items() if name in installed]
+            with formatter.section(job):
+                formatter.write_dl(rows.get(job, []) + known)
+            for name, _ in known:
+                del installed[name]
+        if installed:
+            with formatter.section("From other packages"):
+                formatter.write_dl(list(installed.items()))
 
 
 def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
@@ -145,13 +111,27 @@ def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None
         ctx.exit()
 
 
+def _print_versions(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    """Print the versions of the program and of what it builds on."""
+    if wanted:
+        click.echo(describe_versions())
+        ctx.exit()
+
+
 @click.group(
     cls=LazyGroup,
     epilog=EPILOG,
     context_settings={"help_option_names": ["-h", "--help"]},
     params=[*QUIET_AND_VERBOSE],
 )
-@click.version_option(version("worldgen"), prog_name="worldgen")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_versions,
+    help="Show the versions that a bug report needs, and exit.",
+)
 @click.option(
     "--include",
     is_flag=True,

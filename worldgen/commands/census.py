@@ -110,12 +110,11 @@ def census(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Count in how many foreign maps a disc can reach its target, and where only a grid says so.
+    """Count the maps whose target a robot of a given radius can reach.
 
     SOURCE is a map file, a folder of them, or a generator: ./file.py:function or
-        package.module:function. Each
-    answer is proved and the proof checked. docs/howto/census.md describes table, CSV, JSON and
-    generators.
+    package.module:function. Each answer is proved and the proof checked. docs/howto/census.md
+    describes table, CSV, JSON and generators.
     """
     from worldgen.files.whole import check_output
     from worldgen.interop import census as library

@@ -28,7 +28,7 @@ EXAMPLES = (
 )
 @json_option
 def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: bool) -> None:
-    """Check what every family promises, over a family of your own.
+    """Check that your own family keeps the promises of every family.
 
     NAME is a registered family, ./file.py:name, package.module:name or ./recipe.toml. Each word of
     its first parameter that has words is a case. Exit code 1 says that a promise is broken.

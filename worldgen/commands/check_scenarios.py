@@ -42,7 +42,7 @@ def check_scenarios(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Check that MovingAI problems have the shortest path that their file says.
+    """Check the path lengths that MovingAI problems state.
 
     PATH is a .map or .scen file, or a folder with such files below it. A scenario file finds its
     map by the name that it gives. Paths are octile and cut no corner; lengths are compared to the

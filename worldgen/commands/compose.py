@@ -46,7 +46,7 @@ EXAMPLES = (
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 def compose() -> None:
-    """Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.
+    """Make worlds from parts with a recipe, such as a trap in a maze.
 
     RECIPE is a TOML file; its parameters are options, like those of a family.
     """

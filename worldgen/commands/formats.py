@@ -21,7 +21,10 @@ EXAMPLES = "\b\n  worldgen formats\n  worldgen formats ros"
 @click.argument("name", required=False)
 @json_option
 def formats(name: str | None, as_json: bool) -> None:
-    """List the formats that import reads and export writes; of one, its options."""
+    """List the formats that import and export know.
+
+    With NAME, list the options of that format.
+    """
     from worldgen.interop import FORMATS, HELD
 
     names = FORMATS.names() if name is None else [name]

@@ -102,14 +102,13 @@ def import_map(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Read a foreign map and place start and target.
+    """Make a world from another program's map.
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI,
-        worlds of robot
-    simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless told otherwise. A
-    mesh is cut at the height --slice, where the lidar is. Start and target that are given neither
-    here nor in the file are placed far apart in the largest region the robot can drive through,
-    with room to turn.
+    worlds of robot simulators, pictures, drawings, meshes, a .grid, whose places it keeps unless
+    told otherwise. A mesh is cut at the height --slice, where the lidar is. Start and target that
+    are given neither here nor in the file are placed far apart in the largest region the robot can
+    drive through, with room to turn.
 
     Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a
     path was found but the file has obstacles that cannot be read, such as a mesh, nothing is

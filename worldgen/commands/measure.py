@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["measure"]
 
 
-@click.command()
+@click.command(
+    epilog="\b\n  worldgen measure w.grid\n  worldgen measure worlds/ --csv > worlds.csv"
+)
 @click.argument(
     "paths",
     metavar="PATH...",
@@ -33,7 +35,7 @@ __all__ = ["measure"]
 )
 @json_option
 def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
-    """Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.
+    """Measure how hard worlds are.
 
     Metrics are worked out anew, by the file's own witness; a map without a certificate is decided
     first. What has no meaning for a world is left empty. A folder or an archive stands for the

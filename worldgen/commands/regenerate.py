@@ -56,7 +56,7 @@ def regenerate(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Make a set of worlds again from its manifest, byte for byte, or check it.
+    """Make a set of worlds again from its manifest, or check it.
 
     SET is a set's folder, its archive, or its manifest alone. With --out the whole set is made
     there; without, what is missing in the set's own folder. Every world is compared with the

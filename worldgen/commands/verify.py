@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["verify", "verify_world"]
 
 
-@click.command()
+@click.command(epilog="\b\n  worldgen verify w.grid\n  worldgen verify failures/ --json")
 @click.argument(
     "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
@@ -46,7 +46,7 @@ def verify(
     deadline: float | None,
     as_json: bool,
 ) -> None:
-    """Check a world's proof, or decide a map afresh.
+    """Check a world's proof, or decide whether a target can be reached.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
     without a certificate is decided afresh, and so is a certificate that says nothing about the
@@ -54,8 +54,7 @@ def verify(
     stands for the .grid files in it.
 
     Of a world that changes it says too how late the robot may set out: on the witness (its margin),
-        and on
-    any path (the latest start).
+    and on any path (the latest start).
 
     Exits with 0 if every certificate holds or every map could be decided (blocked is an answer
     too), with 1 if a certificate does not hold or a map stays undecided, with 2 if a file cannot be

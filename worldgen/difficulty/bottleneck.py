@@ -88,7 +88,7 @@ class _DiscQuery:
     """Whether a disc that fits at the start gets to any pose of the target, asked for one radius after another.
 
     No way is sought: a pose that no chain parts from the start can be reached
-        (docs/explanation/reachability.md).
+    (docs/explanation/reachability.md).
     """
 
     def __init__(self, world: World, solid: Bools) -> None:

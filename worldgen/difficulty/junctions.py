@@ -1,13 +1,12 @@
 """Decision points: places along the way from which three or more ways lead.
 
 A *place* is a point, at a multiple of half a cell, with a locally largest free disc: none of its
-    eight neighbours has a
-larger one, and it lies in no larger disc of another place. Its *ring* are the points from 1.5 to 2
-radii of its disc away that the robot can reach from it without leaving the ring's outer circle; the
-separate parts of the ring that reach to that circle are the *ways* that lead from it. Corners of a
-passage are nearer than 1.5 radii; those of a blind end, which may stick into the ring, are nearer
-than 2. A *decision point* is a place with three or more ways whose disc the witness enters, to half
-a cell; places that lie in each other's discs are one.
+eight neighbours has a larger one, and it lies in no larger disc of another place. Its *ring* are
+the points from 1.5 to 2 radii of its disc away that the robot can reach from it without leaving the
+ring's outer circle; the separate parts of the ring that reach to that circle are the *ways* that
+lead from it. Corners of a passage are nearer than 1.5 radii; those of a blind end, which may stick
+into the ring, are nearer than 2. A *decision point* is a place with three or more ways whose disc
+the witness enters, to half a cell; places that lie in each other's discs are one.
 """
 
 from __future__ import annotations

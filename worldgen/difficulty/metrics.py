@@ -71,8 +71,7 @@ class Metrics:
     """How hard a world is; each field as :data:`METRICS` says, to :data:`DIGITS` significant digits.
 
     A metric that has no meaning for the world is None: those along a way where none is known, those
-        over the
-    straight line where start and target coincide.
+    over the straight line where start and target coincide.
     """
 
     difficulty: float | None = None

@@ -85,8 +85,8 @@ def angle(dot: int, cross: int) -> float:
     """Angle between two vectors, rad, 0 to pi, from their dot product and the size of their cross product.
 
     The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and
-        square roots,
-    which are the same on every machine, as the arc tangents of C libraries are not. Good to 1e-14.
+    square roots, which are the same on every machine, as the arc tangents of C libraries are not.
+    Good to 1e-14.
     """
     if cross == 0:
         return math.pi if dot < 0 else 0.0

@@ -2,13 +2,11 @@
 
 A robot at ``p`` is ``D(p)`` from the target as the crow flies. The pass of ``p`` is the least, over
 all ways from ``p`` to the target, of the greatest ``D`` on the way: so far from the target must a
-    robot at ``p`` go, whatever it does. Its
-depth is pass less ``D``.
+robot at ``p`` go, whatever it does. Its depth is pass less ``D``.
 
 The points are taken in the order of ``D``, each united with its neighbours before it: two pockets
-    become one at the
-lowest point between them, and a pocket's depth shows when it joins what is connected with the
-target.
+become one at the lowest point between them, and a pocket's depth shows when it joins what is
+connected with the target.
 
 Source: Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002; of
     depressions in

@@ -1,10 +1,9 @@
 """Searches for worlds with wanted metrics, over seeds and over the parameters that nobody fixed.
 
 An evolution strategy: of the worlds tried so far the nearest ones are parents; the next world has
-    the parameters of one
-or two of them, some changed, and a new seed or the parent's. What a family refuses is left out and
-has no children. Every fourth is drawn afresh, so that a wish with more than one answer is not lost
-in a corner.
+the parameters of one or two of them, some changed, and a new seed or the parent's. What a family
+refuses is left out and has no children. Every fourth is drawn afresh, so that a wish with more than
+one answer is not lost in a corner.
 
 Source: Rechenberg, "Evolutionsstrategie", 1973; Beyer, Schwefel, "Evolution Strategies: A
     Comprehensive Introduction",

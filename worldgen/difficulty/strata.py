@@ -1,11 +1,10 @@
 """Searches for worlds spread evenly over a range of difficulty.
 
 Worlds of one family with its default parameters are about equally hard: 98 % of 10,000 default
-    mazes lie between 0.70
-and 0.86. So the range is cut into strata of equal width, each of which is to get equally many
-worlds. The strata share one search: each proposal is made for one of them, from the parameters of
-    worlds that lie in it or near it, and a world
-counts for the stratum that it turns out to lie in.
+mazes lie between 0.70 and 0.86. So the range is cut into strata of equal width, each of which is to
+get equally many worlds. The strata share one search: each proposal is made for one of them, from
+the parameters of worlds that lie in it or near it, and a world counts for the stratum that it turns
+out to lie in.
 
 Source: Mouret, Clune, "Illuminating search spaces by mapping elites", 2015, for an archive with a
     place for each part

@@ -140,8 +140,7 @@ class _Walls:
         """Return (n, 16) how far each ray gets before it touches a solid cell, in steps of its direction.
 
         Cells are closed: a ray that touches a corner or runs along a wall ends there. Slanted rays
-            between the axes
-        and diagonals are followed for ``_REACH`` cells along the longer axis only.
+        between the axes and diagonals are followed for ``_REACH`` cells along the longer axis only.
         """
         ffi = _core.ffi
         lib = _core.lib

@@ -150,7 +150,7 @@ class _ClearPoints:
         """The place with room to turn that takes most steps from ``source``.
 
         The last such in the order of the flood. A place without room is taken if all that have it
-            are near: a start beside its target tests nothing.
+        are near: a start beside its target tests nothing.
         """
         size = self._floods.regions(source, source + 1).largest
         nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps

@@ -1,7 +1,7 @@
 """The part that needs rclpy.
 
 A node that publishes what the robot senses and hears what the driver commands. Written for ROS 2
-    Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
+Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
 which is sent in ``lockstep``.
 """
 

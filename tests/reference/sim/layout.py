@@ -21,7 +21,7 @@ rad from ``OBS_SIZE`` on  range beams: distance to the first wall, m
 ====================  =====================================================================
 
 Command (float64): ``CMD_SPEED`` m/s (negative: backwards), ``CMD_TURN_RATE`` rad/s
-    (counter-clockwise),
+(counter-clockwise),
 ``CMD_DRAW`` 1 if ``OBS_RANDOM`` was used.
 """
 

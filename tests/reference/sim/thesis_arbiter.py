@@ -9,7 +9,7 @@ took control keeps it until it gives it up, and acts in the very tick in which i
 not act in that tick; A2 acts first and then selects; A3 acts, selects and acts. A4 asks the one in
 charge again in every tick whether it would take control, and so begins it afresh; A6 does that for
 collide alone. In A5 nobody is ever in charge for longer than a tick. ``INTERRUPTIBLE`` is what the
-    thesis asks for as further work: every tick decides anew, and a
+thesis asks for as further work: every tick decides anew, and a
 collision begins the escape afresh whoever is in charge; until then an escape, or a drive, goes on
 where it stood.
 """

@@ -50,8 +50,7 @@ def cave(
 
     No wall is straight, and hollows of every size catch a robot that follows a signal or a wall.
     Whatever is free can be reached by the robot: hollows that hang apart are joined by tunnels,
-        crannies too narrow
-    for the robot are filled in.
+    crannies too narrow for the robot are filled in.
 
     Args:
         rng: The only source of chance; equal state, equal world.

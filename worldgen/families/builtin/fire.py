@@ -76,9 +76,8 @@ def fire(
     """A world of another family in which fire breaks out on the way to the target.
 
     What is true when the robot sets out is not true when it arrives: ways burn, fall shut behind
-        the fire,
-    and open where walls burn through. The floor round the start never burns, so that the robot can
-    wait.
+    the fire, and open where walls burn through. The floor round the start never burns, so that the
+    robot can wait.
 
     Args:
         rng: The only source of chance; equal state, equal world.

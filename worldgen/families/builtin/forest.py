@@ -49,9 +49,8 @@ def forest(
     There is a way between any two trunks, so a robot that goes round what it meets arrives; one
     that turns by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk
     and the border, are closer than the gap, which is exact between their cells: every target is
-        reachable, whatever is drawn.
-    A trunk of random thickness is tried at each cell, in random order, and stands if it keeps the
-    gap.
+    reachable, whatever is drawn. A trunk of random thickness is tried at each cell, in random
+    order, and stands if it keeps the gap.
 
     Args:
         rng: The only source of chance; equal state, equal world.

@@ -184,8 +184,7 @@ def _slanted(
     """The world with an obstacle that may be slanted, a passage all round it.
 
     Between slanted walls the plan has two cells more than was asked for: raster and thickening take
-        up to as
-    much, so what is clear is never less.
+    up to as much, so what is clear is never less.
     """
     draw = rng.child("slanted")
     degrees = 90 * (draw.below(4) if turn == CHOSEN else turn) + angle

@@ -124,10 +124,8 @@ def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> Floor
     """Cuts the square into corridors and rooms.
 
     ``wings``: corridors branch off corridors until every room is near one; ``spine``: one corridor
-        across;
-    ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they share at
-        least a
-    room's least side: every box can be joined to the rest.
+    across; ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they
+    share at least a room's least side: every box can be joined to the rest.
     """
     whole = (1, 1, arena.size - 1, arena.size - 1)
     corridors: list[Box] = []

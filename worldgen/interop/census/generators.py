@@ -1,7 +1,7 @@
 """The maps of a third-party generator, through a function that hands them over one by one.
 
 The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a
-    tuple: a name and
+tuple: a name and
 the walls, and if the generator has them the cells of start and target. ``walls`` is an array of two
 axes, True (or 1) where solid, row 0 the top row, as it would be printed; a cell is (row, column) in
 it. A generator that knows metres yields a :class:`worldgen.interop.census.CensusMap` instead.

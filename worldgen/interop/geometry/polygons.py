@@ -1,7 +1,7 @@
 """Walls as polygons with holes, in cells: what maps and plans are made of.
 
 A corner is where an outline turns. Outlines run with solid cells on their left, from corner to
-    corner: sorted by
+corner: sorted by
 place, the n-th corner that is left eastwards is followed by the n-th that is entered eastwards, and
 so in every direction, for the sides of one line never overlap.
 """

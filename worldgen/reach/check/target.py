@@ -3,10 +3,10 @@
 Shares nothing with the prover. Each connected part of those poses has one that is nearest to the
 disc's centre. There the way to the centre is barred by one cell or by two: so it is the centre, the
 nearest point to it on the edge of one cell's neighbourhood, or a point on the edges of two
-(docs/explanation/reachability.md). Edges lie on lines and circles. All such points are worked out to 180
-digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as
-in the disc: so what is doubtful goes against the certificate. Only how near a thing has to be to be
-    looked at is decided in floats.
+(docs/explanation/reachability.md). Edges lie on lines and circles. All such points are worked out
+to 180 digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear,
+or as in the disc: so what is doubtful goes against the certificate. Only how near a thing has to be
+to be looked at is decided in floats.
 """
 
 from __future__ import annotations

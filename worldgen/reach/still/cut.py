@@ -1,11 +1,10 @@
 """Finds a cut: a closed chain of solid cells, gaps below 2 r, that winds round start or target but not both.
 
 Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre,
-    closest
-point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A
-cycle whose bits add up to an odd number parts start from target, and there is one exactly if the
-two lie in different components of the clear poses (docs/explanation/reachability.md). A breadth-first search
-over (cell, bit) in C tells whether there is one, and then finds a short one.
+closest point, closest point, centre) crosses the ray from the start upwards, xor the same for the
+target. A cycle whose bits add up to an odd number parts start from target, and there is one exactly
+if the two lie in different components of the clear poses (docs/explanation/reachability.md). A
+breadth-first search over (cell, bit) in C tells whether there is one, and then finds a short one.
 
 Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from
 them all.

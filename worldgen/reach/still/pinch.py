@@ -1,9 +1,8 @@
 """Extra edges through the narrowest places, where steps along axes and diagonals cannot pass.
 
 Between two corners the widest way is their bisector: it starts at the middle of the gap, a multiple
-    of half a
-cell, and is at right angles to the gap. A disc that is barely narrower than a slanting gap passes
-along this line only, so the graph gets it as an edge of its own.
+of half a cell, and is at right angles to the gap. A disc that is barely narrower than a slanting
+gap passes along this line only, so the graph gets it as an edge of its own.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Exact distances between points, segments and solid cells.
 
 Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are
-    Python
-integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
+Python integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
 """
 
 from __future__ import annotations
@@ -100,7 +99,7 @@ class Walls:
         """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
 
         None nearer is left out. Of the outside, only the ring next to the grid is listed: the rest
-            is never nearer.
+        is never nearer.
         """
         (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)
         first = max(-1, (py - reach) // UNIT - 1)

@@ -15,8 +15,7 @@ def widest_disc(world: World) -> float:
     """The largest radius, m, with which a disc can get from the start to the target.
 
     0 if no disc of a robot can. Found by halving: a smaller disc gets wherever a larger one does.
-        The answer is right to the last bit, that is,
-    the next larger float is too large.
+    The answer is right to the last bit, that is, the next larger float is too large.
 
     Args:
         world: One that stands still.

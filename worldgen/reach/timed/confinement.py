@@ -21,9 +21,8 @@ class Confinement:
     It cannot be reached, or not by a deadline. Space is cut into square tiles, time into slabs in
     which no robot gets farther than one tile's side. A stay says that a robot may be in a tile from
     one slab to another. The stays are closed: who is in a stay in one slab is, in the next, in a
-        stay of that tile or of one of its eight neighbours, or where the disc cannot be, or too far
-        off to
-    arrive in time. So each robot that begins at the start, and may arrive in time, is always in
+    stay of that tile or of one of its eight neighbours, or where the disc cannot be, or too far off
+    to arrive in time. So each robot that begins at the start, and may arrive in time, is always in
     some stay.
 
     Args:

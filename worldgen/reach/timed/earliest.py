@@ -3,7 +3,7 @@
 A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an
 edge is attained at its ends or its middle whatever the cells, so an edge is safe while these are. A
 state of the search is (node, safe interval): within one interval, an earlier arrival is never
-    worse, for one can wait.
+worse, for one can wait.
 
 Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic
     Environments", 2011.

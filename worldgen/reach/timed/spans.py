@@ -30,7 +30,7 @@ class Spans:
     """The cells that change, and when they are blocked: solid or burning.
 
     What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so
-        much later: for some
+    much later: for some
     delay up to ``early``, t + delay is b or later exactly if t is b - early or later.
 
     Args:

@@ -3,7 +3,7 @@
 The robot knows its position and, of the wall that it touched last, the direction to it. It
 *advances* along that wall, turned a little towards it, so that it slides on a flat wall and keeps
 in touch round a corner. Where it meets something else, it *presses* against its own wall again
-    before it goes on: what stopped it may be the far side of a passage
+before it goes on: what stopped it may be the far side of a passage
 hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall.
 Where it loses its wall it turns towards it step by step. So it follows the edge of what its centre
 can reach, and skips no opening.

@@ -8,7 +8,7 @@ it does not know it takes for free. Each plan that fails blocks an edge more, so
 is a way along the edges of the grid, and the map holds all that it saw: with walls on a grid of
     their own that is so if ``pitch`` is half
 a cell. With less memory the map is a window that moves with the robot, and what has left it is
-    forgotten: then it may
+forgotten: then it may
 go round in circles larger than its memory. ``mapping`` makes a controller with a map of any size.
 
 Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and

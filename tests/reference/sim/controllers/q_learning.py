@@ -3,7 +3,7 @@
 Every fourth step the robot looks where the target is (an eighth of a turn), which of five
 directions are blocked, and which way it turned last; that makes 768 situations. For each the table
 has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
-    What it cannot tell apart it must treat alike: in worlds where
+What it cannot tell apart it must treat alike: in worlds where
 the table, right on average, is wrong, it drives round for ever.
 
 The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and

@@ -7,7 +7,7 @@ it sees a free place that is nearer to the target than any place of the wall was
 
 With a perfect scan and a robot that is a point it arrives if anybody can. Here the robot is a disc,
 which takes the points that its beams meet for the walls, each as wide as itself, and between two
-    beams it sees nothing: a long shot
+beams it sees nothing: a long shot
 past a thin wall can look free and not be so. The fuzzer shows what that costs.
 
 It needs ``beams`` all round with a ``beam_range`` of ``RANGE``, which it gets unless the run says

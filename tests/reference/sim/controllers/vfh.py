@@ -3,7 +3,7 @@
 Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
 free are openings; of the directions through them the cheapest is taken: near to the target's, to
 the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
-    than its beams, and has no map: in a cup deeper than
+than its beams, and has no map: in a cup deeper than
 that, or behind a long wall, it drives to and fro for ever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile

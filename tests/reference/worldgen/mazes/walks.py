@@ -117,7 +117,7 @@ def hunt_and_kill(words, board, state, stride, scratch):
     """Digs at random until it is stuck, then hunts, row by row, for a free chamber beside the maze.
 
     ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before
-        this.
+    this.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 5.
     """

@@ -1,0 +1,72 @@
+"""What ``worldgen --help`` and ``--version`` print, without importing a single command."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+__all__ = ["COMMANDS", "describe_versions"]
+
+COMMANDS: dict[str, dict[str, str]] = {
+    "Make worlds": {
+        "compose": "Make worlds from parts with a recipe, such as a trap in a maze.",
+        "regenerate": "Make a set of worlds again from its manifest, or check it.",
+        "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
+        "verify": "Check a world's proof, or decide whether a target can be reached.",
+        "check-family": "Check that your own family keeps the promises of every family.",
+    },
+    "Run controllers": {
+        "new-controller": "Write a working, commented controller to start from.",
+        "run": "Run a controller in a world and report how it ends.",
+        "compare": "Run several controllers in many worlds and print one table.",
+        "studio": "Draw worlds, run robots in them and watch, in your browser.",
+    },
+    "Find failures": {
+        "demo": "Make a world, run a robot in it and find its failures, in one go.",
+        "fuzz": "Search for worlds in which a controller fails.",
+        "find": "Search for a world with the outcomes that you name.",
+        "boundary": "Find the radius, speed or heading at which failures begin.",
+        "chance": "Decide whether a random controller always, never or sometimes arrives.",
+        "init": "Set up a project whose CI searches for failures.",
+    },
+    "Keep and understand failures": {
+        "replay": "Run saved failures again and report what has changed.",
+        "explain": "Report what a failure depends on, one change at a time.",
+        "shrink": "Make the world of a failure as small as possible.",
+        "report": "Show failures and their campaign in one HTML page.",
+        "corpus": "List, compare, merge and prune folders of failures.",
+    },
+    "Convert worlds": {
+        "import": "Make a world from another program's map.",
+        "export": "Write a world in another program's format.",
+        "formats": "List the formats that import and export know.",
+    },
+    "Study worlds": {
+        "measure": "Measure how hard worlds are.",
+        "audit": "Check whether a trajectory from any simulator was possible.",
+        "census": "Count the maps whose target a robot of a given radius can reach.",
+        "check-scenarios": "Check the path lengths that MovingAI problems state.",
+    },
+}
+"""By job, the name and summary of each command; a test compares them with the commands' own."""
+
+# The libraries whose version can change what a command does.
+_LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "hypothesis", "click", "numba", "dask")
+
+
+def describe_versions() -> str:
+    """Return the versions that a bug report needs: the program, Python, the system, libraries."""
+    libraries = []
+    for name in _LIBRARIES:
+        try:
+            libraries.append(f"{name} {version(name)}")
+        except PackageNotFoundError:  # it belongs to an extra that is not installed
+            continue
+    python = f"{platform.python_implementation()} {platform.python_version()}"
+    return "\n".join(
+        (
+            f"worldgen, version {version('worldgen')}",
+            f"{python} on {platform.system()} {platform.release()}, {platform.machine()}",
+            ", ".join(libraries),
+        )
+    )
