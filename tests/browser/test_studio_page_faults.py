@@ -254,9 +254,7 @@ def test_a_page_too_many_says_so_and_comes_when_another_one_is_closed(browser, f
     with studio_of(folder) as gate, opened(browser, gate) as page:
         other = page.context.new_page()
         other.goto(page.url)
-        other.get_by_text(
-            "1 pages are open, which is the limit; close another one."
-        ).wait_for()
+        other.get_by_text("1 pages are open, which is the limit; close another one.").wait_for()
         page.close()
         other.locator("#proof.good").wait_for()
         assert other.locator("#gone").is_hidden()

@@ -606,8 +606,7 @@ def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, mon
             pass
         assert closed.value.rcvd.code == FULL
         assert (
-            closed.value.rcvd.reason
-            == "2 pages are open, which is the limit; close another one."
+            closed.value.rcvd.reason == "2 pages are open, which is the limit; close another one."
         )
 
 
