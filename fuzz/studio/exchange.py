@@ -1,7 +1,4 @@
-"""Maps of other programs come in and go out.
-
-What ``worldgen import`` and ``worldgen export`` do, asked by the page.
-"""
+"""Import and export maps of other programs for the page, as the command line does."""
 
 from __future__ import annotations
 
@@ -29,31 +26,30 @@ from worldgen.world import Value
 
 __all__ = ["ExchangeAnswers"]
 
-_MOST_FILES = 20  # that are dropped on the page together
-_BESIDE = (
-    ".worldgen.toml",
-    ".scen",
-    ".tsx",
-    ".inc",
-)  # endings of files that go with a map, and are none
-_PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")  # maps only where nothing names them
+_MOST_FILES = 20  # files that can be dropped on the page together
+# Suffixes of files that accompany a map but are not maps themselves.
+_BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")
+# Pictures are maps only if no other file refers to them.
+_PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
 class ExchangeAnswers(Opened):
-    """What the page asks for, as far as other programs' files are concerned."""
+    """Answers that concern files of other programs."""
 
     def bring(self, message: Message, part: Part) -> dict[str, Any]:
-        """A foreign map, of the folder or dropped on the page, with start and target placed where it has none."""
+        """Return a foreign map from the folder or the page; missing places are chosen."""
         wanted = _wanted(message)
+        # A map in the folder, with the scenario next to it.
         if "data" not in message and "files" not in message:
             name = field(message, "name", str)
             place = self.folder.place_of_map(name)
             beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
             scenario = next((one for one in beside if one.is_file()), None)
             return _imported(place, wanted, scenario, wanted.row) | {"main": place.name}
+        # Files dropped on the page: put them into a temporary folder, and find the map among them.
         files = message.get("files", [{"name": message.get("name"), "data": message.get("data")}])
         with tempfile.TemporaryDirectory() as there, _without(Path(there)):
             places = _put_down(files, Folder(Path(there)))
@@ -66,10 +62,10 @@ class ExchangeAnswers(Opened):
             }
 
     def export(self, message: Message, part: Part) -> dict[str, Any]:
-        """A world in another program's format: for the browser to keep, or into the folder."""
+        """Return a world in another program's format, for the browser or in the folder."""
         known = _format_name(message)
         if known is None:
-            raise InvalidParameter("empty-name", "no format is named", "choose one")
+            raise InvalidParameter("empty-name", "no format is given", "choose one")
         world = restored(field(message, "world", dict))
         place = self.folder.place(field(message, "name", str))
         options: dict[str, Value | None] = field({"options": {}, **message}, "options", dict)
@@ -89,9 +85,8 @@ class ExchangeAnswers(Opened):
             for name in ("lost", "notes")
         }
         if field(message, "keep", bool):
-            for (
-                other
-            ) in export.files:  # a link beside it would lead a sibling_file out of the folder
+            # A link with the name of an accompanying file would lead out of the folder.
+            for other in export.files:
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
             written = write_export(export, place.parent, force=field(message, "overwrite", bool))
             return said | {
@@ -106,15 +101,15 @@ class ExchangeAnswers(Opened):
 
 
 def _put_down(files: object, folder: Folder) -> list[Path]:
-    """Writes dropped files into a folder of their own, under their names without path.
+    """Write dropped files to their own folder, under their names without paths.
 
     Raises:
-        InvalidParameter: If they are too large or too many, have one name, or are no files.
+        InvalidParameter: If they are too large or too many, have the same name, or are not files.
     """
     if not isinstance(files, list) or not 1 <= len(files) <= _MOST_FILES:
         raise InvalidParameter(
             "out-of-range",
-            "drop 1 to {most} files: a map, and those that it names",
+            "drop 1 to {most} files: a map, and the files that it refers to",
             most=_MOST_FILES,
         )
     places: list[Path] = []
@@ -122,7 +117,9 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
     for file in files:
         if not isinstance(file, dict):
             raise InvalidParameter(
-                "wrong-message", "the message's files are no tables", "send name and data of each"
+                "wrong-message",
+                "the message's files are not tables",
+                "send name and data of each",
             )
         name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
         data = _bytes_of(field(file, "data", str))
@@ -130,15 +127,18 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         if total > MOST_DROPPED:
             raise InvalidParameter(
                 "too-large",
-                "{bytes} bytes are more than the {most} of dropped files",
-                "put them into the folder",
+                "{bytes} bytes are more than the {most} allowed for dropped files",
+                "put them into the studio's folder",
                 bytes=total,
                 most=MOST_DROPPED,
             )
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
             raise InvalidParameter(
-                "twice", "two of the files are called {name}", "drop one of them", name=place.name
+                "twice",
+                "two of the files have the name {name}",
+                "drop one of them",
+                name=place.name,
             )
         place.write_bytes(data)
         places.append(place)
@@ -146,10 +146,10 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
 
 
 def _main_of(places: Sequence[Path]) -> Path:
-    """The map among dropped files; the others are what it names, or belong beside it.
+    """Return the map among dropped files; it refers to the others, or they accompany it.
 
     Raises:
-        InvalidParameter: If several of them could be it.
+        InvalidParameter: If several of them could be the map.
     """
     maps = [place for place in places if not place.name.lower().endswith(_BESIDE)] or list(places)
     found = [place for place in maps if place.suffix.lower() not in _PICTURES] or maps
@@ -158,7 +158,7 @@ def _main_of(places: Sequence[Path]) -> Path:
         raise InvalidParameter(
             "several-maps",
             "{names} are {count} maps",
-            "drop one, with the files that it names",
+            "drop one, with the files that it refers to",
             names=names,
             count=len(found),
         )
@@ -175,7 +175,7 @@ def _point(values: Sequence[Any]) -> tuple[float, float]:
 
 
 def _format_name(message: Message) -> str | None:
-    """The format that a message names: a registered one, for others are code of files."""
+    """Return the format in a message; it must be registered, because others are code from files."""
     name = message.get("format")
     if name is not None:
         check_registered("format", str(name), FORMATS.names())
@@ -184,14 +184,14 @@ def _format_name(message: Message) -> str | None:
 
 @dataclass(frozen=True)
 class _Wanted:
-    """How a map is to be read; what is left out, its file says, or is as usual.
+    """Options for reading a map; omitted ones come from its file or from the defaults.
 
     Args:
-        format: What it is.
-        options: Of that format, by name.
-        radius: Of the robot, m.
-        row: Which problem of its scenario, from 1; 0: none.
-        seed: Where the search for far places begins.
+        format: Name of the format.
+        options: Options of that format, by name.
+        radius: Radius of the robot, m.
+        row: Number of the problem in its scenario, from 1; 0 for none.
+        seed: Seed of the search for places that are far apart.
     """
 
     format: str | None = None
@@ -216,22 +216,19 @@ def _bytes_of(text: str) -> bytes:
         return base64.b64decode(text, validate=True)
     except ValueError as error:
         raise InvalidParameter(
-            "not-base64", "the message's data are no base64", "send the file's bytes"
+            "not-base64", "the message's data is not base64", "send the file's bytes"
         ) from error
 
 
 def _imported(
     place: Path, wanted: _Wanted, scenario: Path | None, row: int | None
 ) -> dict[str, Any]:
-    """A map as a world, with what can be asked of it.
-
-    Its format, and how many problems its scenario has.
-    """
+    """Return a map as a world, with its format and the number of problems in its scenario."""
     if wanted.row and scenario is None:
         raise InvalidParameter(
             "no-scenario",
-            "a row is one of a scenario",
-            "bring the .scen file together with its map",
+            "a row can only be chosen from a scenario",
+            "import the .scen file together with its map",
         )
     used = scenario if row else None
     robot = ImportedRobot(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
@@ -240,7 +237,7 @@ def _imported(
         raise FormatError(
             "part-not-read",
             "{reason}",
-            "`worldgen import --ignore-unread` makes a world without it, which can be opened here",
+            "`worldgen import --ignore-unread` makes a world without it, which you can open here",
             at_terminal=True,
             reason=imported.decision.reason,
             source=str(place),
@@ -254,9 +251,9 @@ def _imported(
 
 
 def _rows_of(scenario: Path) -> int:
-    """How many problems a scenario has.
+    """Return the number of problems in a scenario.
 
-    None where it is faulty, which is said when one is asked for.
+    0 if it is faulty, which is reported when a problem is requested.
     """
     with contextlib.suppress(FormatError):
         return scenario_contents(scenario)[1]
@@ -265,7 +262,7 @@ def _rows_of(scenario: Path) -> int:
 
 @contextlib.contextmanager
 def _without(folder: Path) -> Iterator[None]:
-    """Take a folder that nobody has heard of out of an error."""
+    """Remove a temporary folder's path from errors."""
     try:
         yield
     except FormatError as error:

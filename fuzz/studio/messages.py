@@ -1,4 +1,4 @@
-"""Worlds as messages: JSON that a browser's numbers hold exactly."""
+"""Worlds as JSON messages, with numbers that a browser represents exactly."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ __all__ = [
 ]
 
 _MOST_EVENTS = 1_000_000
-_SOURCE_LIMIT = 8 << 20  # characters of the text of a file, which the page keeps to give it back
+_SOURCE_LIMIT = 8 << 20  # characters of a file's text, which the page keeps and sends back
 
 
 class EventsMessage(TypedDict):
     """Changes of cells, in columns.
 
-    S, column, row from the lowest, and 0 free, 1 solid or 2 burning.
+    Time in s, column, row from the lowest, and state: 0 free, 1 solid, 2 burning.
     """
 
     times: list[float]
@@ -52,9 +52,9 @@ class EventsMessage(TypedDict):
 class WorldMessage(TypedDict):
     """A world without its proof.
 
-    Lengths in m, ``cells`` as bits in base64, row by row from the lowest y. ``source`` is the text
-    of the file that it was opened from, or null: a world that is the same still is written with
-    that file's proof, provenance and failure.
+    Lengths are in m; ``cells`` are bits in base64, row by row from the lowest y. ``source`` is the
+    text of the file from which it was opened, or null. As long as the world stays the same, it is
+    saved with that file's proof, provenance and failure.
     """
 
     width: int
@@ -70,11 +70,10 @@ class WorldMessage(TypedDict):
 
 
 def message_of(world: World) -> WorldMessage:
-    """A world as the page edits it.
+    """Return a world as the page edits it.
 
     Raises:
-        InvalidWorld: If it has more cells, or of another size, or changes more often, than a page
-            takes.
+        InvalidWorld: If it has more cells or events than the page allows, or cells of another size.
     """
     least, largest = LENGTHS
     if not least <= world.cell_size <= largest:
@@ -123,7 +122,7 @@ def message_of(world: World) -> WorldMessage:
 
 
 def opened_message(world: World) -> dict[str, Any]:
-    """A world with what its file says of it."""
+    """Return a world together with the facts in its file."""
     made = world.provenance
     failure = Failure.found_in(world)
     return {
@@ -145,11 +144,11 @@ def opened_message(world: World) -> dict[str, Any]:
 
 
 def world_of(message: Mapping[str, Any]) -> World:
-    """The world that a message holds, without proof.
+    """Return the world in a message, without proof.
 
     Raises:
-        InvalidParameter: If a part of the message is missing or of another kind.
-        InvalidWorld: If the parts make no world.
+        InvalidParameter: If a part of the message is missing or of another type.
+        InvalidWorld: If the parts do not form a valid world.
     """
     width, height = (field(message, side, int) for side in ("width", "height"))
     if min(width, height) < 1 or width * height > MOST_CELLS:
@@ -174,14 +173,14 @@ def world_of(message: Mapping[str, Any]) -> World:
 
 
 def restored(message: Mapping[str, Any]) -> World:
-    """The world that a message holds.
+    """Return the world in a message.
 
-    With proof, provenance and failure of its file where it is still the same.
+    If it still equals the one in its file, it has the file's proof, provenance and failure.
 
     Raises:
-        InvalidParameter: If a part of the message is missing or of another kind.
-        InvalidWorld: If the parts make no world.
-        FormatError: If the file's text was changed on the way.
+        InvalidParameter: If a part of the message is missing or of another type.
+        InvalidWorld: If the parts do not form a valid world.
+        FormatError: If the file's text is no longer valid.
     """
     world = world_of(message)
     source = message.get("source")
@@ -192,7 +191,7 @@ def restored(message: Mapping[str, Any]) -> World:
 
 
 def is_same_place(one: World, other: World) -> bool:
-    """Whether two worlds differ in nothing but proof, provenance and failure."""
+    """Return True if two worlds differ at most in proof, provenance and failure."""
     bare = (
         dataclasses.replace(world, certificate=None, provenance=None, failure=None)
         for world in (one, other)
@@ -201,12 +200,13 @@ def is_same_place(one: World, other: World) -> bool:
 
 
 def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
-    """A part of a message, of the kind that it must have; a whole number is a number too.
+    """Return a part of a message, checking its type; an integer is also accepted as a float.
 
     Raises:
-        InvalidParameter: If it is missing or of another kind.
+        InvalidParameter: If it is missing or of another type.
     """
     value = message.get(name)
+    # A browser represents integers exactly only up to 2**53.
     if kind is float and type(value) is int:
         value = float(value) if abs(value) < 1 << 53 else math.inf
     if type(value) is not kind:
@@ -221,17 +221,17 @@ def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
 
 
 def seed_of(message: Mapping[str, Any]) -> int:
-    """A message's seed, which comes as digits: a browser's numbers cannot hold all of them.
+    """Return a message's seed, which is sent as digits because a browser cannot hold all seeds.
 
     Raises:
-        InvalidParameter: If it is no whole number from 0 to 2**64 - 1.
+        InvalidParameter: If it is not an integer from 0 to 2**64 - 1.
     """
     seed: str = field(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) < 1 << 64):
         raise InvalidParameter(
             "not-a-seed",
-            "seed={seed!r} is no whole number from 0 to 2**64 - 1",
-            "give one",
+            "seed={seed!r} is not an integer from 0 to 2**64 - 1",
+            "choose one in that range",
             seed=seed[:40],
         )
     return int(seed)
@@ -255,7 +255,7 @@ def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
         data = np.frombuffer(base64.b64decode(text, validate=True), np.uint8)
     except (binascii.Error, ValueError) as error:
         raise InvalidParameter(
-            "not-base64", "the message's cells are no base64", "send the cells' bits"
+            "not-base64", "the message's cells are not base64", "send the cells' bits"
         ) from error
     if len(data) != -(-width * height // 8):
         raise InvalidParameter(
@@ -274,7 +274,7 @@ def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
 def _timeline(events: object) -> Timeline:
     if not isinstance(events, dict):
         raise InvalidParameter(
-            "wrong-type", "the message's events are no table", "send times, ix, iy and state"
+            "wrong-type", "the message's events are not a table", "send times, ix, iy and state"
         )
     columns: list[Sequence[Any]] = [
         field(events, name, list) for name in ("times", "ix", "iy", "state")
@@ -294,7 +294,7 @@ def _timeline(events: object) -> Timeline:
     ):
         raise InvalidParameter(
             "out-of-range",
-            "the message's events hold a state other than 0, 1 and 2, or a cell far outside",
+            "the message's events have a state other than 0, 1 and 2, or a cell far outside",
         )
     return Timeline(
         np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8)

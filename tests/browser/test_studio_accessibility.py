@@ -54,7 +54,7 @@ def states(page):
     yield "two robots, and what can be saved"
     go(page, "Campaign")
     page.locator(".card").nth(1).wait_for()
-    page.get_by_label("Of these lanes and families").check()
+    page.get_by_label("From these strategies and families").check()
     page.get_by_text("More", exact=True).click()
     yield "the form of a campaign"
     page.locator(".card").first.click()

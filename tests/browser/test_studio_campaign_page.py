@@ -15,12 +15,12 @@ pytestmark = pytest.mark.nightly
 
 def begin(page, *, units):
     """Fills the form with the mouse and the keyboard, and begins."""
-    page.get_by_label("Of these lanes and families").check()
+    page.get_by_label("From these strategies and families").check()
     page.locator("#campaign-lanes").get_by_label("trap", exact=True).check()
     page.get_by_label("Units of work").check()
     page.locator("#campaign-amount").fill(str(units))
     page.get_by_text("More", exact=True).click()
-    page.get_by_label("Draws a unit").fill("8")
+    page.get_by_label("Worlds per unit").fill("8")
     page.get_by_role("button", name="Begin").press("Enter")
 
 

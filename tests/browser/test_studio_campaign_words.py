@@ -109,13 +109,13 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
     with studio_of(folder) as gate, opened(browser, gate, until=None) as page:
         page.keyboard.press("3")
         page.locator("#campaign-controller").select_option("bug1")
-        page.get_by_label("Of these lanes and families").check()
+        page.get_by_label("From these strategies and families").check()
         page.locator("#campaign-lanes").get_by_label("maze", exact=True).check()
         page.get_by_label("Units of work").check()
         page.locator("#campaign-amount").fill("7")
         page.get_by_role("textbox", name="Seed").fill("12")
         page.get_by_text("More", exact=True).click()
-        page.get_by_label("Draws a unit").fill("9")
+        page.get_by_label("Worlds per unit").fill("9")
         page.keyboard.press("Tab")
         kept = page.evaluate("JSON.stringify(localStorage)")
     with studio_of(folder) as gate, opened(browser, gate, until=None) as page:
@@ -130,7 +130,7 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
             page.get_by_label("Units", exact=True).input_value(),
             page.get_by_role("textbox", name="Seed").input_value(),
         ) == ("7", "12")
-        assert page.get_by_label("Draws a unit").input_value() == "9"
+        assert page.get_by_label("Worlds per unit").input_value() == "9"
 
 
 def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, folder, tmp_path):

@@ -84,7 +84,7 @@ test("a campaign by the clock says how long it has, and when that is over", () =
     made.show({ ...RUNNING, budget: { seconds: 30, units: null }, ...more });
     return /(seed 1)(.*?)900/.exec(line())[2];
   };
-  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over: ending what is under way, 2 units", "2 units"]);
+  assert.deepEqual([budget({ elapsed: 12.4 }), budget({ elapsed: 31 }), budget({ running: false, elapsed: null })], ["12 of 30 s, 2 units", "the 30 s are over, finishing current work, 2 units", "2 units"]);
 });
 
 test("the smallest failure is the best so far, and before there is one the longest way", () => {
@@ -92,7 +92,7 @@ test("the smallest failure is the best so far, and before there is one the longe
   const archive = { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1, "reached"], [1, 1, 1, "reached"], [2, 0, 1, "loop"]] };
   made.show({ ...RUNNING, archive });
   const best = made.element.querySelector("#best-so-far");
-  assert.equal(best.textContent, "Best so far, no failure: a way of 1.5 to 2 times the straight line");
+  assert.equal(best.textContent, "No failure yet. Longest path so far: 1.5 to 2 times the straight line");
   made.sizes(smallest(A, SLID));
   assert.equal(best.textContent, "Best so far:loop-z7 x 3 cells, 19 solid");
   best.querySelector("button").click();
@@ -116,7 +116,7 @@ test("a campaign is stopped while it runs, resumed where it was stopped, and goe
   assert.equal(button().textContent, "Resume");
   button().click();
   made.show(DONE);
-  assert.equal(button().textContent, "Go on");
+  assert.equal(button().textContent, "Continue");
   button().click();
   assert.deepEqual(done, ["stop", { units: 4, known: true, workers: 2 }, { units: 8, known: true, workers: 2 }]);
 });
@@ -182,7 +182,7 @@ test("what was filled in is what is asked for", async () => {
   tick(radio("units"));
   type(made.element.querySelector("#campaign-amount"), "7");
   type(field("Seed"), " 12 ");
-  type(field("Draws a unit"), "9");
+  type(field("Worlds per unit"), "9");
   type(field("Oracles"), "turn  wall=3 ");
   const { controller, lanes, units, seconds, seed, examples, oracles, folder } = await send();
   assert.deepEqual([controller, lanes, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
@@ -193,7 +193,7 @@ test("without a lane, where some were to be chosen, nothing is begun", async () 
   tick(radio("some"));
   await send();
   assert.equal(begun.length, 0);
-  assert.ok(made.element.querySelectorAll(".fault").some((one) => one.textContent === "Choose one at least." && !one.hidden));
+  assert.ok(made.element.querySelectorAll(".fault").some((one) => one.textContent === "Choose at least one." && !one.hidden));
 });
 
 test("the drawn map is sent with its name, if that is what is in its file", async () => {
@@ -233,9 +233,9 @@ test("what was chosen is there again the next time, for this folder", async () =
   tick(first.radio("some"));
   tick(first.radio("maze"));
   type(first.field("Seed"), "12");
-  type(first.field("Draws a unit"), "9");
+  type(first.field("Worlds per unit"), "9");
   const again = form();
-  assert.deepEqual([again.field("Controller").value, again.radio("maze").checked, again.field("Seed").value, again.field("Draws a unit").value], ["bug1", true, "12", "9"]);
+  assert.deepEqual([again.field("Controller").value, again.radio("maze").checked, again.field("Seed").value, again.field("Worlds per unit").value], ["bug1", true, "12", "9"]);
   assert.equal(form({ folder: "/elsewhere" }).field("Controller").value, "turn-right");
 });
 

@@ -1,4 +1,4 @@
-// The campaign page: which folder is looked at, what its campaign does now, and the failures that lie there.
+// The campaign page: the chosen folder, the state of its campaign, and the failures in it.
 
 import { byId, el, plural, say } from "#player/dom.js";
 import { makeArchive } from "./campaign_archive.js";
@@ -11,12 +11,12 @@ import { showTabs } from "./fields.js";
 import { keep, keptOf } from "./kept.js";
 import { Refused, refusalWords } from "./refusals.js";
 
-const CHOSEN = "folder"; // under which the browser keeps which one was looked at last
+const CHOSEN = "folder"; // key for the folder chosen last, in the browser's storage
 const LOOKING = "Looking through the opened folder …";
 const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 
 /**
- * The page.
+ * Makes the page.
  * @param {HTMLElement} section
  * @param {Studio} studio
  * @returns {any}
@@ -62,7 +62,7 @@ export function makeCampaign(section, studio) {
   };
 }
 
-// Which folder is looked at, and what its campaign does.
+// Returns the name of the chosen folder, and what its campaign is doing.
 function nameOf({ folder, states, stopping, isListed }) {
   if (folder === null) return [isListed ? "no failures yet" : "looking …", ""];
   const state = states.get(folder);
@@ -92,7 +92,7 @@ function openPanel({ parts, form }, name) {
   if (name === "new") form.refresh();
 }
 
-// Does something that the server may refuse; what it says is shown.
+// Runs an action that the server may refuse, and shows the result.
 async function trying({ parts }, act) {
   try {
     const words = await act();
@@ -105,11 +105,11 @@ async function trying({ parts }, act) {
   }
 }
 
-// The page was opened, or the connection is there again.
+// Lists the campaigns after the page was opened, or the connection restored.
 async function begin(campaign) {
   if (!campaign.studio.offered) return;
   await trying(campaign, () => list(campaign));
-  campaign.foundOut(); // or nobody will
+  campaign.foundOut(); // even after an error, because the form waits for it
   await look(campaign);
 }
 
@@ -153,7 +153,7 @@ function choose(campaign, folder) {
   return look(campaign);
 }
 
-// Shows the chosen folder; while its campaign runs, follows it.
+// Shows the chosen folder, and follows its campaign while that runs.
 async function look(campaign) {
   const { folder } = campaign;
   campaign.stamp = campaign.states.get(folder)?.failures ?? "";
@@ -170,7 +170,7 @@ async function look(campaign) {
   if (running !== undefined) watch(campaign, running);
 }
 
-// Whether a folder is another one, or lies below it; "" is the opened one.
+// Returns whether a folder equals another one or is below it; "" is the opened folder.
 function isBelow(name, folder) {
   return name !== null && folder !== null && (name === folder || folder === "" || name.startsWith(`${folder}/`));
 }
@@ -181,10 +181,10 @@ async function watch(campaign, folder) {
   try {
     const answer = await campaign.studio.connection.ask("watch", { folder }, ({ state }) => take(campaign, state));
     take(campaign, answer.state);
-    say(`The campaign in ${folder} stands still: ${plural(answer.state.worlds, "world")}.`);
+    say(`The campaign in ${folder} has ended: ${plural(answer.state.worlds, "world")}.`);
     if (campaign.watched === folder) {
       await trying(campaign, () => list(campaign));
-      await reloadWall(campaign); // an empty one says why
+      await reloadWall(campaign); // explains why, if there are no failures
     }
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -200,7 +200,7 @@ function take(campaign, state) {
   if (state.failures !== campaign.stamp) reloadWall(campaign, state.failures);
 }
 
-// What the folder's campaign does: in numbers, by behaviour, and in the page's head. Null where there is none.
+// Shows the state of the folder's campaign: numbers, behaviours, and the page's title. Null without a campaign.
 function showState(campaign, state) {
   const { parts } = campaign;
   campaign.status.show(state);
@@ -230,7 +230,7 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
   }
 }
 
-// Begins a campaign, or goes on with one, and shows it; `begins` is called when it can be stopped.
+// Begins or resumes a campaign and shows it; `begins` is called when it can be stopped.
 async function start(campaign, kind, message, begins) {
   const { state } = await campaign.studio.connection.ask(kind, message, begins);
   campaign.folder = state.folder;
@@ -241,7 +241,7 @@ async function start(campaign, kind, message, begins) {
   return "";
 }
 
-// Goes on with the chosen campaign.
+// Resumes the chosen campaign.
 async function goOn(campaign, message) {
   const { parts, folder, beginning } = campaign;
   const show = () => showState(campaign, campaign.states.get(campaign.folder) || null);
@@ -259,12 +259,12 @@ async function goOn(campaign, message) {
   }
 }
 
-// Ends what has yet to begin; the question that began it is answered with that.
+// Stops a campaign that has not begun yet; the request that began it is answered accordingly.
 async function halt(campaign, folder) {
   try {
     await campaign.studio.connection.ask("stop", { folder });
   } catch (error) {
-    if (!(error instanceof Refused || error instanceof Ended)) throw error; // that question is answered all the same
+    if (!(error instanceof Refused || error instanceof Ended)) throw error; // the other request is answered anyway
   }
 }
 
@@ -276,7 +276,7 @@ async function stop(campaign) {
     const { state } = await campaign.studio.connection.ask("stop", { folder });
     if (state) take(campaign, state);
   } catch (error) {
-    campaign.stopping = ""; // it goes on, and can be stopped once more
+    campaign.stopping = ""; // it continues, and can be stopped again
     showState(campaign, campaign.states.get(campaign.folder) || null);
     throw error;
   }

@@ -1,4 +1,4 @@
-// The behaviours that a campaign has met, as a map and as a table.
+// The behaviours that a campaign has found, as a map and as a table.
 
 import { archivePlot, rangeOf, rounded } from "#player/archive.js";
 import { el, grouped, plural } from "#player/dom.js";
@@ -31,7 +31,7 @@ export function makeArchive(campaign) {
   };
 }
 
-// The simplest world of a kind is opened on the board, the campaign's robot chosen on the page Play.
+// Opens the simplest world of a kind on the board, with the campaign's robot chosen on the page Play.
 function openCell(campaign, i, j) {
   const { studio, folder } = campaign;
   return campaign.trying(async () => {
@@ -44,7 +44,7 @@ function openCell(campaign, i, j) {
 function partsOf(archive, open) {
   const [across, up] = archive.names,
     [columns, rows] = archive.edges.map((edges) => edges.length + 1);
-  const words = `${plural(archive.cells.length, "kind")} of ${grouped(columns * rows)}, by ${across} and ${up}; stronger where a simpler world shows it. Letters begin the verdicts of runs that did not arrive. A click on a kind opens its simplest world in the editor.`;
+  const words = `${plural(archive.cells.length, "kind")} out of ${grouped(columns * rows)}, by ${across} and ${up}. Colours are stronger where a simpler world shows the behaviour. Letters are the initials of the verdicts of runs that did not arrive. Click a kind to open its simplest world in the editor.`;
   const where = (i, j) => [i, j].map((index, axis) => rangeOf(archive.edges[axis], index));
   const edit = (i, j) => {
     const named = { "aria-label": `Open the simplest world of ${where(i, j).join(", ")}`, "data-cell": `${i} ${j}` };
@@ -54,7 +54,7 @@ function partsOf(archive, open) {
   const head = el("tr", {}, [across, up, "quality", "verdict"].map((name) => el("th", { scope: "col" }, name)));
   const body = archive.cells.map((cell) => el("tr", {}, row(cell).map((value) => el("td", {}, value))));
   return [
-    el("h2", {}, "Behaviours met"),
+    el("h2", {}, "Behaviours found"),
     el("p", { class: "quiet" }, words),
     archivePlot(archive, SPACE, open),
     el("details", {}, el("summary", {}, "Table"), el("table", { class: "counts" }, el("thead", {}, head), el("tbody", {}, body))),

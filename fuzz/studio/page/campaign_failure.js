@@ -1,4 +1,4 @@
-// The failure that was chosen: what happened, and what can be done with it.
+// The chosen failure: what happened, and the actions for it.
 
 import { el, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/map.js";
@@ -20,7 +20,7 @@ function redraw({ canvas, look }) {
   if (canvas && look) drawSmall(canvas, look);
 }
 
-// The failures are there anew: one that was made smaller meanwhile, or marked, is shown as it is now.
+// Updates the panel after the failures were read again, if the chosen one has been shrunk or marked meanwhile.
 function follow(panel, failures) {
   const before = panel.failure,
     now = before && failures.find((one) => one.name === before.name);
@@ -33,12 +33,12 @@ function follow(panel, failures) {
 
 function show(panel, failure) {
   Object.assign(panel, { failure, look: null });
-  panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's way" });
+  panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's path" });
   const words = el("p", {}, "…");
   const facts = [
     ["Controller", `${failure.controller} under ${failure.motion}`],
     ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}`],
-    ["First seen", failure.seen ? new Date(failure.seen * 1000).toLocaleString("sv") : "not known"],
+    ["First seen", failure.seen ? new Date(failure.seen * 1000).toLocaleString("sv") : "unknown"],
     ["File", failure.name],
   ];
   const rows = facts.map(([name, value]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value)));
@@ -95,6 +95,6 @@ function mark(panel) {
       panel.element.querySelector("#mark-known").focus();
     }
     await campaign.reload();
-    return failure.known ? "A copy is in known/: campaigns begun here count this class, and keep only others." : "";
+    return failure.known ? "A copy is in known/. Campaigns that you begin here count this class, but only keep others." : "";
   });
 }

@@ -1,4 +1,4 @@
-// The form that begins a campaign: what `worldgen fuzz` takes.
+// The form that begins a campaign, with the options of `worldgen fuzz`.
 
 import { choice, el } from "#player/dom.js";
 import { makeMore } from "./campaign_more.js";
@@ -9,9 +9,9 @@ import { keep, keptOf } from "./kept.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";
 
-const KEPT = "campaign-form"; // under which the browser keeps what was chosen
-const SLOW = 4000; // ms after which one wants to know what takes so long
-const FIRST = "The first campaign of a new installation prepares the simulator, once; that can take a minute.";
+const KEPT = "campaign-form"; // key for the choices, in the browser's storage
+const SLOW = 4000; // ms after which the page explains the delay
+const FIRST = "The first campaign of a new installation prepares the simulator, which can take a minute.";
 const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", budget: "seconds", units: 50, seconds: 30, named: false };
 
 /**
@@ -20,13 +20,13 @@ const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", bud
  */
 export function makeForm(campaign) {
   const state = { ...USUAL, lanes: new Set(), chosen: false };
-  const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Asking the studio what it has …")) };
+  const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Loading the choices …")) };
   const sent = (event) => {
     event.preventDefault();
     return once(parts.begin, () => submit(form, (message) => begin(form, message)));
   };
-  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // at once: nothing moves under a click
-  const changed = () => keepForm(form); // after the field's own listener
+  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // only marked fields, so that nothing moves under a click
+  const changed = () => keepForm(form); // runs after the field's own listener
   const listeners = { onsubmit: sent, oninput: typed, onchange: changed };
   parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, ...listeners }, parts.fields);
   /** @type {any} */
@@ -39,15 +39,15 @@ function refresh(form) {
   const { offered, folder } = campaign.studio;
   if (!offered) return;
   if (form.folder !== folder) build(form);
-  else if (form.offered !== offered) setMotion(form, form.state.motion); // the studio was started anew, with others
+  else if (form.offered !== offered) setMotion(form, form.state.motion); // the studio was restarted and offers something else
   form.offered = offered;
   follow(form);
   suggestFolder(form);
-  const folders = campaign.folders.filter(({ worlds }) => worlds !== null); // archives are refused there
+  const folders = campaign.folders.filter(({ worlds }) => worlds !== null); // archives are not accepted there
   form.more.offer(folders.map(({ name }) => name).filter((name) => name && name !== offered.known));
 }
 
-// The form for the opened folder, with what was chosen there last.
+// Builds the form for the opened folder, with the last choices in that folder.
 function build(form) {
   const { campaign, parts, state } = form;
   const { offered, folder, limits } = campaign.studio;
@@ -59,14 +59,14 @@ function build(form) {
     setMotion(form, name);
   });
   parts.controllerPlace = el("div", {});
-  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "looking …", title: "Give the name of a folder.", oninput: () => (state.named = true) });
-  parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Give a whole number from 0 on." });
+  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "loading …", title: "Give the name of a folder.", oninput: () => (state.named = true) });
+  parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Give a whole number of at least 0." });
   parts.workers = number(kept.workers ?? offered.cores, () => {}, { low: 1, high: limits.workers, step: 1 });
   parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
   parts.waiting = el("p", { class: "quiet", role: "status" });
   parts.begin = el("button", { type: "submit", class: "main", id: "begin" }, "Begin");
   parts.halt = el("button", { type: "button", id: "stop-beginning", hidden: true, onclick: () => halt(form) }, "Stop");
-  const title = "The line that does the same at a terminal";
+  const title = "The command that does the same at a terminal";
   parts.copy = el("button", { type: "button", id: "copy-command", title, onclick: () => submit(form, (message) => copyCommand(form, message)) }, "Copy command");
   form.more = makeMore(offered, limits);
   form.more.write(kept.more ?? {});
@@ -77,18 +77,18 @@ function build(form) {
     worldsPart(form),
     goalPart(form),
     el("div", { class: "pair-fields" }, labelled("Seed", parts.seed), labelled("Workers", parts.workers)),
-    labelled("Folder for the failures", parts.folder, { help: "Below the opened one." }),
+    labelled("Folder for the failures", parts.folder, { help: "A folder inside the opened one." }),
     knownPart(form, kept.known ?? true),
     form.more.element,
     parts.said,
     el("div", { class: "actions" }, parts.begin, parts.halt, parts.copy),
     parts.waiting,
-    el("p", { class: "quiet small-print" }, "It runs in a process of its own, and goes on when this page or the studio is closed."),
+    el("p", { class: "quiet small-print" }, "It runs in its own process, and continues when you close this page or the studio."),
   );
   setMotion(form, state.motion);
 }
 
-// Whom a form begins with of which nothing was kept: the first that was named when the studio was started.
+// Returns the initial controller without earlier choices: the first that was named when the studio was started.
 function firstOf({ controllers }) {
   const first = controllers.find(({ named, fault }) => named && !fault);
   return first ? { controller: first.name, motion: first.motion } : {};
@@ -102,7 +102,7 @@ function keepForm({ campaign, state, parts, folder, more }) {
   keep(folder, KEPT, { state: chosen, lanes: [...lanes], named: namedIn(campaign.studio.offered), ...fields });
 }
 
-// What was kept, as far as it is still offered; a start that names other controllers begins with those.
+// Returns the earlier choices that are still offered; if the studio was started with other controllers, those come first.
 function keptFor(folder, offered) {
   const kept = keptOf(folder, KEPT) ?? {};
   const { controller, motion, ...state } = kept.state ?? {};
@@ -113,7 +113,7 @@ function keptFor(folder, offered) {
   return { ...kept, state: { ...state, ...chosen }, lanes: (kept.lanes ?? []).filter((name) => names.includes(name)) };
 }
 
-// Until something is chosen here, what was played last: its controller, motion model and time step.
+// Follows the page Play until something is chosen here: its controller, motion model and time step.
 function follow(form) {
   const { state, campaign, more } = form;
   const played = campaign.studio.play.played();
@@ -145,11 +145,11 @@ function setMotion(form, name) {
   suggestFolder(form);
 }
 
-// A name that no folder has yet, unless one was typed.
+// Suggests a name that no folder has yet, unless the user has typed one.
 function suggestFolder({ campaign, state, parts }) {
   if (state.named || document.activeElement === parts.folder) return;
   const plain = state.controller.split(/[/\\]/).at(-1).replace(/[^A-Za-z0-9._+-]+/g, "-").replace(/^[.-]+/, "");
-  if (!campaign.isListed) return; // which names are taken is not known yet
+  if (!campaign.isListed) return; // the existing names are not known yet
   const taken = new Set([...campaign.states.keys(), ...campaign.folders.map(({ name }) => name)]);
   const name = `${plain || "campaign"}-${state.motion}`;
   let number = 1;
@@ -175,13 +175,13 @@ function worldsPart(form) {
     const change = (event) => (event.target.checked ? state.lanes.add(name) : state.lanes.delete(name));
     return el("label", { class: "check" }, el("input", { type: "checkbox", value: name, checked: state.lanes.has(name), onchange: change }), name);
   };
-  parts.none = el("small", { class: "fault", role: "alert", hidden: true }, "Choose one at least.");
-  const lanes = el("div", { class: "robots", id: "campaign-lanes", role: "group", "aria-label": "Lanes and families", hidden: state.worlds !== "some" }, names.map(box));
+  parts.none = el("small", { class: "fault", role: "alert", hidden: true }, "Choose at least one.");
+  const lanes = el("div", { class: "robots", id: "campaign-lanes", role: "group", "aria-label": "Strategies and families", hidden: state.worlds !== "some" }, names.map(box));
   parts.lanes = lanes;
   const pairs = [
-    ["search", "As the search chooses"],
-    ["some", "Of these lanes and families"],
-    ["drawn", "The drawn map: only start, target and radius vary"],
+    ["search", "Let the search choose"],
+    ["some", "From these strategies and families"],
+    ["drawn", "The drawn map; only start, target and radius vary"],
   ];
   const set = (value) => {
     state.worlds = value;
@@ -203,7 +203,7 @@ function goalPart(form) {
   };
   parts.amount = number(state[state.budget], (value) => (state[state.budget] = value), { low: 1, high: limits[state.budget], step: 1 });
   parts.amount.required = true;
-  parts.amount.title = "Give a whole number from 1 on.";
+  parts.amount.title = "Give a whole number of at least 1.";
   parts.amount.id = "campaign-amount";
   parts.amount.setAttribute("aria-label", state.budget === "units" ? "Units" : "Seconds");
   const pairs = [
@@ -215,7 +215,7 @@ function goalPart(form) {
 
 function knownPart({ parts, campaign }, checked) {
   parts.known = el("input", { type: "checkbox", checked });
-  return el("label", { class: "check" }, parts.known, `Count what is in ${campaign.studio.offered.known}/, but keep only what is new`);
+  return el("label", { class: "check" }, parts.known, `Count classes in ${campaign.studio.offered.known}/, but keep only new ones`);
 }
 
 function messageFor({ campaign, state, parts, more }) {
@@ -236,7 +236,7 @@ function messageFor({ campaign, state, parts, more }) {
   };
 }
 
-// Whether every field is as it must be; else the first that is not has the focus.
+// Returns whether every field is valid; otherwise moves the focus to the first that is not.
 function isFilled({ parts, state }) {
   const inputs = [...parts.element.querySelectorAll("input:not([type=radio], [type=checkbox])")];
   const bad = inputs.filter((input) => !isGood(input));
@@ -249,7 +249,7 @@ function isFilled({ parts, state }) {
   return false;
 }
 
-// Does something that a button begins; until it is done, the button begins nothing more, and cannot have the focus.
+// Runs an action started by a button, which is disabled until the action is done.
 async function once(button, act) {
   if (button.disabled) return;
   button.disabled = true;
@@ -264,9 +264,9 @@ async function once(button, act) {
 async function submit(form, act) {
   const { parts } = form;
   parts.said.textContent = "";
-  await form.campaign.listed; // the folder's name may have to wait for those that are taken
+  await form.campaign.listed; // the suggested name depends on the existing folders
   if (!isFilled(form)) return;
-  keepForm(form); // what was played last, too
+  keepForm(form); // including choices that follow the page Play
   try {
     await act(messageFor(form));
   } catch (error) {
@@ -282,7 +282,7 @@ async function begin(form, message) {
   const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
   try {
     await campaign.begin(message, ({ begins }) => offerHalt(parts, begins));
-    state.named = false; // the next one gets a name of its own
+    state.named = false; // the next campaign gets another name
     suggestFolder(form);
   } finally {
     clearTimeout(slow);
@@ -292,7 +292,7 @@ async function begin(form, message) {
   }
 }
 
-// Stop, while a campaign begins, in the place of Copy command.
+// Shows Stop in place of Copy command while a campaign is about to begin.
 function offerHalt({ halt, copy }, folder) {
   Object.assign(halt, { value: folder, hidden: folder === null, disabled: false });
   copy.hidden = folder !== null;

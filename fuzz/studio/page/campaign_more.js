@@ -1,12 +1,12 @@
-// The folded part of the form that begins a campaign: options of `worldgen fuzz`, in the words of its own help.
+// The folded part of the form that begins a campaign: options of `worldgen fuzz`, with the help texts of the command.
 
 import { choice, el } from "#player/dom.js";
 import { labelled } from "./fields.js";
 
-const SHRINK = { usual: "as usual", yes: "yes", no: "no" };
+const SHRINK = { usual: "default", yes: "yes", no: "no" };
 
 /**
- * The part, and what was filled in.
+ * Makes the part; `filled` returns its values.
  * @param {Offered} offered
  * @param {Limits} limits
  */
@@ -14,7 +14,7 @@ export function makeMore({ options }, limits) {
   const text = (name, placeholder) => el("input", { type: "text", name, autocomplete: "off", placeholder });
   const whole = (name, high) => el("input", { type: "number", name, min: 1, max: high, step: 1, placeholder: options[`--${name}`].default });
   const inputs = {
-    time_step: el("input", { type: "number", name: "time-step", min: limits.time_steps[0], max: limits.time_steps[1], step: "any", placeholder: "usual" }),
+    time_step: el("input", { type: "number", name: "time-step", min: limits.time_steps[0], max: limits.time_steps[1], step: "any", placeholder: "default" }),
     examples: whole("examples", limits.examples),
     epoch: whole("epoch", limits.epoch),
     detour: el("input", { type: "number", name: "detour", min: 1, step: "any", placeholder: "none" }),
@@ -31,15 +31,15 @@ export function makeMore({ options }, limits) {
     "details",
     { class: "more" },
     el("summary", {}, "More"),
-    el("div", { class: "pair-fields" }, labelled("Time step", inputs.time_step, { unit: "s" }), labelled("Draws a unit", inputs.examples)),
-    one("oracles", "--oracle", "Oracles", { unit: "with blanks between" }),
+    el("div", { class: "pair-fields" }, labelled("Time step", inputs.time_step, { unit: "s" }), labelled("Worlds per unit", inputs.examples)),
+    one("oracles", "--oracle", "Oracles", { unit: "separated by spaces" }),
     one("detour", "--detour", "Detour", { unit: "times the witness" }),
-    one("vary", "--vary", "Vary", { unit: "with blanks between" }),
+    one("vary", "--vary", "Vary", { unit: "separated by spaces" }),
     one("shrink", "--shrink", "Shrink"),
     one("epoch", "--epoch", "Epoch", { unit: "units" }),
-    one("baseline", "--baseline", "Also known", { unit: "folders, with blanks between" }),
-    one("database", "--database", "Database", { unit: "a folder below the opened one" }),
-    el("p", { class: "quiet small-print" }, "Left to the terminal: --scheduler, and files for CI. Copy command gives the line to add them to."),
+    one("baseline", "--baseline", "Also known", { unit: "folders, separated by spaces" }),
+    one("database", "--database", "Database", { unit: "a folder inside the opened one" }),
+    el("p", { class: "quiet small-print" }, "Only available at a terminal: --scheduler, and files for CI. Use Copy command and add them to the command."),
     list,
   );
   const entries = Object.entries(inputs);
@@ -53,10 +53,10 @@ export function makeMore({ options }, limits) {
   };
 }
 
-// A page runs no code of files: of what the command line takes, that is left out.
+// Removes code from files from a help text, because a page runs no such code.
 const registeredOnly = (help) => help.replace(/, or \.\/file\.py:name/, "");
 
-// What was filled in, as the protocol has it; null for what is left as usual.
+// Returns the values for the protocol; null for defaults.
 function filled(inputs) {
   const listed = ({ value }) => value.split(/\s+/).filter(Boolean);
   const given = ({ valueAsNumber: value }) => (Number.isFinite(value) ? value : null);

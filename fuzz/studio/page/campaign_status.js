@@ -1,10 +1,10 @@
-// What a campaign does now: how far it is, how fast, what fails, and which lane finds it.
+// The state of a campaign: its progress, its speed, its failures, and the strategies that find them.
 
 import { rangeOf } from "#player/archive.js";
 import { el, grouped, plural, verdictDot } from "#player/dom.js";
 import { refusalWords } from "./refusals.js";
 
-const SPAN = 10_000; // ms over which the present speed is taken
+const SPAN = 10_000; // ms over which the current speed is measured
 
 /**
  * @param {any} campaign
@@ -30,11 +30,11 @@ export function makeStatus(campaign) {
     "div",
     { class: "tables" },
     table("Failures by class", ["Class", "Met", "Smallest"], parts.classes),
-    table("Lanes", ["Lane", "Units", "Worlds", "Failed", "New"], parts.lanes),
+    table("Strategies", ["Strategy", "Units", "Worlds", "Failed", "New"], parts.lanes),
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
   const status = { campaign, parts, past: [], lanes: new Map(), state: null, smallest: null };
-  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until there is a campaign
+  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until a campaign is shown
   return {
     element,
     actions: parts.actions,
@@ -46,7 +46,7 @@ export function makeStatus(campaign) {
   };
 }
 
-// All that is said of failures: in the line, in the table, and which is the best. They go by the same classes.
+// Shows everything about failures, by the same classes: the line, the table, and the best one.
 function showFailures(status) {
   const classes = classesOf(status);
   status.parts.line.replaceChildren(...line(status, classes));
@@ -74,7 +74,8 @@ function show(status, state) {
   parts.tables.hidden = state.lanes.length === 0;
 }
 
-// The lanes whose counts have grown in the last seconds; where none has, for units may take long, those that grew last.
+// Returns the strategies whose counts have grown in the last seconds; if none has, those that grew last, because units
+// may take long.
 function lanesNow({ state, lanes }) {
   if (!state.running) return new Set();
   const now = performance.now(),
@@ -88,7 +89,7 @@ function lanesNow({ state, lanes }) {
   return new Set([...lanes].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
 }
 
-// The smallest failure; before there is one, the longest way to the target that a robot has gone.
+// Shows the smallest failure or, before there is one, the longest path that a robot took to its target.
 function showBest({ state, smallest, parts, campaign }) {
   const all = [...(smallest || new Map()).values()].sort((a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height);
   const [best] = all;
@@ -98,11 +99,11 @@ function showBest({ state, smallest, parts, campaign }) {
     return;
   }
   const longest = longestWay(state.archive);
-  parts.best.replaceChildren(longest ? `Best so far, no failure: a way of ${longest} times the straight line` : "");
+  parts.best.replaceChildren(longest ? `No failure yet. Longest path so far: ${longest} times the straight line` : "");
   parts.best.hidden = !longest;
 }
 
-// The range of the longest detour of runs that arrived; empty where none is known.
+// Returns the range of the longest detour of runs that arrived; empty if unknown.
 function longestWay(archive) {
   if (!archive || archive.names[0] !== "detour") return "";
   const [edges] = archive.edges;
@@ -115,7 +116,7 @@ function rowOf([name, ...cells]) {
   return el("tr", {}, el("th", { scope: "row" }, name), cells.map(cell));
 }
 
-// How much of the budget is done, from 0 to 1.
+// Returns the share of the budget that is done, from 0 to 1.
 function share({ budget, units, elapsed }) {
   if (budget.units) return Math.min(1, units / budget.units);
   return budget.seconds && elapsed !== null ? Math.min(1, elapsed / budget.seconds) : 0;
@@ -140,7 +141,7 @@ function line(status, classes) {
   ];
 }
 
-// A process that was killed has left "running".
+// Describes a campaign that does not run; a process that was killed has left "running".
 function stands({ budget, units, error, status }) {
   if (error || status === "failed") return "Gave up";
   return status === "stopped" || status === "running" || (budget.units && units < budget.units) ? "Stopped" : "Done";
@@ -149,7 +150,7 @@ function stands({ budget, units, error, status }) {
 function budgetWords({ budget, units, running, elapsed }) {
   if (budget.units) return `unit ${units} of ${budget.units}`;
   const shown = plural(units, "unit");
-  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over: ending what is under way, ${shown}`;
+  if (running && elapsed !== null && elapsed > budget.seconds) return `the ${budget.seconds} s are over, finishing current work, ${shown}`;
   if (running && elapsed !== null) return `${Math.round(elapsed)} of ${budget.seconds} s, ${shown}`;
   return plural(units, "unit");
 }
@@ -159,7 +160,7 @@ function short(count) {
   return count < 1e9 ? `${(count / 1e6).toFixed(1)} million` : `${(count / 1e9).toFixed(2)} billion`;
 }
 
-// Worlds a second: of the last seconds while it runs, else of all its time.
+// Returns worlds per second: over the last seconds while it runs, else over its whole time.
 function speed({ state, past }) {
   if (!state.running) return state.seconds > 0 ? state.worlds / state.seconds : 0;
   const now = performance.now();
@@ -170,8 +171,8 @@ function speed({ state, past }) {
   return state.seconds > 0 ? state.worlds / state.seconds : 0;
 }
 
-/* The classes, those that were met most first; a failure may have slid into a class that was never met by being shrunk.
-   Of each { name, times, best, stands }: stands says why it has no picture, "" where it has one. */
+/* Returns the classes, those met most often first. Shrinking may have turned a failure into a class that was never met.
+   Of each { name, times, best, stands }: stands says why it has no picture; "" if it has one. */
 function classesOf({ state, smallest, campaign }) {
   const kept = smallest || new Map();
   const slid = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);
@@ -185,7 +186,7 @@ function classesOf({ state, smallest, campaign }) {
   return rows.map(([name, times]) => ({ name, times, best: kept.get(name), stands: why(name) }));
 }
 
-// "classes: 1 known, 2 to be shrunk"; the others are on the wall.
+// Describes the classes without a picture, such as "classes: 1 known, 2 to be shrunk".
 function classWords(classes) {
   const counts = ["known", "to be shrunk", "not kept"].map((words) => [words, classes.filter(({ stands }) => stands === words).length]);
   const said = counts.filter(([, count]) => count > 0).map(([words, count]) => `${count} ${words}`);
@@ -195,7 +196,7 @@ function classWords(classes) {
 function showClasses({ parts, campaign }, classes) {
   parts.classes.replaceChildren(
     ...classes.map(({ name, times, best, stands }) => {
-      const show = el("button", { type: "button", class: "link", title: "Show these alone", onclick: () => campaign.wall.only(name) }, name);
+      const show = el("button", { type: "button", class: "link", title: "Show only these", onclick: () => campaign.wall.only(name) }, name);
       const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : stands;
       const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : name.split("-")[0]), best ? show : name);
       return rowOf([kind, times || "by shrinking", size]);
@@ -203,7 +204,7 @@ function showClasses({ parts, campaign }, classes) {
   );
 }
 
-// Stop while it runs or begins; go on when it stands still, as far as is asked for.
+// Shows Stop while the campaign runs or begins, and Resume or Continue with an amount otherwise.
 function showActions({ state, parts, campaign }) {
   const kind = !state ? "none" : state.running ? (campaign.stopping === state.folder ? "stopping" : "stop") : standing(state, campaign);
   if (parts.actions.dataset.kind === kind) return;
@@ -226,7 +227,7 @@ function haltButton(campaign, folder) {
 }
 
 function stopButton(onclick, disabled = false) {
-  return el("button", { type: "button", id: "stop", disabled, onclick, title: "All that was found is kept" }, "Stop");
+  return el("button", { type: "button", id: "stop", disabled, onclick, title: "Everything found so far is kept" }, "Stop");
 }
 
 function goOnPart(state, campaign) {
@@ -238,6 +239,6 @@ function goOnPart(state, campaign) {
     const value = amount.valueAsNumber;
     if (value > 0) campaign.goOn({ [byUnits ? "units" : "seconds"]: Math.round(value), known: true, workers: campaign.form.workers() });
   };
-  const button = el("button", { type: "button", id: "go-on", onclick: go }, left ? "Resume" : "Go on");
+  const button = el("button", { type: "button", id: "go-on", onclick: go }, left ? "Resume" : "Continue");
   return [button, el("label", { class: "field" }, byUnits ? "to unit" : "for, s", amount)];
 }

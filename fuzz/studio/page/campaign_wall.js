@@ -1,4 +1,4 @@
-// Failures as a wall of small pictures: filtered, sorted, each drawn when it comes into sight.
+// Failures as a gallery of small pictures: filtered, sorted, each drawn when it becomes visible.
 
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/map.js";
@@ -6,9 +6,9 @@ import { Ended } from "./connection.js";
 import { Recent } from "./recent.js";
 import { Refused, refusalWords } from "./refusals.js";
 
-const AT_ONCE = 3; // pictures that are asked for at a time
-const LOOKS = 400; // pictures that are kept, some 50 kB each
-const ROWS = 120; // cards that are shown before more are asked for
+const AT_ONCE = 3; // pictures requested at the same time
+const LOOKS = 400; // pictures that are kept, about 50 kB each
+const ROWS = 120; // cards that are shown before the user asks for more
 const SORTS = { size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
 const FILTERS = { class: "Class", verdict: "Verdict", controller: "Controller" };
 
@@ -51,13 +51,13 @@ export function makeWall(campaign) {
   };
 }
 
-// Another folder is going to be shown: until it has been read, words stand where its pictures will.
+// Shows a text in place of the pictures until another folder has been read.
 function wait(wall, words) {
   const { parts } = wall;
   for (const { fail } of wall.queue) fail(new Ended("Another folder was chosen."));
   Object.assign(wall, { filter: {}, shown: ROWS, chosen: "", queue: [], failures: [], cards: new Map() });
   wall.seen.disconnect();
-  parts.tools.replaceChildren(parts.count); // the filters were the other folder's
+  parts.tools.replaceChildren(parts.count); // the filters belonged to the other folder
   parts.tools.hidden = parts.faults.hidden = true;
   parts.list.replaceChildren(el("li", { class: "empty quiet" }, words));
 }
@@ -75,7 +75,7 @@ function show(wall, answer) {
   showAll(wall);
 }
 
-// What could not be read: three of them in words, the others as a number.
+// Describes files that cannot be read: three of them in full, the others as a number.
 function faultWords(faults) {
   const more = faults.length - 3;
   return [...faults.slice(0, 3).map(refusalWords), more > 0 ? `And ${plural(more, "more file")} cannot be read.` : ""].join(" ").trim();
@@ -148,10 +148,10 @@ function showCards(wall) {
 }
 
 function emptyWords({ folder, states, folders }) {
-  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right: it looks for worlds in which the controller fails.";
-  if (states.get(folder)?.running) return "No failure yet; each appears here as soon as it is proved and shrunk.";
-  if (states.has(folder)) return "The campaign has found no failure here. Go on for longer, or begin another on the right.";
-  return "No failure lies in this folder. Choose another above, or begin a campaign on the right.";
+  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right; it searches for worlds in which the controller fails.";
+  if (states.get(folder)?.running) return "No failure yet. Each appears here as soon as it is proved and shrunk.";
+  if (states.has(folder)) return "The campaign has found no failure here. Continue it for longer, or begin another on the right.";
+  return "There is no failure in this folder. Choose another above, or begin a campaign on the right.";
 }
 
 function moreButton(wall, left) {
@@ -163,7 +163,7 @@ function moreButton(wall, left) {
 }
 
 /**
- * Return a card, made again only if its failure is another: its picture stays.
+ * Return a card; it is made again only if its failure has changed, so that its picture stays.
  * @returns {[string, HTMLElement]}
  */
 function cardOf(wall, failure) {
@@ -191,7 +191,7 @@ function choose(wall, failure) {
   wall.campaign.select(failure);
 }
 
-// A picture came into sight: it is asked for, a few at a time.
+// Requests the picture of a card that has become visible.
 function want(wall, card) {
   wall.seen.unobserve(card);
   const failure = wall.failures.find((one) => one.name === card.dataset.failure);
@@ -204,7 +204,7 @@ function want(wall, card) {
   );
 }
 
-// What the server says of a failure, asked for once.
+// Requests a failure's picture from the server, only once.
 function lookAt(wall, failure, first = false) {
   const key = `${failure.name} ${failure.digest}`;
   let asked = wall.looks.get(key);
@@ -213,7 +213,7 @@ function lookAt(wall, failure, first = false) {
     wall.looks.set(key, asked);
     asked.catch(() => wall.looks.delete(key));
   }
-  if (first) wall.queue.sort((a, b) => Number(b.key === key) - Number(a.key === key)); // others wait
+  if (first) wall.queue.sort((a, b) => Number(b.key === key) - Number(a.key === key)); // ahead of the others
   pump(wall);
   return asked;
 }
@@ -236,7 +236,7 @@ function draw(card, look) {
   drawSmall(card.querySelector("canvas"), look);
 }
 
-// Every picture is drawn anew when it comes into sight, those in sight at once.
+// Draws every picture again when it becomes visible, visible ones immediately.
 function redraw(wall) {
   wall.seen.disconnect();
   for (const card of wall.cards.values()) wall.seen.observe(card);
