@@ -27,7 +27,8 @@ Click the tab **Generate**. Choose `cave` in **Family**. Click the button **Gene
 The page says *Made by cave*. The page says *✓ reachable*. Press `i`
 """
 CAMPAIGN = """
-Click the link **Campaign**. Click **From these strategies and families**. Tick **trap**. Tick **rooms**. Tick **forest**.
+Click the link **Campaign**. Click **From these strategies and families**.
+Tick **trap**. Tick **rooms**. Tick **forest**.
 Click **Units of work**. Type `3` into **Units**. Click **More**. Type `60` into **Worlds per unit**. Click **Begin**.
 The page says *Done*. Click the first picture of a failure
 """

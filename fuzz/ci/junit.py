@@ -29,6 +29,7 @@ def junit(report: Report) -> bytes:
         _case(suite, report.command, finding)
     if report.command == "fuzz" and not report.failing:
         SubElement(suite, "testcase", classname="worldgen.fuzz", name=report.conclusion)
+    # CI services show these totals, so they must agree with the cases.
     counts = {
         "tests": len(suite.findall("testcase")),
         "failures": report.failing,

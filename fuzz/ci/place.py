@@ -58,6 +58,7 @@ def place_of(controller: str, root: Path) -> Place | None:
     if is_library_name(controller):
         uri = uri_of(library_file(controller), root)
         return Place(uri) if uri else None
+    # A registered name stands for a module; the source is only parsed, never run.
     point = CONTROLLERS.entry_points().get(controller)
     module, _, name = (point.value if point else controller).rpartition(":")
     file = Path(module) if module.endswith(".py") else _source(module)

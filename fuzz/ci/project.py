@@ -128,6 +128,7 @@ class Project:
         Returns:
             The paths of the written files, in order.
         """
+        # Git does not keep empty folders.
         for folder in (KNOWN, FIXED):
             (self.folder / folder).mkdir(parents=True, exist_ok=True)
             (self.folder / folder / ".gitkeep").touch()
@@ -136,6 +137,7 @@ class Project:
         for path, text in files:
             path.parent.mkdir(parents=True, exist_ok=True)
             write_bytes(path, text.encode(), force=force)
+        # Append to the settings instead of rewriting them, to keep comments and order.
         before = self.settings.read_text(encoding="utf-8") if self.settings.exists() else ""
         text = before + ("\n" if before else "") + self._tables()
         write_bytes(self.settings, text.encode(), force=True)

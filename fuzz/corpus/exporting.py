@@ -73,6 +73,7 @@ def _archive(entries: Sequence[CorpusEntry], out: Path) -> bytes:
     stream = io.BytesIO()
     archive = writer_for(out, stream)
     rows = []
+    # A file, a picture and a table row for each failure.
     for name, entry in _named(entries):
         failure = Failure.read(entry.path)
         picture = f"pictures/{name}.png"
@@ -113,6 +114,7 @@ def _parquet(entries: Sequence[CorpusEntry], _out: Path) -> bytes:
         rows.append(
             entry.as_dict() | {"grid": failure.dumps(), "picture": draw_failure(entry, failure)}
         )
+    # State the types, because an empty table would not show them.
     kinds = {
         "width": arrow.int64(),
         "height": arrow.int64(),

@@ -44,6 +44,7 @@ def judge_all(entries: Iterable[CorpusEntry]) -> Iterator[Judgement]:
     for _, group in groupby(ordered, key=lambda entry: entry.facts.key):
         kept: CorpusEntry | None = None
         for entry in group:
+            # A simpler failure of the class is confirmed, so this one need not be run.
             if kept is not None:
                 what = (
                     "the same world"

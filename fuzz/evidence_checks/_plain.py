@@ -35,6 +35,7 @@ def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) 
     """Return True if a cell is solid at some time in [earliest, latest] s, or outside the grid."""
     if not (0 <= ix < world.width and 0 <= iy < world.height):
         return True
+    # Follow the events of this cell up to the end of the interval.
     state = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
     for event in world.timeline:
         if event.time > latest:

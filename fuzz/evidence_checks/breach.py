@@ -25,8 +25,10 @@ def check_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidenc
     reached = evidence.reached
     if reached is None or not step < reached <= whole.steps:
         return f"a wall in step {step} and the target in step {reached} are not within the run"
+    # Up to the wall, both runs must be the same.
     if trace.steps != step or not (trace.states == whole.states[: step + 1]).all():
         return "the continued run differs before the wall"
+    # The target counts as reached in its cell, as for the thesis's robot.
     columns = lattice_cell(whole.x / world.cell_size)
     rows = lattice_cell(whole.y / world.cell_size)
     there = (

@@ -35,6 +35,7 @@ def check_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, st
 
 def _check_closure(outcomes: Outcomes) -> str:
     """Check that all successors are known, and that each state but the first has a predecessor."""
+    # States reached so far; the first is where every run starts.
     known = {0}
     for number, entry in enumerate(outcomes.following):
         values = sorted(value for value, _ in entry)

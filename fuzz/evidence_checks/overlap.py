@@ -23,6 +23,7 @@ def check_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Mo
         return f"the run has no step {step}"
     if not is_solid_at(world, *cell, (step - 1) * trace.time_step, step * trace.time_step):
         return f"cell {cell} is not solid in step {step}"
+    # The deepest cut along the path, measured with shapely.
     depth = world.robot_radius - float(step_path(trace, step).distance(cell_box(world, *cell)))
     allowed = motion.overlap_tolerance * world.cell_size
     if depth <= allowed - 1e-9:

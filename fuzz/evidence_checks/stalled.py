@@ -33,6 +33,7 @@ def check_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: 
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
         return f"cell {fresh} is entered for the first time in the second half"
+    # Files written by older versions do not say how the run stalls.
     kind = evidence.kind
     if kind is None:
         return check_budget(world, trace, evidence)
@@ -99,6 +100,7 @@ def _check_box(world: World, trace: Trace, half: int, box: tuple[int, int] | Non
         cells = places[half:] / world.cell_size
         low = float(cells.min())
         high = float(cells.max())
+        # The number of cells with both ends rounded outwards, and inwards.
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
         if not least <= claimed <= most:

@@ -91,6 +91,7 @@ class NamedOracle(Oracle):
         Raises:
             InvalidParameter: If there is no such oracle, or if a number is missing or not allowed.
         """
+        # Split off the number. A name may contain "=" in a path, so it is only the last part.
         parts = _WRITTEN.fullmatch(text.strip())
         if parts is None:
             raise InvalidParameter(
@@ -102,6 +103,7 @@ class NamedOracle(Oracle):
         name = parts["name"]
         number = parts["number"]
         function = ORACLES.get(name)
+        # Buckets begin with the name, so a verdict in its place would be misleading.
         if _plain(name) in _TAKEN:
             raise InvalidParameter(
                 "name-is-a-verdict",
@@ -109,6 +111,7 @@ class NamedOracle(Oracle):
                 "give it another name",
                 name=name,
             )
+        # The function decides whether a number is required, optional or not allowed.
         second = _places(function)[1:]
         if number is None:
             if second and second[0].default is inspect.Parameter.empty:

@@ -62,6 +62,7 @@ def drawn_run(
     trace = episode.trace
     if trace is None:
         return None
+    # Keep more steps where a reader looks closely.
     marks = _marks(judged or episode)
     loop = _loop(judged or episode)
     kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks), most)
@@ -85,6 +86,7 @@ def _columns(
     trace: Trace, kept: npt.NDArray[np.int64], cell_size: float
 ) -> tuple[dict[str, Any], npt.NDArray[np.int64]]:
     """Return the included states with the corners in between, and the step of each row."""
+    # Corners inside of the included steps; a corner at the end of a step is its state.
     step = trace.path_step
     share = np.rint(trace.path_share * SHARE).astype(np.int64)
     corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
@@ -93,6 +95,7 @@ def _columns(
     x = np.concatenate([trace.x[kept], trace.path_x[corner]])[order]
     y = np.concatenate([trace.y[kept], trace.path_y[corner]])[order]
     whose = np.concatenate([kept, step[corner]])[order]
+    # Without jumps at pi, so that the player can interpolate.
     turns = np.unwrap(trace.heading[whose]) / (2.0 * math.pi)
     columns = {
         "at": numbers(at[order]),
@@ -151,6 +154,7 @@ def _marks(episode: Episode) -> list[dict[str, Any]]:
             return [_mark(entry, "entry", "Entry", "the loop is entered")]
         case WallEvidence() as wall:
             found = []
+            # The move that let the robot into the wall comes before the breach itself.
             if wall.since is not None:
                 found.append(
                     _mark(wall.since, "cause", "Cause", f"a {wall.cause} lets it into the wall")

@@ -110,6 +110,7 @@ def _of_the_run(seen: ReplayedFailure) -> list[Row]:
             ("path length", f"{episode.path_length:.4g} m"),
             ("contacts", str(episode.collisions)),
         ]
+        # How much longer the path is than the proof that the target is reachable.
         witness = seen.failure.world.certificate
         if isinstance(witness, Witness) and witness.length > 0:
             rows.append(("path / witness", f"{episode.path_length / witness.length:.3g}"))
@@ -131,6 +132,7 @@ def _of_the_world(world: World) -> list[Row]:
     ]
     if world.is_dynamic:
         rows.append(("changes", f"{len(line):,}, the last at {line.last_time:.6g} s"))
+    # What proves that the target is reachable or walled off.
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))
@@ -152,6 +154,7 @@ def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
     rows = []
     if "found_by" in details:
         rows.append(("found by strategy", describe_value(details["found_by"])))
+    # The campaign knows how often and when the class was met.
     if campaign is not None:
         kind = reported.entry.facts.kind
         if kind in campaign.met:

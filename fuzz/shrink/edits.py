@@ -51,6 +51,7 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
     walls = np.delete(world.walls, np.s_[first:top], axis=0)
     start = replace(world.start, y=_moved(world, world.start.y, top, count))
     target = replace(world.target, y=_moved(world, world.target.y, top, count))
+    # Events in the dropped rows disappear, those above move down.
     line = world.timeline
     keep = (line.iy < first) | (line.iy >= top)
     rows = np.where(line.iy >= top, line.iy - count, line.iy)
@@ -66,6 +67,7 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
     walls = np.delete(world.walls, np.s_[first:right], axis=1)
     start = replace(world.start, x=_moved(world, world.start.x, right, count))
     target = replace(world.target, x=_moved(world, world.target.x, right, count))
+    # Events in the dropped columns disappear, those on the right move left.
     line = world.timeline
     keep = (line.ix < first) | (line.ix >= right)
     columns = np.where(line.ix >= right, line.ix - count, line.ix)

@@ -189,6 +189,7 @@ class StillFails:
 
     def _ends_so(self, outcome: Outcome) -> bool:
         """Return True if a run ends as the verdict requires, as far as its end shows that."""
+        # The end of the run decides these.
         if self.verdict == Verdict.TUNNEL:
             return outcome.ending == Verdict.TUNNEL and self._is_same_manner(outcome.cause)
         if self.verdict == Verdict.CRASH:
@@ -199,6 +200,7 @@ class StillFails:
             return False
         if self.verdict == Verdict.OVERLAP:
             return outcome.overlap_step >= 0 and self._is_same_manner(outcome.cause)
+        # A run that overlaps a wall or arrives is neither a loop nor out of budget.
         if outcome.overlap_step >= 0 or outcome.ending == Verdict.REACHED:
             return False
         return outcome.ending == Verdict.LOOP or self.verdict != Verdict.LOOP

@@ -155,6 +155,7 @@ def shrink_class(
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []
     for done, failure in enumerate(waiting):
+        # Divide the remaining time equally, so that a slow failure does not use up all of it.
         left = None if deadline is None else (deadline - time.monotonic()) / (len(waiting) - done)
         if results and left is not None and left <= 0.0:
             break

@@ -70,6 +70,7 @@ def snippet(failure: Failure) -> str:
     )
     title = f"{record.controller} under {record.motion}: {record.outcome}"
     text = dumps(world).decode("utf-8")
+    # A property "the robot arrives" only makes sense if arriving is what failed.
     has_example = failure.oracle is None and isinstance(failure.world.certificate, Witness)
     imports = (_EXAMPLE_IMPORTS if has_example else _IMPORTS).rstrip()
     comment = (

@@ -121,6 +121,7 @@ class Trying:
         candidate = _after(case, edit)
         if candidate is None:
             return None
+        # From the cheapest test to the most expensive one.
         if self._screens_quickly(case):
             if not looked and not self._still_fails.seems_to_fail(*candidate):
                 return None

@@ -87,12 +87,14 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         """
         path = self.folder.place(field(message, "name", str))
         shrunk = Failure.found_in(read_world(path))
+        # The original is in the campaign store of one of the folders above.
         places = () if shrunk is None or shrunk.original is None else path.parents
         found = next(
             filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in places)), None
         )
         if found is None:
             return {"before": None}
+        # Without permission to run the controller there is nothing to show.
         try:
             check_record(found.record, self.named)
         except InvalidParameter:

@@ -69,11 +69,13 @@ class Studio:
 
 def make_app(studio: Studio) -> ASGIApp:
     """Return the studio as an ASGI application, behind its gate."""
+    # Requests are answered by separate processes; watching needs none.
     lanes: dict[str, Worker | Watching] = {
         name: Worker(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
     }
     lanes["watching"] = Watching(studio.folder)
 
+    # The page and its files. Unknown addresses never reach the file system.
     async def part(request: Request) -> Response:
         data = studio.parts.get(request.url.path)
         if data is None:
@@ -81,6 +83,7 @@ def make_app(studio: Studio) -> ASGIApp:
         ending = "." + request.url.path.rpartition(".")[2] if request.url.path != "/" else ".html"
         return Response(data, media_type=_KINDS[ending])
 
+    # The connections, up to the limit.
     pages: set[WebSocket] = set()
 
     async def connection(socket: WebSocket) -> None:
@@ -97,6 +100,7 @@ def make_app(studio: Studio) -> ASGIApp:
         finally:
             pages.remove(socket)
 
+    # End the processes with the server.
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         yield

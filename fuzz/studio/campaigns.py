@@ -99,6 +99,7 @@ class CampaignAnswers(Opened):
         name = part_of(message, "folder", str)
         out = self._own(name)
         words = [*self._words(message), f"--out={out}"]
+        # A drawn map exists only here, so it is passed to the process as a temporary file.
         with tempfile.TemporaryDirectory() as there:
             if message.get("world") is not None:
                 fixed = Path(there) / "world.grid"
@@ -172,6 +173,7 @@ class CampaignAnswers(Opened):
                 "no-campaign", "{name} holds no campaign to resume", "begin one", name=name
             )
         said = stored[0].configuration
+        # The campaign store may name code in files, which must not run unless the user named it.
         scenario = said.get("scenario")
         if not isinstance(scenario, dict) or not may_run(
             str(scenario.get("controller")), self.named
@@ -192,6 +194,7 @@ class CampaignAnswers(Opened):
             )
         check_lanes(said.get("families"))
         check_oracles(said.get("oracles"))
+        # Resolve links, because the database is written to.
         database = Path(os.path.realpath(str(said.get("database") or self.folder.root)))
         if not database.is_relative_to(self.folder.root):
             raise InvalidParameter(

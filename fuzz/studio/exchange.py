@@ -121,6 +121,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
                 "the message's files are not tables",
                 "send name and data of each",
             )
+        # Browsers of other systems may send paths with backslashes.
         name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
         data = _bytes_of(field(file, "data", str))
         total += len(data)
@@ -132,6 +133,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
                 bytes=total,
                 most=MOST_DROPPED,
             )
+        # A hidden name would be refused, although the file is fine.
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
             raise InvalidParameter(
@@ -233,6 +235,7 @@ def _imported(
     used = scenario if row else None
     robot = ImportedRobot(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
     imported = import_world(place, robot, name=wanted.format, options=wanted.options)
+    # Never open a map of which a part was not understood: it may be a wall.
     if imported.withheld:
         raise FormatError(
             "part-not-read",
@@ -242,6 +245,7 @@ def _imported(
             reason=imported.decision.reason,
             source=str(place),
         )
+    # Report how the map was read, so that the user can choose otherwise.
     known = imported.world.provenance.params.get("format") if imported.world.provenance else None
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
     told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()

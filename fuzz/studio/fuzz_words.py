@@ -55,6 +55,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     Raises:
         InvalidParameter: If the message requests something that is not offered.
     """
+    # Check everything that could name code in a file or a place outside of the folder.
     checked: dict[str, Any] = {
         "controller": _controller(message, named),
         "motion": _one_of(message, "motion", MOTIONS.names()),
@@ -65,6 +66,7 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
     checked["lanes"] = tuple(lane for lane in lanes if lane in OWN_LANES)
     if message.get("database") is not None:
         checked["database"] = str(folder.place(part_of(message, "database", str)))
+    # The other options check their own values.
     words = []
     for option in CampaignOptions.declared():
         value = checked.get(
@@ -166,6 +168,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
         InvalidParameter: If a drawn map has not been saved to a file.
     """
     drawn = message.get("world")
+    # A command needs a file, so the drawn map must have been saved as it is now.
     if drawn is not None:
         place = folder.place(str(message.get("world_name") or "-"))
         if not place.is_file() or read_text(place) != part_of({"world": drawn}, "world", dict).get(
@@ -177,6 +180,7 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
                 "save it first",
             )
         words = [*words, f"--world={place}"]
+    # Write options as users do, with a space. A value that begins with "-" needs the "=".
     said: list[str] = []
     for word in (*words, f"--out={out}"):
         option, equals, value = word.partition("=")

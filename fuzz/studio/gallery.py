@@ -123,6 +123,7 @@ class WallAnswers(Opened):
                 "no-failure", "{name} holds no failure", "mark one that does", name=path.name
             )
         facts = Facts.of(failure, path.name)
+        # The copy keeps the failure known even if a campaign replaces the original.
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
             try:
@@ -151,6 +152,7 @@ class WallAnswers(Opened):
         judged = shown = simulate(world, who, options, record=True)
         controller = CONTROLLERS.get(who)
         words = f"{judged.verdict}{describe_evidence(judged)}"
+        # Draw a breach up to its target; the evidence is that of the run that ends at the wall.
         if failure.is_breach:
             shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"

@@ -180,6 +180,7 @@ class Guarded:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
+        # Everything except server events is judged, and every answer gets the security headers.
         headers = Headers(scope=scope)
         status, gives_cookie = self._judge(scope, headers)
         socket_opens = scope["type"] == "websocket"
@@ -196,6 +197,7 @@ class Guarded:
                     )
             await send(message)
 
+        # Pass it on, redirect a used ticket to the address with the token, or refuse.
         if status == 200:
             await self.app(scope, receive, sent)
         elif status == 303:

@@ -152,6 +152,7 @@ class Session:
 
     async def _ask(self, job: _StudioRequest, message: dict[str, Any]) -> dict[str, Any]:
         try:
+            # Stop reading parts as soon as a newer request replaces this one.
             async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
                 async for what, table in said:
                     if job.replaced and job.kind in _ENDED:
