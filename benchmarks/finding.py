@@ -3,7 +3,7 @@
 Over the seeded faults, by each lane, the whole plan, and what one would do without.
 ``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many
 simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the
-tables of ``docs/explanation/finding.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
+tables of ``docs/explanation/search.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
 is a file: what is there already is not done again, and several processes may work at the same
     table. ``--quick`` takes minutes, ``--full`` a day.
 
@@ -436,7 +436,7 @@ def _quartiles(values: Sequence[float]) -> list[float | None]:
 
 
 def tables(rows: Sequence[dict[str, Any]]) -> str:
-    """The two tables of ``docs/explanation/finding.md``: by searcher, and by fault."""
+    """The two tables of ``docs/explanation/search.md``: by searcher, and by fault."""
     columns = (
         "found",
         "worlds",

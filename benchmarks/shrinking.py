@@ -1,7 +1,7 @@
 """How quick and how good shrinking is, beside Hypothesis on the same failures.
 
 ``python -m benchmarks.shrinking`` finds failures of several controllers under each motion model
-with fixed seeds, shrinks each, and prints the table of ``docs/howto/shrinking.md``; with ``--json`` one
+with fixed seeds, shrinks each, and prints the table of ``docs/howto/keep-failures.md``; with ``--json`` one
 object. ``--each N`` says how many failures a case contributes at most (default 6),
 ``--hypothesis N`` how many Hypothesis shrinks too (default 1). Times are CPU milliseconds.
 

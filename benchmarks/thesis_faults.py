@@ -1,7 +1,7 @@
 """How often the thesis's robots enter walls.
 
 Scattered worlds and U traps, by rule, cause and repair. ``python -m benchmarks.thesis_faults``
-prints the figures of ``docs/explanation/thesis-faults.md``, with ``--json`` as one object. It takes some four
+prints the figures of ``docs/explanation/thesis.md``, with ``--json`` as one object. It takes some four
 minutes.
 """
 

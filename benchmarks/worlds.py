@@ -1,7 +1,7 @@
 """How fast whole worlds are made, proved, checked, written and read, beside what else answers the same questions.
 
 ``python -m benchmarks.worlds`` prints tables, with ``--json`` one object;
-``--document docs/explanation/speed.md`` also puts the tables into a document, between its marks. Times are of
+``--document docs/explanation/search.md`` also puts the tables into a document, between its marks. Times are of
 one core's processor, the best of ``--rounds``; compilation is not counted. Start-up is what the
 clock on the wall shows, compilation not counted either.
 
@@ -52,7 +52,7 @@ __all__ = ["documented", "measure"]
 STILL = ("corridor", "trap", "maze", "rooms", "cave", "forest", "rubble")
 BATCH = 100
 MARKS = (
-    "<!-- table: python -m benchmarks.worlds --document docs/explanation/speed.md -->",
+    "<!-- table: python -m benchmarks.worlds --document docs/explanation/search.md -->",
     "<!-- end of table -->",
 )
 

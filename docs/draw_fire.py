@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/reference/fire.md: ``python docs/draw_fire.py``."""
+"""Draws the pictures of docs/reference/families.md: ``python docs/draw_fire.py``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/howto/studio.md and docs/howto/studio-walk.md: ``python -m docs.draw_studio``.
+"""Draws the pictures of docs/howto/studio.md and docs/howto/studio.md: ``python -m docs.draw_studio``.
 
 Each shows the studio in Debian's Chromium at 1280 x 720, and comes about as a person's would: by
 mouse and keyboard. Those of the walk are taken on the walk itself.
@@ -59,7 +59,8 @@ def main() -> None:
 def walk(page: Any) -> None:
     """The walk, with a picture after some of its steps."""
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    steps = sentences((HERE / "howto" / "studio-walk.md").read_text(encoding="utf-8"))
+    page = (HERE / "howto" / "studio.md").read_text(encoding="utf-8")
+    steps = sentences(page.partition("<!-- new folder -->")[2])
     walker = Walker(page)
     for k, (number, sentence) in enumerate(steps):
         walker.perform(sentence)

@@ -44,7 +44,7 @@ def corpus() -> None:
     """List, compare, merge and prune folders of failures.
 
     A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are
-    of one class if controller, motion model and class are the same. docs/howto/corpus.md has the whole of
+    of one class if controller, motion model and class are the same. docs/howto/keep-failures.md has the whole of
     it.
     """
 

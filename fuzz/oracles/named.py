@@ -56,7 +56,7 @@ def _accept(name: str, thing: Any) -> OracleFunction:
 
 
 _HOW = (
-    "write a function of a trial, or of a trial and a number; docs/reference/oracles.md shows one"
+    "write a function of a trial, or of a trial and a number; docs/reference/verdicts.md shows one"
 )
 
 ORACLES: Registry[OracleFunction] = Registry("worldgen.oracles", "oracle", _accept)

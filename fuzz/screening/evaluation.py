@@ -202,7 +202,7 @@ class Screening:
 
         It is made of the ending; of touches, kind of contact, turning, extent and progress in one
         period of a loop, or in a few more steps of a run that spent its budget; of the kind of wall
-        that a robot went through or into. It comes near to the failure's class (docs/reference/failures.md),
+        that a robot went through or into. It comes near to the failure's class (docs/reference/verdicts.md),
         without a recording. 0 where it arrived or nothing ran.
         """
         raw = self.raw

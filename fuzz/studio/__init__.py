@@ -1,7 +1,7 @@
 """The studio: a local web page on which you draw worlds and run robots.
 
 It does nothing that the library and the command line cannot do. A browser and a server exchange
-small messages (docs/reference/studio-protocol.md), and each becomes one call of the Python API.
+small messages (fuzz/studio/protocol.md), and each becomes one call of the Python API.
 
 Contents:
     Studio, make_app: The server's settings, and the server as an ASGI application (``app``).

@@ -67,7 +67,7 @@ def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[
         opened: The opened folder.
 
     Returns:
-        The table ``state`` of docs/reference/studio-protocol.md.
+        The table ``state`` of fuzz/studio/protocol.md.
 
     Raises:
         FormatError: If its files cannot be read.

@@ -75,7 +75,7 @@ _LONGEST = 2_000  # characters of a fact; a longer one quotes a file
 
 
 def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:
-    """Return an error as the page expects it; see ``docs/reference/studio-protocol.md``.
+    """Return an error as the page expects it; see ``fuzz/studio/protocol.md``.
 
     Args:
         error: The library's error.

@@ -25,7 +25,7 @@ _ROUNDING = 1e-6
 def failure_class(world: World, episode: Episode) -> str:
     """Return a short name for the kind of failure, usable as a file name.
 
-    docs/reference/failures.md explains its words.
+    docs/reference/verdicts.md explains its words.
 
     Args:
         world: World of the run.

@@ -1,4 +1,4 @@
-"""The walk through the studio, performed as docs/howto/studio-walk.md says it."""
+"""The walk through the studio, performed as docs/howto/studio.md says it."""
 
 from pathlib import Path
 
@@ -9,7 +9,8 @@ from tests.helpers.studio_walk import Walker, answered, begun, commands, fits, s
 
 pytestmark = pytest.mark.gate
 
-WALK = (Path(__file__).parents[2] / "docs/howto/studio-walk.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/howto/studio.md").read_text(encoding="utf-8")
+WALK = PAGE.partition("<!-- new folder -->")[2]
 
 
 @pytest.mark.nightly

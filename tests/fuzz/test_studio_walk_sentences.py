@@ -1,4 +1,4 @@
-"""The reader of docs/howto/studio-walk.md.
+"""The reader of docs/howto/studio.md.
 
 It performs every sentence of a step, and refuses those it does not know.
 """

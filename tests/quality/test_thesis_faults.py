@@ -1,4 +1,4 @@
-"""The shrunk faults of the thesis's motion, and what docs/explanation/thesis-faults.md says of them."""
+"""The shrunk faults of the thesis's motion, and what docs/explanation/thesis.md says of them."""
 
 import functools
 import pathlib
@@ -17,6 +17,7 @@ from fuzz.triage.judging import replay
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
+from tests.repo.documented_commands import DOCS, part_with
 from worldgen import Cut, Witness, check_certificate
 from worldgen.files.grid import read_world
 from worldgen.render.frame import BAND
@@ -28,7 +29,7 @@ FAULTS = ROOT / "corpora" / "thesis-faults"
 NAMES = sorted(path.stem for path in FAULTS.glob("*.grid"))
 CAUSES = ("slide", "back-off", "corner")
 ROBOTS = ("thesis-1", "thesis-2", "thesis-3")
-PAGE = (ROOT / "docs" / "explanation" / "thesis-faults.md").read_text(encoding="utf-8")
+PAGE = part_with(DOCS / "explanation" / "thesis.md", "The faults of the thesis's motion")
 README = (FAULTS / "README.md").read_text(encoding="utf-8")
 TABLE = dict(re.findall(r"^\| `([\w-]+)\.grid` \| `([\w-]+)` \|", README, flags=re.MULTILINE))
 

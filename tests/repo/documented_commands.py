@@ -13,12 +13,13 @@ line names a file (``# mine.py``).
 - A search with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends
   on the machine.
 
-Four comments, each alone on a line between the last block and the one that it is for, say more:
+Five comments, each alone on a line between the last block and the one that it is for, say more:
 
 - ``<!-- first: COMMAND -->`` runs a command that the reader is not shown, in the page's folder;
   ``$ROOT`` is the project's own folder.
 - ``<!-- not run: REASON -->`` leaves a block out.
 - ``<!-- file: NAME -->`` says that the next block is the contents of that file.
+- ``<!-- new folder -->`` lets the blocks below run in another folder: the page is several in one.
 - ``<!-- needs: PROGRAM -->`` leaves a block out where that program is not installed.
 
 ``python -m tests.repo.documented_commands PAGE...`` prints what differs; ``--update`` writes what
@@ -58,6 +59,7 @@ _NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 _FIRST = re.compile(r"<!-- first: (.+) -->")
 _NAMED = re.compile(r"<!-- file: (\S+) -->")
 _NEEDS = re.compile(r"<!-- needs: (\S+) -->")
+_NEW_FOLDER = "<!-- new folder -->"
 _SECONDS = re.compile(
     r"\bin \d+(?:\.\d+)? s\b"
 )  # a witness's time is hidden with it; its digest is not
@@ -140,6 +142,21 @@ class Done:
 def read_page(path: Path) -> Page:
     """Return a page's commands and files."""
     return parse_page(path.read_text(encoding="utf-8"), path)
+
+
+def read_parts(path: Path) -> list[Page]:
+    """Return the parts of a page that run in folders of their own; line numbers are the page's."""
+    parts = path.read_text(encoding="utf-8").split(_NEW_FOLDER)
+    # Empty lines in place of what is above keep the numbers of lines.
+    above = [sum(part.count("\n") for part in parts[:at]) for at in range(len(parts))]
+    return [parse_page("\n" * count + part, path) for count, part in zip(above, parts, strict=True)]
+
+
+def part_with(path: Path, heading: str) -> str:
+    """Return the text of the part of a page that has this heading."""
+    parts = path.read_text(encoding="utf-8").split(_NEW_FOLDER)
+    [part] = [part for part in parts if re.search(rf"^#+ {re.escape(heading)}$", part, re.M)]
+    return part
 
 
 def parse_page(text: str, path: Path) -> Page:
@@ -262,6 +279,14 @@ def run_page(page: Page, folder: Path) -> Iterator[Done]:
                     yield run(command, in_this_process=not edited)
 
 
+def run_parts(path: Path, folder: Path) -> Iterator[Done]:
+    """Run a page's commands, each part of it in a folder of its own."""
+    for number, part in enumerate(read_parts(path)):
+        own = folder / str(number)
+        own.mkdir()
+        yield from run_page(part, own)
+
+
 def run(command: Command, in_this_process: bool = True) -> Done:
     """Run one command in the current folder.
 
@@ -295,7 +320,7 @@ def _run_here(argv: list[str]) -> tuple[int, str]:
 
 def faults(path: Path, folder: Path) -> list[str]:
     """Return what is wrong with a page, a text for each command whose output is not as shown."""
-    return [fault for done in run_page(read_page(path), folder) if (fault := done.fault)]
+    return [fault for done in run_parts(path, folder) if (fault := done.fault)]
 
 
 def updated(text: str, done: list[Done]) -> str:
@@ -340,7 +365,7 @@ def main() -> int:
     for path in map(Path.absolute, options.pages):
         with tempfile.TemporaryDirectory() as folder:
             done = []
-            for one in run_page(read_page(path), Path(folder)):
+            for one in run_parts(path, Path(folder)):
                 done.append(one)
                 sys.stderr.write(f"{path.name}: {one.command.text}\n")
         found = [fault for one in done if (fault := one.fault)]

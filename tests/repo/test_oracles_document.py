@@ -1,16 +1,16 @@
-"""What docs/reference/oracles.md shows works, command by command, with the oracle of ten lines that it teaches."""
+"""What docs/reference/verdicts.md shows works, command by command, with the oracle of ten lines that it teaches."""
 
 import re
 import shlex
-from pathlib import Path
 
 import pytest
 
 from fuzz.oracles import ORACLES
 from tests.helpers.command_line import worldgen
+from tests.repo.documented_commands import DOCS, part_with
 from worldgen import read_world
 
-PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "oracles.md").read_text(encoding="utf-8")
+PAGE = part_with(DOCS / "reference" / "verdicts.md", "Oracles")
 
 
 @pytest.fixture(scope="module")
@@ -59,5 +59,5 @@ def test_a_failure_by_an_oracle_says_what_was_found(done):
 
 
 def test_the_page_names_every_oracle():
-    names = re.findall(r"^\| `([a-z]+)(?:=[A-Z]+)?` \|", PAGE.partition("\n## ")[0], re.MULTILINE)
+    names = re.findall(r"^\| `([a-z]+)(?:=[A-Z]+)?` \|", PAGE.partition("\n### ")[0], re.MULTILINE)
     assert sorted(names) == ORACLES.names()

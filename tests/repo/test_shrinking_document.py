@@ -1,7 +1,6 @@
-"""docs/howto/shrinking.md lists what the shrinker does, and shows commands that work."""
+"""docs/howto/keep-failures.md lists what the shrinker does, and shows commands that work."""
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -11,15 +10,16 @@ from fuzz.triage.proofs import certified
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
+from tests.repo.documented_commands import DOCS, part_with
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "shrinking.md").read_text(encoding="utf-8")
+PAGE = part_with(DOCS / "howto" / "keep-failures.md", "Shrinking")
 
 
 @pytest.mark.parametrize(("title", "listed"), [("What simpler means", ORDER), ("Passes", PASSES)])
 def test_the_page_lists_what_the_shrinker_has_in_the_same_order(title, listed):
     rows = re.findall(
         r"^\| `([a-z-]+)` \| (.*) \|$",
-        PAGE.partition(f"## {title}\n")[2].partition("\n## ")[0],
+        PAGE.partition(f"### {title}\n")[2].partition("\n### ")[0],
         re.M,
     )
     assert rows == [(one.name, one.says) for one in listed]

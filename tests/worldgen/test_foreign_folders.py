@@ -1,6 +1,6 @@
 """Folders of other people's maps.
 
-``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/howto/foreign-maps.md
+``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all. docs/howto/census.md
 says which ones were read, and what came of it.
 """
 
@@ -21,7 +21,7 @@ pytestmark = [
     pytest.mark.nightly,
     pytest.mark.skipif(
         not FOLDER,
-        reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/foreign-maps.md says which",
+        reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/howto/census.md says which",
     ),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")

@@ -1,6 +1,6 @@
 """Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``.
 
-docs/howto/configuration.md.
+docs/howto/campaigns.md.
 """
 
 from __future__ import annotations

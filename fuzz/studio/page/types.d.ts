@@ -1,4 +1,4 @@
-// Types of the studio's messages, as docs/reference/studio-protocol.md has them, and of what its scripts share.
+// Types of the studio's messages, as fuzz/studio/protocol.md has them, and of what its scripts share.
 // Only `npm run check` reads this file.
 
 /** What the server refuses: fuzz/studio/refusals.py. */
