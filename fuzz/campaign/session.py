@@ -45,7 +45,6 @@ from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.files.grid import read_world
 from worldgen.support.plain_text import counted
 from worldgen.support.progress import working
-from worldgen.support.workers import ctrl_c_kept
 
 __all__ = ["CampaignSession", "configure"]
 
@@ -332,12 +331,10 @@ class CampaignSession:
         events = self._campaign.run()
         with (
             working(f"searching ({self._limit})") as work,
-            ctrl_c_kept() as listen,
             contextlib.closing(events),
         ):
             work.say(self._so_far)
             for event in events:
-                listen()
                 self._see(event)
         self._goes_on = False
         if self._campaign.units is not None:

@@ -5,6 +5,7 @@ import math
 import os
 import signal
 from collections import deque
+from contextlib import suppress
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
@@ -189,6 +190,28 @@ def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
     with pytest.raises(KeyboardInterrupt), InlineExecutor() as executor:
         executor.submit(endless)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.usefixtures("heard")
+def test_ctrl_c_between_two_pieces_of_work_is_heard_where_the_driver_listens():
+    with InlineExecutor() as executor:
+        executor.submit(int)
+        signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            executor.listen()
+        executor.listen()
+
+
+@pytest.mark.usefixtures("heard")
+def test_ctrl_c_that_a_controller_swallows_is_heard_where_the_driver_listens():
+    def swallow():
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGINT)
+
+    with InlineExecutor() as executor:
+        executor.submit(swallow)
+        with pytest.raises(KeyboardInterrupt):
+            executor.listen()
 
 
 @pytest.fixture

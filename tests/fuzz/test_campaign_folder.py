@@ -310,6 +310,7 @@ class StuckInTheFirst(InlineExecutor):
     room = 2
 
     def __init__(self, at):
+        super().__init__()
         self.at = at
 
     def submit(self, work, /, *args, **kwargs):

@@ -1,6 +1,5 @@
 """Ctrl-C while a driver waits for its worker processes."""
 
-import contextlib
 import os
 import signal
 import threading
@@ -8,7 +7,7 @@ import time
 
 import pytest
 
-from worldgen.support.workers import WorkerPool, ctrl_c_held_back, ctrl_c_kept
+from worldgen.support.workers import WorkerPool, ctrl_c_held_back
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 
@@ -38,33 +37,21 @@ def test_a_second_ctrl_c_is_not_held_back():
     assert signal.getsignal(signal.SIGINT) == before
 
 
-def test_ctrl_c_that_some_code_swallows_is_heard_where_the_driver_listens():
-    before = signal.getsignal(signal.SIGINT)
-    with pytest.raises(KeyboardInterrupt), ctrl_c_kept() as listen:
-        listen()
-        with contextlib.suppress(KeyboardInterrupt):
-            press()
-            time.sleep(60)
-        listen()
-    assert signal.getsignal(signal.SIGINT) == before
-
-
 def test_ctrl_c_that_is_ignored_stays_so_where_a_driver_listens():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with ctrl_c_kept() as listen:
+        with ctrl_c_held_back() as listen:
             press()
             listen()
     finally:
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("kept", [ctrl_c_held_back, ctrl_c_kept])
-def test_outside_the_main_thread_nothing_is_changed(kept):
+def test_outside_the_main_thread_nothing_is_changed():
     before, seen = signal.getsignal(signal.SIGINT), []
 
     def elsewhere():
-        with kept() as listen:
+        with ctrl_c_held_back() as listen:
             listen()
             seen.append(signal.getsignal(signal.SIGINT))
 

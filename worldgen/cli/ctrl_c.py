@@ -18,61 +18,79 @@ _AGAIN = 0.01  # s
 
 @contextlib.contextmanager
 def no_ctrl_c_lost() -> Iterator[None]:
-    """Repeats, inside, a Ctrl-C whose ``KeyboardInterrupt`` would be printed and forgotten.
+    """Repeat, inside, a Ctrl-C whose ``KeyboardInterrupt`` would be printed and forgotten.
 
-    That is one in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell
-    into it), in those of weak references (Numba has some) and in ``__del__``. Where Ctrl-C is
-    ignored, or somebody else handles it, this does nothing.
+    That happens in callbacks of ``gc`` (Hypothesis has one: in campaigns every fourth Ctrl-C fell
+    into it), in those of weak references and in ``__del__``. Where Ctrl-C is ignored, or someone
+    else handles it, this does nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
-    main = threading.get_ident()
-    others = sys.unraisablehook
-    raised = deaf = over = (
-        False  # no Event: a second signal while one is being set would wait for the first, for ever
-    )
+    repeater = _Repeater()
+    repeater.begin()
+    try:
+        yield
+    finally:
+        repeater.end()
 
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        nonlocal raised
-        if not deaf:
-            raised = True
+
+class _Repeater:
+    """Handles Ctrl-C, and sends it again if Python dropped it.
+
+    Its flags are plain attributes: a second signal that comes while an ``Event`` is being set would
+    wait for the first one forever.
+    """
+
+    def __init__(self) -> None:
+        self._main = threading.get_ident()
+        self._other_hook = sys.unraisablehook
+        self._raised = False
+        self._is_starting = False
+        self._over = False
+
+    def begin(self) -> None:
+        signal.signal(signal.SIGINT, self._interrupt)
+        sys.unraisablehook = self._on_dropped
+
+    def end(self) -> None:
+        self._over = True
+        if sys.unraisablehook == self._on_dropped:
+            sys.unraisablehook = self._other_hook
+        if signal.getsignal(signal.SIGINT) == self._interrupt:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        if not self._is_starting:
+            self._raised = True
             signal.default_int_handler(number, frame)
 
-    def hook(dropped: sys.UnraisableHookArgs) -> None:
-        nonlocal raised, deaf
-        if raised and issubclass(dropped.exc_type, KeyboardInterrupt):
-            # what is raised in here would be dropped, too; it is pressed again anyway
-            deaf = True
-            raised = False
-            try:
-                _thread.start_new_thread(press, ())
-            finally:
-                deaf = False
-        else:
-            others(dropped)
+    def _on_dropped(self, dropped: sys.UnraisableHookArgs) -> None:
+        if not (self._raised and issubclass(dropped.exc_type, KeyboardInterrupt)):
+            self._other_hook(dropped)
+            return
+        # An exception raised here would be dropped too; the thread sends Ctrl-C again anyway.
+        self._is_starting = True
+        self._raised = False
+        try:
+            _thread.start_new_thread(self._send_again, ())
+        finally:
+            self._is_starting = False
 
-    def press() -> None:
-        """Until it is heard: what comes just before the main thread begins to wait does not wake it."""
+    def _send_again(self) -> None:
+        """Send Ctrl-C until it is heard.
+
+        One that comes just before the main thread begins to wait does not wake it.
+        """
         while True:
             time.sleep(_AGAIN)
-            ours = signal.getsignal(signal.SIGINT) is interrupt
-            if raised or over:
+            is_ours = signal.getsignal(signal.SIGINT) == self._interrupt
+            if self._raised or self._over:
                 return
             if sys.platform == "win32":
                 _thread.interrupt_main()
             else:
-                signal.pthread_kill(main, signal.SIGINT)
-            if not ours:  # whoever handles it now has it
+                signal.pthread_kill(self._main, signal.SIGINT)
+            # Another handler has it now, and must not get it twice.
+            if not is_ours:
                 return
-
-    signal.signal(signal.SIGINT, interrupt)
-    sys.unraisablehook = hook
-    try:
-        yield
-    finally:
-        over = True
-        if sys.unraisablehook is hook:
-            sys.unraisablehook = others
-        if signal.getsignal(signal.SIGINT) is interrupt:
-            signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -18,7 +18,6 @@ __all__ = [
     "WorkerPool",
     "become_worker",
     "ctrl_c_held_back",
-    "ctrl_c_kept",
     "sigint_blocked",
 ]
 
@@ -31,11 +30,12 @@ _TO_TERMINATE = 1.0  # s that all processes have together
 
 @contextlib.contextmanager
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
-    """Holds Ctrl-C back until what this yields is called, which then raises ``KeyboardInterrupt``.
+    """Hold Ctrl-C back until the function this yields is called, which raises ``KeyboardInterrupt``.
 
-    Locks of queues and futures may stay locked for ever if an exception comes between any two
-    instructions. A second Ctrl-C is not held back: the way out if something hangs. Outside the main
-    thread, which alone hears Ctrl-C, this does nothing.
+    Every driver of work hears Ctrl-C in this one way. An exception between any two instructions
+    could leave locks of queues and futures locked forever, or be swallowed by other code. A second
+    Ctrl-C is raised at once, in case something hangs. Outside the main thread, which is the only
+    one that receives Ctrl-C, this does nothing, and neither does it where Ctrl-C is ignored.
 
     Args:
         at_once: Called when Ctrl-C comes.
@@ -44,6 +44,9 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
         yield lambda: None
         return
     before = signal.getsignal(signal.SIGINT)
+    if before in (signal.SIG_IGN, None):
+        yield lambda: None
+        return
     came = False
 
     def note(_signal: int, _frame: FrameType | None) -> None:
@@ -64,37 +67,6 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
         yield listen
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-@contextlib.contextmanager
-def ctrl_c_kept() -> Iterator[Callable[[], None]]:
-    """Ctrl-C as ever; where some code swallows it, what this yields raises ``KeyboardInterrupt`` when it is called.
-
-    In campaigns 2 of 60 were swallowed. Outside the main thread this does nothing.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: None
-        return
-    before = signal.getsignal(signal.SIGINT)
-    came = False
-
-    def note(number: int, frame: FrameType | None) -> None:
-        nonlocal came
-        came = True
-        if callable(before):
-            before(number, frame)
-
-    def listen() -> None:
-        if came:
-            raise KeyboardInterrupt
-
-    if before not in (signal.SIG_IGN, None):
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield listen
-    finally:
-        if before is not None:
-            signal.signal(signal.SIGINT, before)
 
 
 class WorkerPool(ProcessPoolExecutor):

@@ -34,52 +34,68 @@ def local_executor(workers: int) -> Executor:
 
 
 class InlineExecutor:
-    """Does the work at once, in this process.
+    """Do the work at once, in this process.
 
     Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met.
-    Work that does not end by then is interrupted.
+    Work that does not end in time is interrupted.
     """
 
     room = 1
-    _stopped_at = math.inf  # by the clock of deadlines
+
+    def __init__(self) -> None:
+        self._stopped_at = math.inf  # by the clock of deadlines
+        self._patience: threading.Timer | None = None
+        self._open = ExitStack()
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Do it."""
         future: Future[T] = Future()
-        with ExitStack() as open_:
-            open_.enter_context(stopping_from(lambda: self._stopped_at))
-            open_.enter_context(ctrl_c_held_back(lambda: self._stop(open_)))
-            future.set_result(work(*args, **kwargs))
+        try:
+            with stopping_from(lambda: self._stopped_at):
+                future.set_result(work(*args, **kwargs))
+        finally:
+            self._stop_waiting()
         return future
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
-        """Load it here; Ctrl-C ends that at once, because nothing is met by then."""
-        future: Future[float] = Future()
-        future.set_result(load(config))
-        return [future]
+        """Load it here.
+
+        Raises:
+            KeyboardInterrupt: If Ctrl-C came meanwhile; nothing has been found by then.
+        """
+        loaded = self.submit(load, config)
+        self._hear_ctrl_c()
+        return [loaded]
 
     def listen(self) -> None:
-        """Raise ``KeyboardInterrupt`` if Ctrl-C came while work was under way."""
-        if self._stopped_at < math.inf:
-            self._stopped_at = math.inf
-            raise KeyboardInterrupt
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came."""
+        self._hear_ctrl_c()
 
-    def _stop(self, open_: ExitStack) -> None:
-        """Tell the work, and interrupt it if it takes too long.
+    def _hear_ctrl_c(self) -> None:
+        self._stop_waiting()
+        self._stopped_at = math.inf
+        self._listen()
 
-        As a controller does that never answers.
+    def _stop(self) -> None:
+        """Tell the work to end, and interrupt it if it takes too long.
+
+        A controller that never answers does.
         """
         self._stopped_at = now()
-        patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
-        patience.daemon = True
-        patience.start()
-        open_.callback(patience.cancel)
+        self._patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
+        self._patience.daemon = True
+        self._patience.start()
+
+    def _stop_waiting(self) -> None:
+        if self._patience is not None:
+            self._patience.cancel()
 
     def stop(self) -> None:
-        """Nothing: no work is under way when somebody can call this."""
+        """Do nothing: no work is under way when anyone can call this."""
 
     def __enter__(self) -> Self:
-        """Nothing to start."""
+        """Hold Ctrl-C back from here on."""
+        self._listen = self._open.enter_context(ctrl_c_held_back(self._stop))
         return self
 
     def __exit__(
@@ -88,7 +104,9 @@ class InlineExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Nothing to end."""
+        """Leave Ctrl-C as it was."""
+        self._stop_waiting()
+        self._open.close()
 
 
 class ProcessExecutor:
