@@ -12,11 +12,8 @@ from __future__ import annotations
 import contextlib
 import math
 import random
-import signal
-import threading
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from types import FrameType
 
 import numpy as np
 
@@ -26,6 +23,7 @@ from worldgen.files.grid import dumps, loads, world_digest
 from worldgen.generation import generate
 from worldgen.reach import check_certificate, witness_margin
 from worldgen.support.plain_text import quote
+from worldgen.support.time_limit import TimeLimitReached, time_limit
 from worldgen.timeline import CellState
 from worldgen.world import Value, Witness, World
 
@@ -380,31 +378,16 @@ def _absurd_values(parameter: Parameter) -> tuple[Value, ...]:
     return _ABSURD.get(type(parameter.default), (True, False))
 
 
-class _TooLong(Exception):
-    """A value took longer than the patience."""
-
-
 @contextlib.contextmanager
 def _patience(what: str) -> Iterator[None]:
-    """Ends what takes too long, where the system has alarms."""
-    if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def ring(number: int, frame: FrameType | None) -> None:
-        raise _TooLong
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    """End what takes too long."""
     try:
-        yield
-    except _TooLong:
+        with time_limit(PATIENCE):
+            yield
+    except TimeLimitReached:
         raise BrokenContract(
             f"{what} takes more than {PATIENCE} s; refuse what is too large"
         ) from None
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 FAMILY_CHECKS = (

@@ -1,9 +1,8 @@
 """Whatever a user's file does while it is loaded, the answer is a sentence."""
 
-import signal
 import subprocess
 import sys
-import time
+import threading
 
 import pytest
 
@@ -55,17 +54,21 @@ def test_a_class_that_raises_anything_when_made_is_refused(code, expected, tmp_p
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
-@pytest.mark.skipif(
-    not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded"
-)
-@pytest.mark.parametrize("waits", ["while True: pass", "input()"])
+SWALLOWS = """import time
+while True:
+    try:
+        time.sleep(0.01)
+    except Exception:
+        pass
+"""
+
+
+@pytest.mark.parametrize("waits", ["while True: pass", SWALLOWS], ids=["computes", "swallows"])
 def test_a_file_that_is_never_done_loading_is_refused_in_time(waits, tmp_path, monkeypatch):
     monkeypatch.setenv(LOAD_SECONDS, "0.2")
     (tmp_path / "mine.py").write_text(f"{waits}\n")
-    monkeypatch.setattr("builtins.input", lambda: time.sleep(60))
     with raises(InvalidParameter, "load-timeout", seconds=0.2):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
-    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
 
 
 def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_path):
@@ -74,30 +77,14 @@ def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_pat
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mien")
 
 
-def test_a_file_that_is_loaded_in_time_leaves_no_clock_running(tmp_path, monkeypatch):
-    monkeypatch.setenv(LOAD_SECONDS, "0.2")
+def test_a_file_that_is_loaded_in_time_is_not_interrupted_later(tmp_path, monkeypatch):
+    monkeypatch.setenv(LOAD_SECONDS, "200")
     (tmp_path / "mine.py").write_text(STANDS)
     CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
-    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-
-
-@pytest.mark.skipif(
-    not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded"
-)
-@pytest.mark.parametrize(
-    ("clock", "left"), [("", 0.0), ("signal.setitimer(signal.ITIMER_REAL, 50.0, 25.0)\n", 25.0)]
-)
-def test_a_file_with_a_handler_of_its_own_keeps_that_and_our_clock_stops(clock, left, tmp_path):
-    own = "import signal\nsignal.signal(signal.SIGALRM, lambda *_: None)\n"
-    before = signal.getsignal(signal.SIGALRM)
-    (tmp_path / "mine.py").write_text(own + clock + STANDS)
-    try:
-        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
-        assert signal.getitimer(signal.ITIMER_REAL)[1] == left
-        assert signal.getsignal(signal.SIGALRM) is not before
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+    for thread in threading.enumerate():
+        if thread.name == "time limit":
+            thread.join(timeout=10.0)
+            assert not thread.is_alive()
 
 
 @pytest.mark.parametrize("said", ["soon", "0", "-1", "inf", "nan", "1e12"])

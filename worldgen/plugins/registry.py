@@ -8,9 +8,7 @@ import importlib
 import importlib.util
 import json
 import os
-import signal
 import sys
-import threading
 from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -19,17 +17,17 @@ from typing import Any, Generic, TypeVar
 from worldgen.errors import InvalidParameter, Message
 from worldgen.plugins.entry_points import points_of
 from worldgen.plugins.user_modules import forget_folder, import_in, package_of
+from worldgen.support.time_limit import TimeLimitReached, time_limit
 
 __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
 
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-# s: ten times what the largest frameworks take; a module that waits or computes for ever has no
-# more.
+# s: ten times what the largest frameworks take to load.
 _LOADS_IN = 60.0
-_LONGEST_LOAD = 1e6  # s: what every system's clock can be set to
-_AGAIN = 1.0  # s, between two rings of the clock
+# s: what every system can wait for.
+_LONGEST_LOAD = 1e6
 LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
 """The variable that gives modules another time to load, s."""
 ONLY_CODE = "WORLDGEN_ONLY_CODE"
@@ -110,23 +108,15 @@ def user_code(doing: str) -> Iterator[None]:
         ) from error
 
 
-class _TakesTooLongError(BaseException):
-    """A module is not loaded in time; no ``except Exception`` of its own is to catch that."""
-
-
 @contextlib.contextmanager
 def _loading(doing: str) -> Iterator[None]:
-    """Like :func:`user_code`, with an end: a module may compute or wait for ever.
-
-    Only the main thread can be interrupted, on Unix, and only while no other clock of its kind
-    runs.
-    """
+    """Run code like :func:`user_code`, but end it if it takes too long."""
     seconds = _load_seconds()
     try:
-        with user_code(doing), _alarm(seconds):
+        with user_code(doing), time_limit(seconds):
             yield
     except InvalidParameter as error:
-        if not isinstance(error.__cause__, _TakesTooLongError):
+        if not isinstance(error.__cause__, TimeLimitReached):
             raise
         raise InvalidParameter(
             "load-timeout",
@@ -155,35 +145,6 @@ def _load_seconds() -> float:
             most=_LONGEST_LOAD,
         )
     return seconds
-
-
-@contextlib.contextmanager
-def _alarm(seconds: float) -> Iterator[None]:
-    is_main = threading.current_thread() is threading.main_thread()
-    if (
-        not (is_main and hasattr(signal, "setitimer"))
-        or signal.getitimer(signal.ITIMER_REAL)[0] > 0.0
-    ):
-        yield
-        return
-
-    def ring(*_: object) -> None:
-        raise _TakesTooLongError
-
-    before = signal.signal(signal.SIGALRM, ring)
-    try:
-        signal.setitimer(
-            signal.ITIMER_REAL, seconds, _AGAIN
-        )  # again and again, for the first may be caught
-        yield
-    finally:
-        ours = (
-            signal.getsignal(signal.SIGALRM) is ring
-        )  # and not the module's own meanwhile, which stays
-        if ours or signal.getitimer(signal.ITIMER_REAL)[1] == _AGAIN:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-        if ours:
-            signal.signal(signal.SIGALRM, before)
 
 
 class Registry(Generic[T]):
