@@ -60,8 +60,10 @@ def time_limit(seconds: float) -> Iterator[None]:
         # Take back what is on its way and was not raised yet.
         raise_in(thread, None)
 
-    threading.Thread(target=watch, name="time limit", daemon=True).start()
+    watcher = threading.Thread(target=watch, name="time limit", daemon=True)
     try:
+        # A short limit may be reached before start() returns.
+        watcher.start()
         yield
     finally:
         # The exception may still come while the watch stops, so stop it twice.
