@@ -54,7 +54,7 @@ def studio(
 
     missing = [
         name
-        for name in ("starlette", "uvicorn", "websockets")
+        for name in ("msgspec", "starlette", "uvicorn", "websockets")
         if importlib.util.find_spec(name) is None
     ]
     if missing:

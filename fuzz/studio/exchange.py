@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import dataclasses
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import msgspec
+
 from fuzz.studio.folder import Folder
 from fuzz.studio.limits import MOST_DROPPED
-from fuzz.studio.messages import field, opened_message, restored, seed_of
+from fuzz.studio.messages import converted, field, opened_message, restored, seed_of
 from fuzz.studio.opened import Opened
 from fuzz.studio.refusals import describe_note, hide
 from fuzz.studio.running import check_registered
@@ -22,7 +23,6 @@ from worldgen.files.grid import read_world
 from worldgen.files.worlds import is_world_file
 from worldgen.interop import FORMATS, ImportedRobot, export_world, import_world, write_export
 from worldgen.interop.formats.movingai import scenario_contents
-from worldgen.world import Value
 
 __all__ = ["ExchangeAnswers"]
 
@@ -33,6 +33,17 @@ _BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")
 _PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")
 Message = Mapping[str, Any]
 Part = Callable[[dict[str, Any]], None]
+
+
+class _Outgoing(msgspec.Struct):
+    world: dict[str, Any]
+    name: str
+    keep: bool
+    overwrite: bool = False
+    options: dict[str, Any] | None = None
+    at: float | None = None
+    origin: tuple[float, float] | None = None
+    sidecar: bool = True
 
 
 @dataclass(frozen=True)
@@ -66,29 +77,27 @@ class ExchangeAnswers(Opened):
         known = _format_name(message)
         if known is None:
             raise InvalidParameter("empty-name", "no format is given", "choose one")
-        world = restored(field(message, "world", dict))
-        place = self.folder.place(field(message, "name", str))
-        options: dict[str, Value | None] = field({"options": {}, **message}, "options", dict)
+        sent = converted(message, _Outgoing)
+        world = restored(sent.world)
+        place = self.folder.place(sent.name)
         export = export_world(
             world,
             known,
             file=place.name,
-            options=options,
-            at=None if message.get("at") is None else field(message, "at", float),
-            origin=None
-            if message.get("origin") is None
-            else _point(field(message, "origin", list)),
-            sidecar=field({"sidecar": True, **message}, "sidecar", bool),
+            options=sent.options or {},
+            at=sent.at,
+            origin=sent.origin,
+            sidecar=sent.sidecar,
         )
         said = {
             name: [describe_note(one) for one in getattr(export, name)]
             for name in ("lost", "notes")
         }
-        if field(message, "keep", bool):
+        if sent.keep:
             # A link with the name of an accompanying file would lead out of the folder.
             for other in export.files:
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
-            written = write_export(export, place.parent, force=field(message, "overwrite", bool))
+            written = write_export(export, place.parent, force=sent.overwrite)
             return said | {
                 "written": [path.relative_to(self.folder.root).as_posix() for path in written]
             }
@@ -98,6 +107,11 @@ class ExchangeAnswers(Opened):
                 for name, data in export.files.items()
             ]
         }
+
+
+class _File(msgspec.Struct):
+    name: str
+    data: str
 
 
 def _put_down(files: object, folder: Folder) -> list[Path]:
@@ -114,16 +128,9 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         )
     places: list[Path] = []
     total = 0
-    for file in files:
-        if not isinstance(file, dict):
-            raise InvalidParameter(
-                "wrong-message",
-                "the message's files are not tables",
-                "send name and data of each",
-            )
-        # Browsers of other systems may send paths with backslashes.
-        name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
-        data = _bytes_of(field(file, "data", str))
+    for file in converted(files, list[_File]):
+        name = PurePosixPath(file.name.replace("\\", "/")).name or "map"
+        data = _bytes_of(file.data)
         total += len(data)
         if total > MOST_DROPPED:
             raise InvalidParameter(
@@ -167,15 +174,6 @@ def _main_of(places: Sequence[Path]) -> Path:
     return found[0]
 
 
-def _point(values: Sequence[Any]) -> tuple[float, float]:
-    if len(values) != 2:
-        raise InvalidParameter(
-            "wrong-count", "the origin has {count} numbers", "give x and y", count=len(values)
-        )
-    x, y = (field({"origin": value}, "origin", float) for value in values)
-    return x, y
-
-
 def _format_name(message: Message) -> str | None:
     """Return the format in a message; it must be registered, because others are code from files."""
     name = message.get("format")
@@ -184,33 +182,31 @@ def _format_name(message: Message) -> str | None:
     return name
 
 
-@dataclass(frozen=True)
-class _Wanted:
-    """Options for reading a map; omitted ones come from its file or from the defaults.
+class _Wanted(msgspec.Struct):
+    """How to read a map; the file, or the usual value, says what is left out.
 
-    Args:
+    Attributes:
         format: Name of the format.
         options: Options of that format, by name.
         radius: Radius of the robot, m.
-        row: Number of the problem in its scenario, from 1; 0 for none.
-        seed: Seed of the search for places that are far apart.
+        row: Which problem of its scenario, from 1; 0 is none.
+        seed: Where the search for far places begins, as digits.
     """
 
     format: str | None = None
-    options: Mapping[str, Value | None] = dataclasses.field(default_factory=dict)
+    options: dict[str, Any] | None = None
     radius: float | None = None
     row: int | None = None
-    seed: int | None = None
+    seed: str | None = None
 
 
 def _wanted(message: Message) -> _Wanted:
-    def of(name: str, kind: type) -> Any:
-        return None if message.get(name) is None else field(message, name, kind)
-
-    seed = None if message.get("seed") is None else seed_of(message)
-    return _Wanted(
-        _format_name(message), of("options", dict) or {}, of("radius", float), of("row", int), seed
-    )
+    """Return how the page wants a map to be read."""
+    wanted = converted(message, _Wanted)
+    _format_name(message)
+    if wanted.seed is not None:
+        seed_of(message)
+    return wanted
 
 
 def _bytes_of(text: str) -> bytes:
@@ -233,8 +229,13 @@ def _imported(
             "import the .scen file together with its map",
         )
     used = scenario if row else None
-    robot = ImportedRobot(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
-    imported = import_world(place, robot, name=wanted.format, options=wanted.options)
+    robot = ImportedRobot(
+        radius=wanted.radius,
+        scenario=used,
+        row=row or 1,
+        seed=None if wanted.seed is None else int(wanted.seed),
+    )
+    imported = import_world(place, robot, name=wanted.format, options=wanted.options or {})
     # Never open a map of which a part was not understood: it may be a wall.
     if imported.withheld:
         raise FormatError(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from collections.abc import Mapping
+from typing import Annotated, Any, TypedDict, TypeVar
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -24,6 +23,7 @@ from worldgen.world import Pose, Target, World
 __all__ = [
     "EventsMessage",
     "WorldMessage",
+    "converted",
     "field",
     "is_same_place",
     "message_of",
@@ -33,6 +33,10 @@ __all__ = [
     "world_of",
 ]
 
+T = TypeVar("T")
+
+# A column or row, which may be outside of the grid but not absurdly far.
+_Cell = Annotated[int, msgspec.Meta(ge=-(1 << 20), le=1 << 20)]
 _MOST_EVENTS = 1_000_000
 _SOURCE_LIMIT = 8 << 20  # characters of a file's text, which the page keeps and sends back
 
@@ -143,32 +147,75 @@ def opened_message(world: World) -> dict[str, Any]:
     }
 
 
+class _Events(msgspec.Struct):
+    times: list[float]
+    ix: list[_Cell]
+    iy: list[_Cell]
+    state: list[Annotated[int, msgspec.Meta(ge=0, le=2)]]
+
+    def timeline(self) -> Timeline:
+        columns = (self.times, self.ix, self.iy, self.state)
+        if len({len(column) for column in columns}) != 1 or len(self.times) > _MOST_EVENTS:
+            raise InvalidParameter(
+                "wrong-count",
+                "the message's events are not columns of one length up to {most}",
+                most=_MOST_EVENTS,
+            )
+        kinds = (np.float64, np.int64, np.int64, np.uint8)
+        return Timeline(
+            *(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True))
+        )
+
+
+class _World(msgspec.Struct):
+    width: int
+    height: int
+    cells: bytes
+    cell_size: float
+    robot_radius: float
+    robot_speed: float
+    start: tuple[float, float, float]
+    target: tuple[float, float, float]
+    events: _Events | None = None
+
+    def walls(self) -> npt.NDArray[np.bool_]:
+        count = self.width * self.height
+        if len(self.cells) != -(-count // 8):
+            raise InvalidParameter(
+                "wrong-count",
+                "the message's cells have {count} bytes",
+                "send one bit for each cell",
+                count=len(self.cells),
+            )
+        found = np.unpackbits(np.frombuffer(self.cells, np.uint8), count=count, bitorder="little")
+        return found.astype(np.bool_).reshape(self.height, self.width)
+
+
 def world_of(message: Mapping[str, Any]) -> World:
-    """Return the world in a message, without proof.
+    """Return the world that a message holds, without proof.
 
     Raises:
-        InvalidParameter: If a part of the message is missing or of another type.
-        InvalidWorld: If the parts do not form a valid world.
+        InvalidParameter: If a part of the message is missing or of another kind.
+        InvalidWorld: If the parts make no world.
     """
-    width, height = (field(message, side, int) for side in ("width", "height"))
-    if min(width, height) < 1 or width * height > MOST_CELLS:
+    sent = converted(message, _World)
+    if min(sent.width, sent.height) < 1 or sent.width * sent.height > MOST_CELLS:
         raise InvalidWorld(
             "too-large",
             "{width} x {height} cells",
             "the studio draws worlds of 1 to {most} cells",
-            width=width,
-            height=height,
+            width=sent.width,
+            height=sent.height,
             most=MOST_CELLS,
         )
-    events = message.get("events")
     return World(
-        walls=_cells(field(message, "cells", str), width, height),
-        start=Pose(*_numbers(message, "start", 3)),
-        target=Target(*_numbers(message, "target", 3)),
-        cell_size=field(message, "cell_size", float),
-        robot_radius=field(message, "robot_radius", float),
-        robot_speed=field(message, "robot_speed", float),
-        timeline=Timeline() if events is None else _timeline(events),
+        walls=sent.walls(),
+        start=Pose(*sent.start),
+        target=Target(*sent.target),
+        cell_size=sent.cell_size,
+        robot_radius=sent.robot_radius,
+        robot_speed=sent.robot_speed,
+        timeline=Timeline() if sent.events is None else sent.events.timeline(),
     )
 
 
@@ -197,6 +244,23 @@ def is_same_place(one: World, other: World) -> bool:
         for world in (one, other)
     )
     return next(bare) == next(bare)
+
+
+def converted(message: object, kind: type[T]) -> T:
+    """Return a message as a checked value of a type that msgspec knows.
+
+    Raises:
+        InvalidParameter: If a part of it is missing, of another kind, or out of its range.
+    """
+    try:
+        return msgspec.convert(message, kind)
+    except msgspec.ValidationError as error:
+        raise InvalidParameter(
+            "wrong-message",
+            "the page sent a message of another form: {reason}",
+            "reload the page",
+            reason=str(error),
+        ) from error
 
 
 def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
@@ -235,67 +299,3 @@ def seed_of(message: Mapping[str, Any]) -> int:
             seed=seed[:40],
         )
     return int(seed)
-
-
-def _numbers(message: Mapping[str, Any], name: str, count: int) -> list[float]:
-    values = field(message, name, list)
-    if len(values) != count:
-        raise InvalidParameter(
-            "wrong-count",
-            "the message's {name} has {count} numbers; it must have {wanted}",
-            name=name,
-            count=len(values),
-            wanted=count,
-        )
-    return [field({name: value}, name, float) for value in values]
-
-
-def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
-    try:
-        data = np.frombuffer(base64.b64decode(text, validate=True), np.uint8)
-    except (binascii.Error, ValueError) as error:
-        raise InvalidParameter(
-            "not-base64", "the message's cells are not base64", "send the cells' bits"
-        ) from error
-    if len(data) != -(-width * height // 8):
-        raise InvalidParameter(
-            "wrong-count",
-            "the message's cells have {count} bytes",
-            "send one bit for each cell",
-            count=len(data),
-        )
-    return (
-        np.unpackbits(data, count=width * height, bitorder="little")
-        .astype(np.bool_)
-        .reshape(height, width)
-    )
-
-
-def _timeline(events: object) -> Timeline:
-    if not isinstance(events, dict):
-        raise InvalidParameter(
-            "wrong-type", "the message's events are not a table", "send times, ix, iy and state"
-        )
-    columns: list[Sequence[Any]] = [
-        field(events, name, list) for name in ("times", "ix", "iy", "state")
-    ]
-    if len({len(column) for column in columns}) != 1 or len(columns[0]) > _MOST_EVENTS:
-        raise InvalidParameter(
-            "wrong-count",
-            "the message's events are not columns of one length up to {most}",
-            most=_MOST_EVENTS,
-        )
-    times = [field({"times": value}, "times", float) for value in columns[0]]
-    ix, iy, state = (
-        [field({"events": value}, "events", int) for value in column] for column in columns[1:]
-    )
-    if any(not 0 <= value <= 2 for value in state) or any(
-        abs(value) > 1 << 20 for value in (*ix, *iy)
-    ):
-        raise InvalidParameter(
-            "out-of-range",
-            "the message's events have a state other than 0, 1 and 2, or a cell far outside",
-        )
-    return Timeline(
-        np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8)
-    )
