@@ -109,7 +109,7 @@ class ExchangeAnswers(Opened):
         }
 
 
-class _File(msgspec.Struct):
+class _DroppedFile(msgspec.Struct):
     name: str
     data: str
 
@@ -128,7 +128,7 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         )
     places: list[Path] = []
     total = 0
-    for file in converted(files, list[_File]):
+    for file in converted(files, list[_DroppedFile]):
         name = PurePosixPath(file.name.replace("\\", "/")).name or "map"
         data = _bytes_of(file.data)
         total += len(data)
