@@ -1,4 +1,4 @@
-// What a seat does with a run in addition to running it.
+// The tasks of a seat in addition to running a controller.
 
 #ifndef WG_LOOKS_PARTS_H
 #define WG_LOOKS_PARTS_H

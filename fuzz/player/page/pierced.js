@@ -103,7 +103,7 @@ export function drawPierced(pen, scene) {
   context.restore();
 }
 
-// Draws one cell with stripes and a frame; one that is still to come gets a dashed frame.
+// Draws one cell with stripes and a frame; a later one gets a dashed frame.
 function stripe(pen, ix, iy, over, named) {
   const { context, px, py, scale, colours } = pen,
     left = px(ix),

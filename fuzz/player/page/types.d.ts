@@ -1,15 +1,15 @@
-// Types of what the server sends and of what the pages' scripts share. Only `npm run check` reads this file.
+// Types of the server's data and of objects that the pages' scripts share. Only `npm run check` reads this file.
 
 /** Whole numbers as `fuzz/player/streams.py` packs them. */
 type Packed = string;
 
-/** One bit a cell or row, in base64. */
+/** One bit per cell or row, in base64. */
 type Bits = string;
 
 /** A column and a row of cells. */
 type CellPlace = [number, number];
 
-/** A place and one more number: a heading in rad, or a radius. */
+/** A place and another number: a heading in rad, or a radius. */
 type Triple = [number, number, number];
 
 /** A box of cells; (x, y) is its lower left cell. */
@@ -20,21 +20,21 @@ interface Box {
   height: number;
 }
 
-/** Where a canvas looks: the cell in its middle, and pixels a cell. */
+/** The view of a canvas: the cell in its middle, and pixels per cell. */
 interface View {
   x: number;
   y: number;
   scale: number;
 }
 
-// What the server packs to be drawn: fuzz/player/worlds.py, runs.py, memory.py, sensors.py.
+// Data that the server packs for drawing: fuzz/player/worlds.py, runs.py, memory.py, sensors.py.
 
 interface DrawnWorld {
   width: number;
   height: number;
   /** Side of a cell, m. */
   cell: number;
-  /** Of the robot, in cells. */
+  /** Radius of the robot, in cells. */
   radius: number;
   cells: Bits;
   /** x and y in cells, heading in rad. */
@@ -44,7 +44,7 @@ interface DrawnWorld {
   events: { ms: Packed; ix: Packed; iy: Packed; state: Packed } | null;
   witness?: { ms: Packed; x: Packed; y: Packed } | null;
   cut?: CellPlace[] | null;
-  /** What the page has unpacked; the server sends none. */
+  /** Unpacked by the page; never sent by the server. */
   open?: OpenWorld;
 }
 
@@ -52,14 +52,14 @@ interface OpenWorld {
   cells: Uint8Array;
   events: { ms: Float64Array; ix: Float64Array; iy: Float64Array; state: Float64Array } | null | undefined;
   witness?: { ms: Float64Array; x: Float64Array; y: Float64Array } | null;
-  /** Cells at some time, and how many events are in them. */
+  /** Cells at some time, and the number of events that they include. */
   now?: Uint8Array | null;
   done: number;
-  /** Of a world that is being drawn: a box with all cells changed after a version, null for all of them. */
+  /** In a world that is being edited: a box of all cells changed after a version, null for all cells. */
   boxSince?: (version: number) => Box | null;
 }
 
-/** A world of which only what is needed to draw it is there. */
+/** A world with only the parts that are needed to draw it. */
 type SceneWorld = Omit<DrawnWorld, "cell" | "cells" | "events"> & Partial<DrawnWorld>;
 
 /** A step that the evidence names. */
@@ -84,7 +84,7 @@ interface DrawnRun {
   behaviours?: string[];
   memory: DrawnMemory | null;
   breached: boolean;
-  /** One in how many steps is there, at the coarsest. */
+  /** One in this many steps is included, at the coarsest. */
   thinned: number;
   /** Entry and period. */
   loop: [number, number] | null;
@@ -128,7 +128,7 @@ interface Sensors {
 interface Robot {
   name: string;
   verdict: string;
-  /** What the verdict rests on; empty if the robot arrived. */
+  /** Evidence for the verdict; empty if the robot arrived. */
   why: string;
   steps: number;
   time: number;
@@ -137,7 +137,7 @@ interface Robot {
   digest: string;
   run: DrawnRun | null;
   sensors: Sensors | null;
-  /** Why it did not drive. */
+  /** Why it did not run. */
   error?: string;
 }
 
@@ -147,7 +147,7 @@ interface ReplayData {
   robots: Robot[];
 }
 
-// What the report's page holds: fuzz/report/page.py, gather.py, summary.py.
+// Data of the report's page: fuzz/report/page.py, gather.py, summary.py.
 
 /** A world with its run and its file. */
 interface DrawnFailure {
@@ -173,7 +173,7 @@ interface ReportFailure {
   cells: number;
   met: number | null;
   lane: string;
-  /** Which of the page's campaigns; -1 for none. */
+  /** Index of its campaign on the page; -1 for none. */
   campaign: number;
   confirmed: boolean;
   words: string;
@@ -211,7 +211,7 @@ interface ReportData {
 /** The report's list of failures. */
 interface Overview {
   redraw(): void;
-  /** Ids of the failures that are shown, in order. */
+  /** Ids of the visible failures, in order. */
   shown(): string[];
 }
 
@@ -221,23 +221,23 @@ type Neighbours = [string | undefined, string | undefined];
 /** The report's view of one failure. */
 interface Detail {
   player(): Player | null;
-  /** Shows the world before shrinking, or after. */
+  /** Switches between the world before and after shrinking. */
   swap(): void;
   redraw(): void;
 }
 
-/** The behaviours that a campaign has met. */
+/** The behaviours that a campaign has found. */
 interface Archive {
-  /** Of its two axes. */
+  /** Names of the two axes. */
   names: [string, string];
   edges: [number[], number[]];
-  /** Column, row, quality and verdict of each kind that was met. */
+  /** Column, row, quality and verdict of each kind. */
   cells: [number, number, number, string][];
 }
 
-// What the player shares.
+// Types of the player.
 
-/** A canvas that is spoken to in cells. */
+/** A canvas addressed in cells. */
 interface Pen {
   context: CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
   width: number;
@@ -259,7 +259,7 @@ interface Pose {
 
 type Layer = "trail" | "witness" | "sensors" | "signal" | "touched" | "memory";
 
-/** What a scene shows; `grid` is shown unless it is false. */
+/** The visible parts of a scene; `grid` is visible unless it is false. */
 type Shown = Partial<Record<Layer | "grid", boolean>>;
 
 interface OtherRobot {
@@ -275,12 +275,12 @@ interface Scene {
   step?: number;
   show: Shown;
   sensors?: Sensors | null;
-  /** Of this robot, if there are several: the name of a colour in the palette. */
+  /** The colour of this robot in the palette, if there are several robots. */
   colour?: string | null;
-  /** Of this robot, if there are several: it is written next to the robot. */
+  /** The number next to this robot, if there are several robots. */
   number?: number | null;
   others?: OtherRobot[];
-  /** The whole path is drawn as driven, as in small pictures. */
+  /** Draws the whole path, as in small pictures. */
   whole?: boolean;
 }
 
@@ -298,10 +298,10 @@ interface Drawn {
   name?: string;
   /** Why there is no run. */
   why?: string;
-  /** What this page can save: pairs of words and what to do. */
+  /** What this page can save: pairs of a label and a function. */
   saves?: [string, () => Promise<string | void>][];
   stopSaving?: () => void;
-  /** Another run that is played in step. */
+  /** Another run that is played at the same time. */
   beside?: Beside | null;
 }
 
@@ -310,7 +310,7 @@ interface Beside {
   world: DrawnWorld;
   run: DrawnRun | null;
   sensors?: Sensors | null;
-  /** What is written on the two: of the other one, and of the one in front. */
+  /** Labels of the other run, and of the one in front. */
   words: string[];
 }
 
@@ -324,7 +324,7 @@ interface Player extends Clock, Camera {
   period: boolean;
   speed: number;
   show: Record<Layer, boolean>;
-  /** Called after each frame while a file of both runs is made. */
+  /** Called after each frame while both runs are saved to a file. */
   drawnMore: (() => void) | null;
   /** Null for the whole world. */
   view: View | null;
@@ -347,22 +347,22 @@ interface Camera {
   move(dx: number, dy: number): void;
 }
 
-/** What each key does, by its name. */
+/** The action of each key, by the key's name. */
 type Keys = Record<string, () => void>;
 
-/** A row of the table of keys: the keys, as one text or one by one, and what they do. */
+/** A row of the table of keys: one key or several, and their action. */
 type KeyRow = [string | string[], string];
 
-/** What an element may hold; null and undefined are left out. */
+/** Possible contents of an element; null and undefined are ignored. */
 type Content = Node | string | number | null | undefined | false | Content[];
 
-/** Which rows of a line are drawn, and how. */
+/** The rows of a line to draw, and their style. */
 interface LineLook {
   from: number;
   to: number;
   colour: string;
   width: number;
   alpha: number;
-  /** No picture of it is kept. */
+  /** Do not keep a picture of it. */
   once?: boolean;
 }

@@ -43,7 +43,7 @@ async function claim() {
   let name = sessionStorage.getItem(TAB);
   if (!name || !(await hold(DRAFT + name))) {
     name = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;
-    sessionStorage.setItem(TAB, name); // a new tab, or a duplicated one that has the other's name
+    sessionStorage.setItem(TAB, name); // a new tab, or a duplicate of one, with the same name
     await hold(DRAFT + name);
   }
   return DRAFT + name;

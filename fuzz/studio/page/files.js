@@ -95,7 +95,7 @@ function savePart(studio, files) {
 }
 
 /**
- * Saves under a name; a file other than the one that was opened or saved here is overwritten only after asking.
+ * Saves under a name; asks before overwriting any file but the one opened or saved here.
  * @param {Studio} studio
  * @param {any} files
  * @param {string} name

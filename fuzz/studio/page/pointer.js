@@ -151,7 +151,7 @@ function keyDown(draw, state, event) {
   const point = [board.cursor[0] + 0.5, board.cursor[1] + 0.5];
   if (!arrow) useTool(draw, state, point, event.shiftKey);
   else if (state.stroke) state.stroke.tool.drag(point, state.stroke);
-  else draw.tools[draw.tool].hover?.(point); // preview of what it would do here
+  else draw.tools[draw.tool].hover?.(point); // preview of the tool's effect here
   draw.where(point);
   draw.studio.say(cellWords(draw.studio.model.world, board.cursor));
   board.draw();

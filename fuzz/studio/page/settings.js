@@ -15,7 +15,7 @@ export function makeSettings(change) {
   const element = el("div", { class: "settings" });
   return {
     element,
-    /* Shows options; `values` contains those that are not at their default, by name, and is updated. */
+    /* Shows options; `values` contains the changed ones by name, and is updated. */
     offer: (options, values) => offer(Object.assign(settings, { options, values }), element),
     open: (heading) => open(settings, heading || Object.keys(settings.groups)[0]),
     headingOf: (input) => Object.keys(settings.groups).find((heading) => settings.groups[heading].contains(input)),

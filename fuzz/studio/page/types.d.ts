@@ -1,13 +1,13 @@
-// Types of the studio's messages, as fuzz/studio/protocol.md has them, and of what its scripts share.
+// Types of the studio's messages (docs/reference/studio-protocol.md) and of objects that its scripts share.
 // Only `npm run check` reads this file.
 
-/** What the server refuses: fuzz/studio/refusals.py. */
+/** A refusal of the server: fuzz/studio/refusals.py. */
 interface Refusal {
   code: string;
   problem: string;
   remedy: string;
   terminal: boolean;
-  /** The part of the page that has the way out, such as "import". */
+  /** The part of the page with the remedy, such as "import". */
   opens: string;
   facts: Record<string, any>;
   line: number | null;
@@ -17,20 +17,20 @@ interface Refusal {
 /** The first message of a connection: fuzz/studio/app.py. */
 interface Begins {
   protocol: number;
-  /** That the server has open. */
+  /** The server's opened folder. */
   folder: string;
   /** The world to open first. */
   file: string | null;
   limits: Limits;
 }
 
-/** How much the server takes: fuzz/studio/limits.py. Pairs are the least and the largest value. */
+/** The server's limits: fuzz/studio/limits.py. Pairs are the smallest and the largest value. */
 interface Limits {
   /** Bytes of a message. */
   message: number;
   /** Bytes of files that are dropped together. */
   dropped: number;
-  /** Cells a side. */
+  /** Cells per side. */
   side: number;
   cells: number;
   /** m. */
@@ -46,7 +46,7 @@ interface Limits {
   epoch: number;
 }
 
-/** What there is to choose from, the answer to `hello`: fuzz/studio/catalogue.py. */
+/** The choices that the server offers, the answer to `hello`: fuzz/studio/catalogue.py. */
 interface Offered {
   families: { name: string; about: string; changes: boolean; parameters: Parameter[] }[];
   controllers: OfferedController[];
@@ -58,7 +58,7 @@ interface Offered {
   cores: number;
   /** Name of the folder of known failures. */
   known: string;
-  /** What the command line says of each option of `worldgen fuzz`. */
+  /** Help text and default of each option of `worldgen fuzz`. */
   options: Record<string, { help: string; default: string }>;
 }
 
@@ -101,7 +101,7 @@ interface Parameter {
   low: number | null;
   high: number | null;
   help: string;
-  /** Whether `low` itself is too little. */
+  /** Whether `low` itself is too small. */
   above?: boolean;
   /** A number that is allowed in addition, or null. */
   chosen?: number | null;
@@ -131,27 +131,27 @@ interface WorldMessage {
   start: Triple;
   target: Triple;
   events: Events | null;
-  /** Text of the file that it was opened from. */
+  /** Text of the file from which it was opened. */
   source: string | null;
 }
 
-/** A world that is being drawn. */
+/** A world that is being edited. */
 interface EditedWorld extends Omit<WorldMessage, "cells"> {
   cells: Uint8Array;
-  /** Of its file in the folder; empty without one. */
+  /** Name of its file in the folder; empty without one. */
   name: string;
-  /** The digest of that file as it was opened or saved. */
+  /** Digest of that file when it was opened or saved. */
   file: string | null;
-  /** The same for all that one drawing has been. */
+  /** The same for all versions of one drawing. */
   sheet: symbol;
 }
 
-/** A rectangle of cells: 0 free, 1 solid, 2 as it was. */
+/** A rectangle of cells: 0 free, 1 solid, 2 unchanged. */
 interface Pattern {
   width: number;
   height: number;
   cells: Uint8Array;
-  /** Its picture, and the colours that this has. */
+  /** Its picture, and the colours of the picture. */
   picture?: OffscreenCanvas;
   pictured?: string;
 }
@@ -165,7 +165,7 @@ interface HistoryEntry {
   together?: string | null;
 }
 
-/** A failure that a file holds. */
+/** The failure in a file. */
 interface FailureMessage {
   controller: string;
   motion: string;
@@ -175,7 +175,7 @@ interface FailureMessage {
   parameters: Record<string, any>;
 }
 
-/** The answer to `open`, `generate`, `bring` and the like. */
+/** The answer to `open`, `generate`, `bring` and others. */
 interface OpenedMessage {
   world: WorldMessage;
   made?: string | null;
@@ -183,14 +183,14 @@ interface OpenedMessage {
   file?: string | null;
 }
 
-/** The answer to `decide`, or what stands for it. */
+/** The answer to `decide`, or a placeholder. */
 interface Proof {
   result?: "reachable" | "blocked" | "undecided";
   /** Of the path, m; this and the next two only if the target is reachable. */
   length: number;
   duration: number;
   clearance: number;
-  /** How many cells the cut has. */
+  /** Number of cells in the cut. */
   ring?: number | null;
   reason?: string;
   witness?: DrawnWorld["witness"];
@@ -213,9 +213,9 @@ interface CampaignState {
   worlds: number;
   steps: number;
   seconds: number;
-  /** For how long its process runs, s. */
+  /** Time for which its process has been running, s. */
   elapsed: number | null;
-  /** Another text whenever a failure is new or smaller. */
+  /** A text that changes whenever a failure is new or smaller. */
   failures: string;
   verdicts: Record<string, number>;
   met: Record<string, number>;
@@ -225,7 +225,7 @@ interface CampaignState {
   error: Refusal | null;
 }
 
-/** A failure of a folder, as the wall lists it. */
+/** A failure of a folder, as listed in the gallery. */
 interface WallFailure {
   name: string;
   class: string;
@@ -241,22 +241,22 @@ interface WallFailure {
   known: boolean;
 }
 
-/** A question on its way, which can be taken back. */
+/** A pending request, which can be stopped. */
 interface Asked extends Promise<any> {
   stop(): void;
 }
 
 interface Connection {
-  /** Asks the server; `part` is called with each part of the answer. */
+  /** Sends a request to the server; `part` is called with each part of the answer. */
   ask(kind: string, message?: object, part?: (part: any) => void): Asked;
 }
 
-/** What all pages of the studio share. */
+/** The state that all pages of the studio share. */
 interface Studio {
   model: import("./model.js").Model;
   connection: Connection;
   folder: string;
-  /** Null until the server has told them. */
+  /** Null until the server has sent them. */
   limits: Limits | null;
   offered: Offered | null;
   /** The largest radius that passes, m. */
@@ -271,13 +271,13 @@ interface Studio {
   redo(): void;
   save(): Promise<void>;
   run(): void;
-  /** The pages, once they are made. */
+  /** The pages, after they have been made. */
   draw: any;
   play: any;
   campaign: any;
 }
 
-/** What is drawn on the board besides the world. */
+/** Everything on the board except the world. */
 interface Board {
   canvas: HTMLCanvasElement;
   model: import("./model.js").Model;
@@ -285,13 +285,13 @@ interface Board {
   view: View | null;
   proof: Proof | null;
   signal: { values: Float64Array; most: number; picture?: OffscreenCanvas | null } | null;
-  /** What would be put down. */
+  /** A preview of what would be put down. */
   ghost: { pattern: Pattern; at: CellPlace } | null;
-  /** Boxes of cells that would be changed. */
+  /** Boxes of cells that would change. */
   marks: Box[];
   selection: Box | null;
   measure: [CellPlace, CellPlace] | null;
-  /** The cell that keys draw at. */
+  /** The cell at which keys draw. */
   cursor: CellPlace | null;
   draw(): void;
   now(): View;
@@ -302,7 +302,7 @@ interface Board {
   fit(): void;
 }
 
-/** How a tool is used: whether it takes away, and whether exactly where the pointer is. */
+/** How a tool is used: whether it erases, and whether it acts exactly at the pointer. */
 interface ToolUse {
   erase: boolean;
   exact: boolean;
