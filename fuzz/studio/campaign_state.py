@@ -94,10 +94,10 @@ def _budget(folder: Path) -> dict[str, Any]:
         raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
     fingerprint, budget = stored
     scenario = fingerprint.configuration.get("scenario")
-    said = scenario if isinstance(scenario, dict) else {}
+    recorded = scenario if isinstance(scenario, dict) else {}
     return {
-        "controller": str(said.get("controller", "")),
-        "motion": str(said.get("motion", "")),
+        "controller": str(recorded.get("controller", "")),
+        "motion": str(recorded.get("motion", "")),
         # A 64-bit seed is text, because a browser's numbers cannot hold it.
         "seed": str(fingerprint.configuration.get("seed", "")),
         "budget": {

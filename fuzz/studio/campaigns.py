@@ -172,9 +172,9 @@ class CampaignAnswers(Opened):
             raise InvalidParameter(
                 "no-campaign", "{name} holds no campaign to resume", "begin one", name=name
             )
-        said = stored[0].configuration
+        configuration = stored[0].configuration
         # The campaign store may name code in files, which must not run unless the user named it.
-        scenario = said.get("scenario")
+        scenario = configuration.get("scenario")
         if not isinstance(scenario, dict) or not may_run(
             str(scenario.get("controller")), self.named
         ):
@@ -192,10 +192,10 @@ class CampaignAnswers(Opened):
                 "resume it at a terminal",
                 name=name,
             )
-        check_lanes(said.get("families"))
-        check_oracles(said.get("oracles"))
+        check_lanes(configuration.get("families"))
+        check_oracles(configuration.get("oracles"))
         # Resolve links, because the database is written to.
-        database = Path(os.path.realpath(str(said.get("database") or self.folder.root)))
+        database = Path(os.path.realpath(str(configuration.get("database") or self.folder.root)))
         if not database.is_relative_to(self.folder.root):
             raise InvalidParameter(
                 "outside-of-folder",
@@ -230,9 +230,9 @@ class CampaignAnswers(Opened):
                 memory.mkdir(parents=True, exist_ok=True)
                 forget_error(out)
                 mark = stack.enter_context(beginning(memory))
-                with (memory / SAID).open("wb") as said:
+                with (memory / SAID).open("wb") as stderr:
                     process = _process(
-                        [sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said
+                        [sys.executable, "-m", "worldgen", "fuzz", "--json", *words], stderr
                     )
             except OSError as error:
                 raise OutputError(
@@ -301,7 +301,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
+def _process(command: list[str], stderr: Any) -> subprocess.Popen[bytes]:
     """Start a process that a Ctrl-C at the server's terminal does not reach, but ours does."""
     # A signal that is ignored here would be ignored there too.
     before = signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -310,7 +310,7 @@ def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
             command,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
-            stderr=said,
+            stderr=stderr,
             start_new_session=True,
         )
     finally:

@@ -77,10 +77,10 @@ def runs_in(folder: Path) -> dict[str, Any] | None:
     Null if the campaign varies its robots.
     """
     stored = FolderStore.stored_in(folder)
-    said = stored[0].configuration if stored else {}
-    scenario = said.get("scenario")
+    configuration = stored[0].configuration if stored else {}
+    scenario = configuration.get("scenario")
     if (
-        said.get("vary")
+        configuration.get("vary")
         or not isinstance(scenario, dict)
         or not isinstance(scenario.get("parameters"), dict)
     ):

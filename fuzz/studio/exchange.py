@@ -89,7 +89,7 @@ class ExchangeAnswers(Opened):
             origin=sent.origin,
             sidecar=sent.sidecar,
         )
-        said = {
+        remarks = {
             name: [describe_note(one) for one in getattr(export, name)]
             for name in ("lost", "notes")
         }
@@ -98,10 +98,10 @@ class ExchangeAnswers(Opened):
             for other in export.files:
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
             written = write_export(export, place.parent, force=sent.overwrite)
-            return said | {
+            return remarks | {
                 "written": [path.relative_to(self.folder.root).as_posix() for path in written]
             }
-        return said | {
+        return remarks | {
             "files": [
                 {"name": name, "data": base64.b64encode(data).decode()}
                 for name, data in export.files.items()
@@ -249,10 +249,12 @@ def _imported(
     # Report how the map was read, so that the user can choose otherwise.
     known = imported.world.provenance.params.get("format") if imported.world.provenance else None
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
-    told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()
-    said = {"format": known, "rows": rows, "row": row if used is not None else None}
-    notes = [describe_note(words) for words in (*told, *imported.notes, *imported.warnings)]
-    return opened_message(imported.world) | said | {"notes": notes}
+    scenario_note = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()
+    facts = {"format": known, "rows": rows, "row": row if used is not None else None}
+    notes = [
+        describe_note(words) for words in (*scenario_note, *imported.notes, *imported.warnings)
+    ]
+    return opened_message(imported.world) | facts | {"notes": notes}
 
 
 def _rows_of(scenario: Path) -> int:

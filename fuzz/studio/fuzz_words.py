@@ -181,11 +181,11 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
             )
         words = [*words, f"--world={place}"]
     # Write options as users do, with a space. A value that begins with "-" needs the "=".
-    said: list[str] = []
+    arguments: list[str] = []
     for word in (*words, f"--out={out}"):
         option, equals, value = word.partition("=")
-        said += [option, value] if equals and not value.startswith("-") else [word]
-    line = shlex.join(["worldgen", "fuzz", *said])
+        arguments += [option, value] if equals and not value.startswith("-") else [word]
+    line = shlex.join(["worldgen", "fuzz", *arguments])
     controller = part_of(message, "controller", str)
     return from_anywhere(line, controller, CONTROLLERS.names())
 
@@ -213,8 +213,8 @@ def check_lanes(names: object) -> list[str]:
 
 def check_oracles(texts: object) -> list[str]:
     """Return oracles, refusing unregistered ones, which are code from files."""
-    said = _texts({"oracles": texts}, "oracles")
-    for text in said:
+    oracles = _texts({"oracles": texts}, "oracles")
+    for text in oracles:
         if text.partition("=")[0].strip() not in ORACLES.names():
             raise InvalidParameter(
                 "not-registered",
@@ -223,7 +223,7 @@ def check_oracles(texts: object) -> list[str]:
                 oracle=text[:40],
                 known=list(ORACLES),
             )
-    return said
+    return oracles
 
 
 def _controller(message: Message, named: Sequence[str]) -> str:
@@ -233,9 +233,9 @@ def _controller(message: Message, named: Sequence[str]) -> str:
 
 
 def _one_of(message: Message, name: str, offered: Iterable[str]) -> str:
-    said = part_of(message, name, str)
-    check_registered(name, said, offered)
-    return str(said)
+    value = part_of(message, name, str)
+    check_registered(name, value, offered)
+    return str(value)
 
 
 def _texts(message: Message, name: str) -> list[str]:

@@ -91,22 +91,22 @@ class WallAnswers(Opened):
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
         failure = Failure.of(world)
-        told: dict[str, Any] = {
+        answer: dict[str, Any] = {
             "world": drawn_world(world),
             "run": None,
             "sensors": None,
             "error": None,
         }
-        told |= {
+        answer |= {
             "replay": from_anywhere(
                 failure.replay_command(path), failure.record.controller, CONTROLLERS.names()
             ),
             "notes": [*filter(None, (describe_seeds(failure), describe_boundaries(failure)))],
         }
         try:
-            return told | self._seen(failure)
+            return answer | self._seen(failure)
         except WorldgenError as error:
-            return told | {"words": "", "error": self.folder.refusal(error)}
+            return answer | {"words": "", "error": self.folder.refusal(error)}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
         """Return a failure as the text of a test."""

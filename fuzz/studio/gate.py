@@ -79,11 +79,11 @@ class Gate:
         self._tickets.add(ticket)
         return f"{self._place}/?ticket={ticket}"
 
-    def takes_ticket(self, said: str) -> bool:
+    def takes_ticket(self, ticket: str) -> bool:
         """Return True if this ticket has not been used; it then counts as used."""
-        if said not in self._tickets:
+        if ticket not in self._tickets:
             return False
-        self._tickets.remove(said)
+        self._tickets.remove(ticket)
         return True
 
     @property
@@ -97,10 +97,10 @@ class Gate:
         )
         return f"http://{host}:{self.port}"
 
-    def knows_host(self, said: str) -> bool:
+    def knows_host(self, host: str) -> bool:
         """Return True if a Host header names this server, rather than a name pointed at it."""
-        name = said.removesuffix(f":{self.port}")
-        if name == said and self.port != _UNSAID:
+        name = host.removesuffix(f":{self.port}")
+        if name == host and self.port != _UNSAID:
             return False
         if name in (self.host, f"[{self.host}]"):
             return True
@@ -130,9 +130,9 @@ class Gate:
         offered = [name.strip() for name in headers.get("sec-websocket-protocol", "").split(",")]
         return len(offered) == 2 and offered[0] == SUBPROTOCOL and self.is_token(offered[1])
 
-    def is_token(self, said: str) -> bool:
+    def is_token(self, text: str) -> bool:
         """Return True if this is the token; the time taken does not depend on the text."""
-        return _are_same(said, self.token)
+        return _are_same(text, self.token)
 
     def headers(self, said_host: str) -> dict[str, str]:
         """Return the security headers of every answer.
@@ -156,8 +156,8 @@ class Gate:
         }
 
 
-def _are_same(said: str, wanted: str) -> bool:
-    return hmac.compare_digest(said.encode("utf-8", "replace"), wanted.encode())
+def _are_same(given: str, wanted: str) -> bool:
+    return hmac.compare_digest(given.encode("utf-8", "replace"), wanted.encode())
 
 
 def _is_address(name: str) -> bool:
@@ -221,9 +221,9 @@ class Guarded:
             ), False
         if scope["method"] not in ("GET", "HEAD"):
             return 405, False
-        asked = QueryParams(scope["query_string"])
-        token = asked.get("token")
-        ticket = asked.get("ticket")
+        query = QueryParams(scope["query_string"])
+        token = query.get("token")
+        ticket = query.get("ticket")
         if scope["path"] == "/" and ticket is not None:
             return (303 if gate.takes_ticket(ticket) else 403), False
         # Opened by hand, or by a link in a terminal's page.

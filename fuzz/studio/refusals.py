@@ -103,9 +103,9 @@ def describe_note(note: str) -> str:
     """Return a note of an import or an export with a remedy that the page offers."""
     if not isinstance(note, Note):
         return note
-    told = refusal(note.message)
-    return "; ".join(filter(None, (told["problem"], told["remedy"]))) + (
-        " (at a terminal)" if told["terminal"] else ""
+    words = refusal(note.message)
+    return "; ".join(filter(None, (words["problem"], words["remedy"]))) + (
+        " (at a terminal)" if words["terminal"] else ""
     )
 
 

@@ -130,31 +130,31 @@ class Session:
         self, job: _StudioRequest, old: _StudioRequest | None, message: dict[str, Any]
     ) -> None:
         """Do one job, after the one that it replaces has ended."""
-        said: dict[str, Any] = {"ended": True}
+        reply: dict[str, Any] = {"ended": True}
         try:
             if old is not None and old.task is not None and not old.task.done():
                 await asyncio.wait({old.task}, timeout=_PATIENCE if old.running else 0)
                 self._end(old)
             if not (job.replaced and job.kind in _ENDED):
-                said = await self._ask(job, message)
+                reply = await self._ask(job, message)
         except Ended:
             if not job.replaced:
-                said = {"error": refusal(_DIED)}
+                reply = {"error": refusal(_DIED)}
         except (WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has disconnected
             pass
         except Exception as error:  # noqa: BLE001 - without an answer the page would wait forever
-            said = {"error": refusal(our_fault(error))}
+            reply = {"error": refusal(our_fault(error))}
         finally:
             self._jobs.pop(job.number, None)
         # RuntimeError: the page has disconnected.
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            await self._send({"id": job.number, **said})
+            await self._send({"id": job.number, **reply})
 
     async def _ask(self, job: _StudioRequest, message: dict[str, Any]) -> dict[str, Any]:
         try:
             # Stop reading parts as soon as a newer request replaces this one.
-            async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
-                async for what, table in said:
+            async with contextlib.aclosing(job.lane.ask(job.kind, message)) as replies:
+                async for what, table in replies:
                     if job.replaced and job.kind in _ENDED:
                         break
                     job.running = True

@@ -99,9 +99,9 @@ class Worker:
                 # Sending a large message blocks until the process has started.
                 await wait(self._thread, pipe.send, (kind, message))
                 while not heard_all:
-                    said = await wait(self._thread, pipe.recv)
-                    heard_all = said[0] != "part"
-                    yield said
+                    reply = await wait(self._thread, pipe.recv)
+                    heard_all = reply[0] != "part"
+                    yield reply
             except (EOFError, OSError) as error:
                 raise Ended from error
             finally:
