@@ -1,4 +1,4 @@
-// Types of the studio's messages (docs/reference/studio-protocol.md) and of objects that its scripts share.
+// Types of the studio's messages (fuzz/studio/protocol.md) and of objects that its scripts share.
 // Only `npm run check` reads this file.
 
 /** A refusal of the server: fuzz/studio/refusals.py. */
