@@ -22,7 +22,7 @@ from tests.helpers.exported_meshes import (
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.interop import Destination, export_world
-from worldgen.interop.formats.glb import _disc, _sine_cosine
+from worldgen.interop.formats.gltf import _disc, _sine_cosine
 from worldgen.interop.geometry.placed_boxes import solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import Pose, Target

@@ -1,16 +1,101 @@
-"""glTF in its text form, with buffers inside or beside it.
+"""glTF 2.0: worlds as one binary file, and meshes in both forms, cut at a height.
 
-Read only, because the binary form is one file.
+A world is one mesh, a cube, and one node per wall that puts it into place. The container is written
+here rather than by a library: it has the same bytes everywhere, exact decimals for places, and
+takes no import of seconds.
+
+Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 """
 
 from __future__ import annotations
 
+import json
+import math
+import struct
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, SupportsFloat
+
+import numpy as np
+import numpy.typing as npt
+
 from worldgen.interop.foreign_map import FLOOR_ROBOT
-from worldgen.interop.format import Format
-from worldgen.interop.formats.mesh_readers import metric_reader
+from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
+from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
+from worldgen.interop.readers.mesh_readers import metric_reader
+from worldgen.render import palette
+from worldgen.world import Value, World
 
-__all__ = ["gltf"]
+__all__ = ["glb", "gltf", "write_glb"]
 
+_FLOAT = 5126
+_USHORT = 5123
+_VERTICES = 34962
+_INDICES = 34963
+_SIDES = 48  # of the discs of robot and target
+_COLOURS = {
+    "wall": palette.WALL,
+    "floor": palette.FLOOR,
+    "robot": palette.START,
+    "target": palette.TARGET,
+}
+
+
+def write_glb(
+    world: World,
+    destination: Destination,
+    *,
+    height: float = 1.0,
+    floor: bool = False,
+    markers: bool = False,
+) -> Exported:
+    """A scene in metres, y up: (x, y, z) of the world is (x, z, -y) here.
+
+    No node above another turns or scales: some readers put that together in the wrong order.
+
+    Args:
+        world: A world that stands still.
+        destination: Where it goes.
+        height: Of the walls, m.
+        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+        markers: Whether the robot at its start and the target's disc are to be seen.
+
+    Raises:
+        InvalidParameter: If the height is no length.
+        InvalidWorld: If 32 bits are too few for the coordinates.
+    """
+    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)  # as readers have
+    kinds = ["wall", *(["floor"] if floor else []), *(["robot", "target"] if markers else [])]
+    nodes: list[dict[str, Any]] = [
+        {
+            "name": box.name,
+            "mesh": kinds.index("floor" if box.name == "floor" else "wall"),
+            "translation": _y_up(box.low[0], box.high[1], box.low[2]),
+            "scale": [float(length) for length in (box.size[0], box.size[2], box.size[1])],
+        }
+        for box in boxes
+    ]
+    places = _places(world, destination, first=1 + len(nodes), kinds=kinds)
+    root = {
+        "name": "worldgen",
+        "children": list(range(1, 1 + len(nodes) + 2)),
+        "extras": _extras(world, destination),
+    }
+    return Exported({destination.name: _container([root, *nodes, *places], kinds)})
+
+
+glb = Format(
+    "glb",
+    "walls as a scene; meshes, cut at a height, binary glTF, .glb",
+    (".glb",),
+    read=metric_reader("glb"),
+    write=write_glb,
+    holds=frozenset(HELD),
+    client="browsers, Blender, game engines",
+    usual_robot=FLOOR_ROBOT,
+)
+
+# The text form is only read, because the binary form is one file.
 gltf = Format(
     "gltf",
     "mesh or scene, cut at a height, glTF, .gltf",
@@ -19,3 +104,185 @@ gltf = Format(
     client="browsers, Blender, game engines",
     usual_robot=FLOOR_ROBOT,
 )
+
+
+def _extras(world: World, destination: Destination) -> dict[str, Value]:
+    """Size in cells and what else the world has, all plain numbers.
+
+    Lists in here end Assimp 5.2 with an assertion.
+    """
+    said: dict[str, Value] = {
+        "size": [world.width, world.height],
+        **held_values(world, destination),
+    }
+    plain: dict[str, Value] = {}
+    for name, value in said.items():
+        plain |= (
+            {f"{name}_{axis}": part for axis, part in zip("xy", value, strict=True)}
+            if isinstance(value, list)
+            else {name: value}
+        )
+    return plain
+
+
+def _places(
+    world: World, destination: Destination, *, first: int, kinds: list[str]
+) -> list[dict[str, Any]]:
+    """Nodes of start and target, and of their discs if wanted.
+
+    The first has the number ``first``.
+    """
+    start = world.start
+    target = world.target
+    sine, cosine = _sine_cosine(math.fmod(start.heading, 2.0 * math.pi) / 2.0)
+    nodes: list[dict[str, Any]] = [
+        {
+            "name": "start",
+            "translation": _y_up(float(destination.x(start.x)), float(destination.y(start.y)), 0),
+            "rotation": [0, sine, 0, cosine],
+            "extras": {"heading": start.heading},
+        },
+        {
+            "name": "target",
+            "translation": _y_up(float(destination.x(target.x)), float(destination.y(target.y)), 0),
+            "extras": {"radius": target.radius},
+        },
+    ]
+    # the robot stands, the target lies
+    robot = world.robot_radius
+    flat = target.radius / 16.0
+    for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):
+        if kind in kinds:
+            node = nodes[("robot", "target").index(kind)]
+            node["children"] = [first + len(nodes)]
+            nodes.append(
+                {
+                    "name": f"{node['name']}_disc",
+                    "mesh": kinds.index(kind),
+                    "scale": [radius, tall, radius],
+                }
+            )
+    return nodes
+
+
+def _y_up(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> list[float]:
+    return [float(x), float(z), 0.0 - float(y)]
+
+
+def _container(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
+    shapes = [_cube(), *([_disc()] if "robot" in kinds else [])]
+    data = b""
+    views: list[dict[str, Any]] = []
+    accessors: list[dict[str, Any]] = []
+    for corners, faces in shapes:
+        for values, target in ((corners, _VERTICES), (faces, _INDICES)):
+            raw = values.tobytes()
+            views.append(
+                {"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target}
+            )
+            data += raw  # of vertices and triangles in pairs: a multiple of four bytes
+        accessors += _accessors(corners, faces, len(accessors))
+    document = {
+        "asset": {"version": "2.0", "generator": "worldgen"},
+        "scene": 0,
+        "scenes": [{"name": "world", "nodes": [0]}],
+        "nodes": nodes,
+        "meshes": [_mesh(kind, number) for number, kind in enumerate(kinds)],
+        "materials": [_material(kind) for kind in kinds],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(data)}],
+    }
+    text = json.dumps(document, separators=(",", ":")).encode()
+    chunks = _chunk(b"JSON", text, b" ") + _chunk(b"BIN\0", data, b"\0")
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
+    padded = data + filler * (-len(data) % 4)
+    return struct.pack("<I4s", len(padded), kind) + padded
+
+
+def _mesh(kind: str, number: int) -> dict[str, Any]:
+    """A mesh of its own for each colour.
+
+    Walls and floor share the cube, robot and target the disc.
+    """
+    first = 2 * (kind in {"robot", "target"})
+    return {
+        "name": kind,
+        "primitives": [
+            {"attributes": {"POSITION": first}, "indices": first + 1, "material": number}
+        ],
+    }
+
+
+def _material(kind: str) -> dict[str, Any]:
+    shares = [channel / 255.0 for channel in palette.rgb(_COLOURS[kind])]
+    return {
+        "name": kind,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [
+                *(round(share * share, 4) for share in shares),
+                1,
+            ],  # linear, near enough
+            "metallicFactor": 0,
+            "roughnessFactor": 0.9,
+        },
+    }
+
+
+def _accessors(
+    corners: npt.NDArray[np.float32], faces: npt.NDArray[np.uint16], view: int
+) -> list[dict[str, object]]:
+    ends = {"min": corners.min(axis=0).tolist(), "max": corners.max(axis=0).tolist()}
+    return [
+        {
+            "bufferView": view,
+            "componentType": _FLOAT,
+            "count": len(corners),
+            "type": "VEC3",
+            **ends,
+        },
+        {"bufferView": view + 1, "componentType": _USHORT, "count": faces.size, "type": "SCALAR"},
+    ]
+
+
+def _cube() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
+    """From (0, 0, 0) to (1, 1, 1).
+
+    Corners and triangles, no normals, so that faces are flat and shells closed.
+    """
+    return np.array(BOX_CORNERS, "<f4"), _triangles(BOX_QUADS)
+
+
+def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
+    """A prism of many sides about the y axis, radius 1, from y = 0 to 1."""
+    turns = [_sine_cosine(2.0 * math.pi * k / _SIDES) for k in range(_SIDES)]
+    corners = np.array([(cosine, y, -sine) for y in (0, 1) for sine, cosine in turns], "<f4")
+    lower = list(range(_SIDES))
+    sides = [(k, (k + 1) % _SIDES, _SIDES + (k + 1) % _SIDES, _SIDES + k) for k in lower]
+    return corners, _triangles([*sides, lower[::-1], [_SIDES + k for k in lower]])
+
+
+def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
+    """Convex faces as fans."""
+    return np.array(
+        [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2"
+    )
+
+
+def _sine_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine, correctly rounded, the same on every machine.
+
+    A math library's last bit is its own.
+
+    Args:
+        angle: rad, at most a turn.
+    """
+    sums = [Fraction(0)] * 4
+    term = Fraction(1)
+    for power in range(60):  # 7^60 / 60! < 1e-31
+        sums[power % 4] += term
+        term *= Fraction(angle) / (power + 1)
+    return float(sums[1] - sums[3]), float(sums[0] - sums[2])

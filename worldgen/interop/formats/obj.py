@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
-from worldgen.interop.formats.mesh_readers import unitless_reader
 from worldgen.interop.geometry.placed_boxes import BOX_CORNERS, BOX_QUADS, PlacedBox, solid_boxes
+from worldgen.interop.readers.mesh_readers import unitless_reader
 from worldgen.world import World
 
 __all__ = ["obj", "write_obj"]

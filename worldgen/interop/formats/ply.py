@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_lines
-from worldgen.interop.formats.mesh_readers import unitless_reader
 from worldgen.interop.geometry.placed_boxes import solid_boxes
+from worldgen.interop.readers.mesh_readers import unitless_reader
 from worldgen.world import World
 
 __all__ = ["ply", "write_ply"]

@@ -16,13 +16,13 @@ from typing import Literal
 
 from worldgen.interop.foreign_map import FLOOR_ROBOT, ForeignMap
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_lines
-from worldgen.interop.formats.mesh_readers import cut_mesh
 from worldgen.interop.geometry.placed_boxes import (
     BOX_CORNERS,
     BOX_TRIANGLES,
     PlacedBox,
     solid_boxes,
 )
+from worldgen.interop.readers.mesh_readers import cut_mesh
 from worldgen.world import World
 
 __all__ = ["read_3mf", "threemf", "write_3mf"]
