@@ -38,30 +38,32 @@ __all__ = [
     "total",
 ]
 
-_TWO_DECIMALS = 0.0051  # half of the last, and rounding; "version 1.0" writes two
-_SIX_DIGITS = (
-    1e-5  # of the length; "version 1" writes six digits or more, summed up in floating point
-)
-_MOST_CELLS = 8_000_000  # the graph takes 250 bytes for each
-_MOST_LINES = 20  # of files with faults; CSV and JSON have all
+# Files of "version 1.0" write two decimals: half of the last one, and rounding.
+_TWO_DECIMALS = 0.0051
+# Files of "version 1" write six digits or more, summed in floating point: a fraction of the length.
+_SIX_DIGITS = 1e-5
+# Cells of the largest map that is solved; the graph takes 250 bytes for each.
+_MOST_CELLS = 8_000_000
+# Files with faults that the text lists; CSV and JSON list all of them.
+_MOST_LINES = 20
 
 
 @dataclass(frozen=True)
 class ScenarioReport:
-    """What came of the problems of one file on one map.
+    """The result of checking one scenario file on one map.
 
     Args:
         scenario: Path of the scenario file.
-        map: Path of the map, empty where there is none of that name.
-        problems: Solved, or left out.
-        agree: Whose shortest path has the published length.
-        no_path: Of these: without a path, and published with length 0.
-        differ: Whose shortest path has another length.
-        unreachable: Published with a length, but here without a path.
-        misfit: Left out: made for a map of other sizes.
-        scaled: Solved on the map scaled to the problem's sizes.
-        worst: Largest difference among those that agree, cells.
-        fault: What is wrong in the first problem that does not agree, or in the file.
+        map: Path of the map; empty if no map of that name was found.
+        problems: How many problems the file has, or how many were drawn from it.
+        agree: Problems whose shortest path has the published length.
+        no_path: Problems among those without a path, published with length 0.
+        differ: Problems whose shortest path has another length.
+        unreachable: Problems without a path that are published with a length.
+        misfit: Problems not solved, because they were made for a map of another size.
+        scaled: Problems solved on a map scaled to their size.
+        worst: Largest difference from a published length that agrees, cells.
+        fault: A sentence about the first problem that does not agree, or about the file.
     """
 
     scenario: str
@@ -84,7 +86,7 @@ class ScenarioFiles:
     Args:
         pairs: A scenario file and its maps: none, one, or several of that name in different
             folders.
-        refused: Files that are no scenarios, as reports.
+        refused: A report for each file that is not a scenario file.
     """
 
     pairs: tuple[tuple[Path, tuple[Path, ...]], ...]
@@ -95,10 +97,10 @@ class ScenarioFiles:
 
 
 def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
-    """The ``.scen`` files among files and folders, and the ``.map`` files that they name.
+    """Find the ``.scen`` files among files and folders, and the ``.map`` files that they name.
 
     Args:
-        paths: Files, and folders with all that is below them.
+        paths: Files, and folders, which are searched with their subfolders.
 
     Raises:
         InvalidParameter: If there is no scenario file, or a path is missing.
@@ -140,15 +142,15 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
 def check_scenario(
     scenario: Path, maps: Sequence[Path], *, rows: int | None = None, seed: int = 0
 ) -> Iterator[ScenarioReport]:
-    """Solves the problems of a file on every map of its name.
+    """Solve a file's problems on every map with its map's name and size.
 
-    On those of its sizes, or else on the others, scaled.
+    If none has that size, scale the maps with its name to it.
 
     Args:
         scenario: The ``.scen`` file.
         maps: Maps of the name that it gives.
-        rows: Problems to draw; all where left out.
-        seed: What they are drawn by.
+        rows: How many problems to draw; all of them if omitted.
+        seed: Seed of the draw.
     """
     try:
         problems = _drawn(read_problems(scenario), rows, seed, scenario.name)
@@ -172,7 +174,7 @@ def check_scenario(
 
 
 def _terrain(path: Path) -> npt.NDArray[np.uint8] | str:
-    """The map, or what is wrong with it."""
+    """Return the map, or a sentence that says why it cannot be read."""
     try:
         return read_terrain(path)
     except FormatError as error:
@@ -217,7 +219,7 @@ def _solve(
 
 
 def _scaled(terrain: npt.NDArray[np.uint8], width: int, height: int) -> npt.NDArray[np.uint8]:
-    """The map in another size, as the benchmark scales.
+    """Return the map in another size, scaled as the benchmark scales.
 
     Cell x of the new is cell x * old // new of the old.
     """
@@ -283,7 +285,7 @@ def _sentence(error: FormatError) -> str:
 
 
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
-    """Sums over all files; of ``worst`` the largest; ``maps`` and ``files`` counted."""
+    """Return the sums over all reports, the largest ``worst``, and how many maps and files."""
     counts = ("problems", "agree", "no_path", "differ", "unreachable", "misfit", "scaled")
     sums: dict[str, int | float] = {
         name: sum(getattr(report, name) for report in reports) for name in counts
@@ -295,7 +297,7 @@ def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:
 
 
 def as_csv(reports: Sequence[ScenarioReport]) -> str:
-    """A line a file and map, with the names of :class:`ScenarioReport` for columns."""
+    """Return a CSV row for each file and map; its columns are :class:`ScenarioReport`'s fields."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow([field.name for field in fields(ScenarioReport)])
@@ -304,7 +306,7 @@ def as_csv(reports: Sequence[ScenarioReport]) -> str:
 
 
 def as_text(reports: Sequence[ScenarioReport]) -> str:
-    """The sums, and a line for each file that does not agree in all."""
+    """Return the sums, and a line for each file in which a problem does not agree."""
     sums = total(reports)
     scaled = f", {sums['scaled']} on maps scaled to their sizes" if sums["scaled"] else ""
     lines = [

@@ -65,11 +65,11 @@ class Radius:
         return radius
 
     def metres(self, cell_size: float) -> float:
-        """The radius, m, in a map of cells of ``cell_size`` m."""
+        """Return the radius in m, on a map with cells of ``cell_size`` m."""
         return float(exact(self.value) * exact(cell_size)) if self.cells else self.value
 
     def in_cells(self, cell_size: float) -> Fraction:
-        """The radius, cells, as it is judged: that of :meth:`metres`, exactly."""
+        """Return exactly the radius of :meth:`metres`, in cells."""
         return in_cells(self.metres(cell_size), cell_size)
 
     def __str__(self) -> str:
@@ -81,12 +81,12 @@ DEFAULT_RADII = (Radius(0.45, True), Radius(0.7, True), Radius(1.0, True))
 
 @dataclass(frozen=True)
 class Ends:
-    """Where a question begins and where it leads.
+    """A start and a target.
 
     Args:
-        start: Of the robot's centre.
-        target: The disc that it has to enter.
-        named: Whether the map says so; else they were drawn.
+        start: Pose of the robot's centre.
+        target: Disc that the centre has to enter.
+        named: True if the map names them; False if they were drawn.
     """
 
     start: Pose
@@ -99,11 +99,11 @@ class CensusMap:
     """A map to judge.
 
     Args:
-        name: Seeds what is drawn; in a census a name that came before gets a number behind it.
+        name: Part of the seed of drawn ends; a census adds a number to a repeated name.
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
         cell_size: Side of a cell, m.
-        ends: What the map itself asks; where there are none, ends are drawn.
-        params: What provenance keeps of the source.
+        ends: Starts and targets that the map names; if it names none, they are drawn.
+        params: Facts about the source, for the provenance of worlds that are kept.
         notes: Sentences worth knowing.
     """
 
@@ -117,7 +117,7 @@ class CensusMap:
 
 @dataclass(frozen=True)
 class Refused:
-    """What could not be judged, and why, in a sentence."""
+    """The name of a map that could not be judged, and a sentence that says why."""
 
     name: str
     reason: str
@@ -126,7 +126,7 @@ class Refused:
 def cell_ends(
     start: tuple[int, int], target: tuple[int, int], cell_size: float, *, named: bool = True
 ) -> Ends:
-    """From the centre of one cell to the disc inscribed in another.
+    """Return ends from the centre of one cell to the disc inscribed in another.
 
     Args:
         start: Column and row; row 0 is the lowest.
@@ -157,12 +157,12 @@ def cell_at(walls: npt.NDArray[np.bool_], cell_size: float, x: float, y: float) 
 def draw_ends(
     case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fraction | None
 ) -> tuple[Ends, ...]:
-    """Pairs of different free cells, all equally likely.
+    """Draw pairs of different free cells, all equally likely.
 
     Args:
         case: The map.
         pairs: How many.
-        rng: Source of chance.
+        rng: The only source of randomness.
         clear_for: Radius, cells, of a disc that has to be clear at both cells' centres, if any.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Asks every map at every radius: can the disc get there, and can a point on the grid?"""
+"""Judge every map at every radius: can the disc reach the target, and can a point on the grid?"""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ VERSION = 1  # goes up whenever a seed draws other pairs than before
 
 @dataclass(frozen=True)
 class CensusOptions:
-    """What is asked of every map.
+    """The questions that a census asks about every map.
 
     Args:
-        radii: Of the robot.
+        radii: Radii of the robot.
         pairs: Starts and targets to draw on a map that names none.
-        seed: What they are drawn by.
-        clear_ends: Whether they are drawn where the largest of the discs is clear.
+        seed: Seed of the draw.
+        clear_ends: True to draw them only where the largest disc has room.
     """
 
     radii: tuple[Radius, ...] = DEFAULT_RADII
@@ -57,19 +57,19 @@ class CensusCase:
         map: Name of the map.
         pair: Number of start and target in it, from 0.
         named: Whether the map names them.
-        asked: The radius as it was asked for.
-        radius: It, m.
+        asked: The radius as the user gave it, in m or in cells.
+        radius: The same radius in m.
         width: Cells.
         height: Cells.
         cell_size: m.
-        result: What the prover says of the disc.
-        proved: Whether the checker confirms its certificate.
+        result: The prover's answer about the disc.
+        proved: True if the checker confirms the certificate.
         room: Whether the disc is clear at the start and at some pose of the target; only False if
             that is proved.
         four: Whether a point that moves between cells which share a side gets there.
         eight: Whether one gets there that also moves between cells which share a corner, past
             whatever is next to it.
-        seconds: That prover and checker took.
+        seconds: Time that prover and checker took.
     """
 
     map: str
@@ -89,21 +89,21 @@ class CensusCase:
 
     @property
     def grid_only(self) -> bool:
-        """Whether a point on the grid finds a way where it is proved that the disc has none."""
+        """True if a point on the grid gets there and it is proved that the disc cannot."""
         return self.proved and self.result == BLOCKED and self.eight
 
 
 @dataclass
 class Census:
-    """What was found so far.
+    """The answers so far.
 
     Args:
-        options: What was asked.
+        options: The questions asked about every map.
         questions: With their answers, in the order of the maps.
-        refused: What could not be judged.
+        refused: Maps that could not be judged.
         maps: How many maps were judged.
-        interrupted: Whether Ctrl-C ended it.
-        fault: What the source raised, if that ended it.
+        interrupted: True if Ctrl-C ended the census.
+        fault: Message of the error in a source that ended the census, or empty.
     """
 
     options: CensusOptions
@@ -121,13 +121,13 @@ def take_census(
     each: Callable[[CensusCase, World], object] | None = None,
     progress: Callable[[], None] | None = None,
 ) -> Census:
-    """Judges maps one after the other.
+    """Judge maps one after the other.
 
-    Ctrl-C, or a source that fails, ends it; what was found is returned.
+    Ctrl-C, or a source that fails, ends the census; the answers so far are returned.
 
     Args:
-        maps: What there is to judge.
-        options: What to ask.
+        maps: Maps to judge, and refusals to pass on.
+        options: The questions to ask about every map.
         each: Called with every answer and its world, which carries the certificate.
         progress: Called after each map.
     """
@@ -214,7 +214,7 @@ def _answer(
     radius: Radius,
     joined: tuple[bool, bool],
 ) -> tuple[CensusCase, World]:
-    """A question with its answers, and the world with its certificate."""
+    """Return one question with its answers, and the world with its certificate."""
     metres = radius.metres(item.cell_size)
     world = replace(world, robot_radius=metres)
     began = time.perf_counter()
