@@ -1,4 +1,7 @@
-"""The maps in files and folders, in every format that ``import`` reads, with MovingAI's scenario files beside them."""
+"""Read the maps in files and folders, in every format that ``import`` reads.
+
+MovingAI maps get the problems of the scenario files next to them.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +23,17 @@ __all__ = ["FolderMaps", "folder_maps"]
 
 @dataclass(frozen=True)
 class FolderMaps:
-    """Maps to come.
+    """Maps that are read one by one when this is iterated.
 
     Args:
         files: What to read, in order, with the name of each.
         scenarios: MovingAI scenario files by the name of the map that they are for, each with its
             number of problems.
-        refused: Scenario files that are none.
-        passed_over: Files in folders that look like no map.
+        refused: Files that end in ``.scen`` but are not scenario files.
+        passed_over: How many files in folders do not look like a map.
         pairs: Problems to take of a map's scenarios.
-        seed: What they are drawn by.
-        options: What the files leave open.
+        seed: Seed of the draw.
+        options: Options for reading the files, such as the cell size.
     """
 
     files: tuple[tuple[str, Path], ...]
@@ -96,15 +99,15 @@ def folder_maps(
     seed: int = 0,
     options: Mapping[str, Value] | None = None,
 ) -> FolderMaps:
-    """What there is to judge in files and folders.
+    """Find the maps to judge in files and folders.
 
-    The files themselves are read one by one, when it is iterated.
+    The files themselves are read one by one, when the result is iterated.
 
     Args:
-        paths: Files, and folders with all that is below them. In a folder a file counts by its
+        paths: Files, and folders, which are searched with their subfolders. In a folder a file counts by its
             contents or by its name's ending; a file named itself always counts.
-        pairs: Problems to take of a map's scenario files, where it has some.
-        seed: What these are drawn by.
+        pairs: How many problems to take from a map's scenario files, if it has any.
+        seed: Seed of the draw.
         options: What the files leave open; each applies to the formats that it means something to.
 
     Raises:
@@ -139,9 +142,9 @@ def folder_maps(
 
 
 def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
-    """Name, path, and whether the file was named itself.
+    """Yield name and path of each file, and whether the user named the file itself.
 
-    Folders in the order of their files' names.
+    The files of a folder come in the order of their names.
     """
     for path in paths:
         if path.is_dir():
@@ -156,7 +159,7 @@ def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
 
 
 def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
-    """Start and target of formats that have both."""
+    """Return start and target, if the format stores both."""
     if found.world is not None:
         if found.world.is_dynamic:
             raise InvalidParameter(
@@ -174,7 +177,7 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
 
 
 def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]:
-    """The file and the row, from 1, of a problem counted through all files."""
+    """Return file and row, from 1, of a problem that is numbered through all files."""
     for file, count in files:
         if number < count:
             return file, number + 1

@@ -1,4 +1,4 @@
-"""The maps of a third-party generator, through a function that hands them over one by one.
+"""Take maps from a third-party generator, through a function that yields them one by one.
 
 The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a
 tuple: a name and
@@ -53,9 +53,9 @@ GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "
 
 @contextlib.contextmanager
 def _aside(doing: str) -> Iterator[None]:
-    """A generator's code, which may raise anything.
+    """Run a generator's code, which may raise anything.
 
-    What it prints goes to stderr, for stdout is data.
+    Its prints go to stderr, because stdout carries data.
     """
     with user_code(doing), contextlib.redirect_stdout(sys.stderr):
         yield
@@ -63,14 +63,14 @@ def _aside(doing: str) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class GeneratedMaps:
-    """Maps to come.
+    """Maps that the generator makes when this is iterated.
 
     Args:
-        name: Of the function, as it was given.
-        function: It.
+        name: Name of the function, as the user gave it.
+        function: The function itself.
         count: How many maps to take.
-        seed: Handed to the function.
-        options: Likewise.
+        seed: Passed to the function.
+        options: More keywords to pass to the function.
         cell_size: Side of a cell, m, of maps without units.
     """
 
@@ -142,18 +142,18 @@ def generated_maps(
     options: Mapping[str, str] | None = None,
     cell_size: float = DEFAULT_CELL_SIZE,
 ) -> GeneratedMaps:
-    """The first maps of a generator.
+    """Return the first maps of a generator.
 
     Args:
         name: ``./file.py:function`` or ``package.module:function``.
-        count: How many.
-        seed: Handed to the function.
+        count: How many maps to take.
+        seed: Passed to the function.
         options: More keywords of the function, as text; each becomes what its default is.
         cell_size: Side of a cell, m, of maps without units.
 
     Raises:
-        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is none
-            of its keywords.
+        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is not
+            one of its keywords.
     """
     with contextlib.redirect_stdout(sys.stderr):
         function = GENERATORS.get(name)
@@ -237,7 +237,7 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
 
 
 def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]:
-    """Column and row from below of a cell given as (row, column) from the top."""
+    """Return column and row from below of a cell that is given as (row, column) from the top."""
     try:
         row, column = (int(value) for value in cell)
     except (TypeError, ValueError) as error:

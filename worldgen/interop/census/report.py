@@ -30,7 +30,7 @@ ROWS = {
     "eight_parted": "    with room at both ends",
     "undecided": "undecided, or certificate refused",
 }
-"""What is counted, as the table calls it; indented where it is part of the line above."""
+"""The lines of the table by their keys; an indented line is part of the one above it."""
 
 CSV_COLUMNS = (
     "map", "pair", "named", "width", "height", "cell_size", "radius", "radius_in_cells", "result", "proved", "room",
@@ -41,15 +41,15 @@ _MOST_REFUSALS = 10  # lines of text; JSON has them all
 
 @dataclass(frozen=True)
 class Tally:
-    """What holds of all questions at one radius.
+    """Counts over all questions at one radius.
 
     Args:
-        asked: The radius.
-        questions: How many.
-        counts: By the names of :data:`ROWS`.
-        radius: Smallest and largest, m.
-        radius_in_cells: Likewise, cells.
-        seconds: That prover and checker took.
+        asked: The radius as the user gave it.
+        questions: How many questions there are.
+        counts: How many of them belong to each line of :data:`ROWS`.
+        radius: Smallest and largest radius, m.
+        radius_in_cells: Smallest and largest radius, cells.
+        seconds: Time that prover and checker took.
     """
 
     asked: Radius
@@ -60,16 +60,16 @@ class Tally:
     seconds: float
 
     def share(self, name: str) -> float | None:
-        """Of all questions, or None where there are none."""
+        """Return the fraction of all questions, or None if there are none."""
         return self.counts[name] / self.questions if self.questions else None
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 %, Clopper and Pearson."""
+        """Return the 95 % confidence interval of the share, by Clopper and Pearson."""
         return interval_95(self.counts[name], self.questions) if self.questions else (0.0, 1.0)
 
 
 def tally(census: Census) -> tuple[Tally, ...]:
-    """One for each radius, in the order in which they were asked for."""
+    """Return one tally for each radius, in the order of the options."""
     return tuple(
         _tally_one(radius, [question for question in census.questions if question.asked == radius])
         for radius in census.options.radii
@@ -94,7 +94,7 @@ def _tally_one(radius: Radius, questions: Sequence[CensusCase]) -> Tally:
 
 
 def _counted(question: CensusCase) -> list[str]:
-    """The lines that a question belongs to."""
+    """Return the keys of the lines in which a question counts."""
     if not question.proved:
         return ["undecided"]
     if question.result == REACHABLE:
@@ -110,7 +110,7 @@ def _counted(question: CensusCase) -> list[str]:
 
 
 def as_text(census: Census) -> str:
-    """The table, a column a radius, under a line about the maps and above what was refused."""
+    """Return a line about the maps, the table with a column for each radius, and the refusals."""
     tallies = tally(census)
     rows = [["", *(str(one.asked) for one in tallies)], ["", *map(_in_the_other_unit, tallies)]]
     rows += [[label, *(_share(one, name) for one in tallies)] for name, label in ROWS.items()]
@@ -167,7 +167,7 @@ def _share(one: Tally, name: str) -> str:
 
 
 def as_csv(census: Census) -> str:
-    """One line a question; no times, so that equal seeds give equal bytes."""
+    """Return a CSV row for each question, without times, so that equal seeds give equal bytes."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(CSV_COLUMNS)
@@ -185,7 +185,7 @@ def _in_cells(radius: Radius, cell_size: float) -> float:
 
 
 def as_json(census: Census) -> dict[str, Any]:
-    """What ``census --json`` prints."""
+    """Return what ``census --json`` prints."""
     asked = {(question.map, question.pair): question.named for question in census.questions}
     sources = Counter(asked.values())
     return {
