@@ -9,7 +9,7 @@ Contents:
     export: Write one archive, or a table.
     contact_sheet: Draw a corpus as one picture.
 
-The files themselves are the only source of truth. ``docs/howto/keep-failures.md`` is the user's guide.
+The files themselves are the only source of truth. See ``docs/howto/keep-failures.md``.
 """
 
 from fuzz.corpus.baseline import Baseline
