@@ -83,9 +83,17 @@ def mend_wrapping(
         above = at
 
 
+def skip_named_fields(
+    app: Sphinx, what: str, name: str, thing: object, skip: bool, options: object
+) -> bool | None:
+    """Leave out the fields of named tuples, which their class explains already."""
+    return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field") else None
+
+
 def setup(app: Sphinx) -> None:
     """Write the pages that come from the code before Sphinx looks for pages."""
     generate_reference.write_pages(HERE / "reference" / "generated")
     app.connect("source-read", mark_repository_files)
     # Before napoleon reads the sections, which it does at priority 500.
     app.connect("autodoc-process-docstring", mend_wrapping, priority=100)
+    app.connect("autodoc-skip-member", skip_named_fields)
