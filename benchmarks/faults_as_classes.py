@@ -59,7 +59,7 @@ def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
     """Run a campaign until a failure tells a fault, or its time is over."""
     controller = FAULTS[fault]
     scenario = Scenario.parse(f"{WAYS[way]}{fault.replace('-', '_')}{controller.variations}")
-    config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,))
+    config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.run.time_step,))
     for lane in ("native", "archive", "features"):  # compiles what they need
         next(lanes(lane)(replace(config, seed=_COMPILES, examples=1)))
     worlds = 0

@@ -166,7 +166,7 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     """One search for one fault, and the failure that tells, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
     config = CampaignConfig(
-        scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES
+        scenario, seed=seed, time_steps=(scenario.run.time_step,), examples=EXAMPLES
     )
     _compile(searcher)
     next(

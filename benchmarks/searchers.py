@@ -142,8 +142,8 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
 
     The time that the robot takes over that of the straight way, 0 if it does not arrive.
     """
-    scenario = replace(config.scenario, seed=stream.below(1 << 32))
-    budget = step_budget(world, scenario.time_step)
+    scenario = config.scenario.with_run(seed=stream.below(1 << 32))
+    budget = step_budget(world, scenario.run.time_step)
     try:
         run = prepare(world, CONTROLLERS.get(scenario.controller), scenario.options(world, budget))
     except InvalidWorld:
@@ -151,7 +151,7 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
     outcome = run.run(budget, find_loop=True, record=False, digest=False)
     door.look(world, scenario, outcome)
     way = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y))
-    took = outcome.steps * scenario.time_step * world.robot_speed
+    took = outcome.steps * scenario.run.time_step * world.robot_speed
     return took / max(way, world.cell_size) if outcome.ending == Verdict.REACHED else 0.0
 
 

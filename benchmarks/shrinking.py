@@ -33,6 +33,7 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import layouts
 from fuzz.triage.judging import failure_of
 from fuzz.triage.proofs import certified
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.random_streams import RandomStream
@@ -98,7 +99,7 @@ def failures_of(controller: str, motion: str, time_step: float, most: int) -> li
         if sum(map(len, by_verdict.values())) >= 2 * most:
             break
         data = b"".join(stream.next64().to_bytes(8, "little") for _ in range(LAYOUT_BYTES // 8))
-        scenario = Scenario(controller, motion, time_step, seed=number)
+        scenario = Scenario(controller, RunOptions(motion, time_step=time_step, seed=number))
         failure = _failure(data, scenario)
         if failure is not None:
             by_verdict.setdefault(failure.verdict, []).append(Found(data, failure, scenario))

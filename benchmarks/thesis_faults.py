@@ -109,7 +109,7 @@ def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[s
 
 def _run(world: World, scenario: Scenario, number: int, steps: int) -> Outcome:
     options = scenario.options(world, steps)
-    seed = RandomStream(scenario.seed).child("run", number).next64()
+    seed = RandomStream(scenario.run.seed).child("run", number).next64()
     return prepare(world, scenario.controller, replace(options, seed=seed)).run(
         steps, find_loop=True, record=False
     )

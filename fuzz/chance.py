@@ -177,7 +177,8 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     """
     controller = CONTROLLERS.get(scenario.controller)
     if not (
-        isinstance(controller, CompiledController) and (controller.randomised or scenario.random)
+        isinstance(controller, CompiledController)
+        and (controller.randomised or scenario.run.random)
     ):
         return {}
     return share_that_fails(world, scenario, count)

@@ -27,8 +27,7 @@ from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
 from sim.evidence import LoopEvidence
-from sim.options.run import RunOptions
-from sim.scenario import Scenario
+from sim.options.run import switch_sets
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
@@ -235,15 +234,10 @@ def _event_changes(search: _ChangedRuns) -> Iterator[Change]:
 
 def _option_changes(search: _ChangedRuns) -> Iterator[Change]:
     scenario = search.subject.scenario
-    options = scenario.options(search.subject.world)
-    given = options.parameters()
+    given = scenario.run.changed()
     for name, value in given.items():
-        if name in ("steps", "time_step"):
-            continue
         others = {key: kept for key, kept in given.items() if key != name}
-        usual = Scenario.of(
-            scenario.controller, RunOptions.of(options.motion, options.seed, others)
-        )
+        usual = scenario.with_run(**switch_sets(scenario.run.motion, others))
         if search.arrives(replace(search.subject, scenario=usual)):
             yield Change("option", name, value)
 

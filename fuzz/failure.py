@@ -176,7 +176,7 @@ class Failure:
     @property
     def scenario(self) -> Scenario:
         """The controller and its options, without a budget."""
-        return Scenario.of(self.record.controller, self.options)
+        return Scenario(self.record.controller, self.options)
 
     @property
     def label(self) -> str:

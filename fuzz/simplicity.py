@@ -95,13 +95,12 @@ def _distance(case: Case) -> int:
 
 def _numbers(case: Case) -> int:
     world, scenario = case
-    options = [scenario.thesis.changed(), scenario.robot.changed()]
-    floats = [value for option in options for value in option.values() if isinstance(value, float)]
+    floats = [value for value in scenario.run.changed().values() if isinstance(value, float)]
     return (
         number_cost(world.robot_radius, DEFAULT_ROBOT_RADIUS)
         + number_cost(world.robot_speed, DEFAULT_ROBOT_SPEED)
         + number_cost(world.target.radius, world.cell_size / 2)
-        + number_cost(scenario.time_step, DEFAULT_TIME_STEP)
+        + number_cost(scenario.run.time_step, DEFAULT_TIME_STEP)
         + sum(map(number_cost, floats))
     )
 

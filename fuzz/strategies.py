@@ -122,7 +122,7 @@ def scenarios(
         for name, values in (vary or {}).items()
     )
     return (
-        scenarios_in(worlds(family), base, (base.time_step,), varied)
+        scenarios_in(worlds(family), base, (base.run.time_step,), varied)
         .map(_provably_reachable)
         .filter(_is_reachable)
     )
@@ -150,7 +150,7 @@ def scenarios_in(
     ) -> tuple[World, Scenario]:
         drawn = {one.name: value for one, value in zip(vary, values, strict=True)}
         try:
-            return applied(drawn, world, replace(base, seed=seed, time_step=time_step))
+            return applied(drawn, world, base.with_run(seed=seed, time_step=time_step))
         except InvalidWorld:  # the drawn robot does not fit at the start
             reject()
 

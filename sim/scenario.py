@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from sim.controllers.programs.process import PROGRAM_OPTIONS, is_process_name
 from sim.options.robot import RobotOptions
 from sim.options.run import (
-    TIME_STEP,
     RunOptions,
     option_without_effect,
     step_budget,
@@ -20,104 +20,69 @@ from worldgen.errors import InvalidParameter
 from worldgen.parameters import parameters_of_fields, split_options
 from worldgen.world import Value, World
 
-__all__ = ["Scenario"]
+__all__ = ["Scenario", "read_settings"]
 
-_MOTION = next(option for option in parameters_of_fields(RunOptions) if option.name == "motion")
+_OF_EVERY_RUN = {
+    option.name: option
+    for option in parameters_of_fields(RunOptions)
+    if option.name in ("motion", "time_step")
+}
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """Everything about a run except the world.
+    """A controller and the options of its runs: everything about a run except the world.
 
     Args:
         controller: Name, as the command line takes it.
-        motion: Name of the motion model.
-        time_step: s.
-        seed: Of the run's random numbers.
-        thesis: Switches of the motion model ``stepped``.
-        robot: Dynamics and sensors under the other motion models.
+        run: Options of each run. The number of steps comes from the world, see :meth:`options`,
+            so the one given here is not kept.
     """
 
     controller: str
-    motion: str = "swept"
-    time_step: float = RunOptions.time_step
-    seed: int = 0
-    thesis: ThesisOptions = field(default_factory=ThesisOptions)
-    robot: RobotOptions = field(default_factory=RobotOptions)
+    run: RunOptions = field(default_factory=RunOptions)
+
+    def __post_init__(self) -> None:
+        # Without this, two scenarios could differ in a budget that no run of theirs has.
+        object.__setattr__(self, "run", replace(self.run, steps=RunOptions.steps))
 
     @classmethod
-    def of(cls, controller: str, options: RunOptions) -> Scenario:
-        """A controller and everything in a run's options but the budget."""
-        return cls(
-            controller,
-            options.motion,
-            options.time_step,
-            options.seed,
-            options.thesis,
-            options.robot,
-        )
-
-    @classmethod
-    def parse(
-        cls,
-        text: str,
-        *,
-        motion: str = "swept",
-        time_step: float = RunOptions.time_step,
-        seed: int = 0,
-    ) -> Scenario:
-        """Reads a controller with variations.
+    def parse(cls, text: str, **defaults: Any) -> Scenario:
+        """Read a controller with variations.
 
         ``thesis-1``, ``thesis-1+noise+sensor_range=50``, ``mine+motion=swept``.
 
         Args:
-            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``,
-                ``time_step``, and the motion model's options, :class:`ThesisOptions` or
-                :class:`RobotOptions`. Of a program they stand before the colon:
-                ``cmd+motion=endpoint:./mine``.
-            motion: Motion model, unless the text names one.
-            time_step: s, likewise.
-            seed: Of the run's random numbers.
+            text: A name, then ``+option`` or ``+option=value`` as often as you like, see
+                :func:`read_settings`.
+            defaults: Fields of :class:`RunOptions`, used where the text says nothing.
 
         Raises:
-            InvalidParameter: If the text names no controller, or a variation is unknown or out of
+            InvalidParameter: If the text names no controller, or an option is unknown or out of
                 range.
         """
-        controller, options = _split(text.strip())
-        if not is_process_name(controller):
-            _refuse_program_options(controller, options)
-        motion = _MOTION.parse(options.pop("motion"), "run") if "motion" in options else motion
-        time_step = (
-            TIME_STEP.parse(options.pop("time_step"), "run")
-            if "time_step" in options
-            else time_step
-        )
-        values: dict[str, Value] = {}
-        for name, value in options.items():
-            values |= _parsed(motion, name, value)
-        return cls(
-            controller, motion, time_step, seed, **(switch_sets(motion, values) if values else {})
-        )
+        controller, settings = read_settings(text, defaults.get("motion", RunOptions.motion))
+        return cls(controller, RunOptions(**(defaults | settings)))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
-        """The scenario as :meth:`parse` reads it, without the seed.
+        """Return the text from which :meth:`parse` reads this scenario; it leaves out the seed.
 
         Args:
-            motion: Motion model that need not be said.
-            time_step: s, likewise.
+            motion: Motion model that the reader takes by default; left out of the text.
+            time_step: Default duration of a step, s; left out of the text.
         """
-        changed = self.thesis.changed() | self.robot.changed()
+        changed = self.run.changed()
         name = self.controller
         colon = ""
         command = ""
         if is_process_name(name):
             name, colon, command = name.partition(":")
         words = [name]
-        if motion is not None and self.motion != motion:
-            words.append(f"motion={self.motion}")
-        if time_step is not None and self.time_step != time_step:
-            words.append(f"time_step={self.time_step!r}")
-        if self.thesis.repaired:
+        if motion is not None and self.run.motion != motion:
+            words.append(f"motion={self.run.motion}")
+        if time_step is not None and self.run.time_step != time_step:
+            words.append(f"time_step={self.run.time_step!r}")
+        if self.run.thesis.repaired:
             words.append("repaired")
             changed = {name: value for name, value in changed.items() if name not in REPAIRS}
         for name, value in changed.items():
@@ -126,18 +91,55 @@ class Scenario:
         return "+".join(words) + colon + command
 
     def options(self, world: World, steps: int | None = None) -> RunOptions:
-        """Options with a budget: ``steps``, or what the world's witness gives."""
-        budget = step_budget(world, self.time_step) if steps is None else steps
-        return RunOptions(self.motion, budget, self.time_step, self.seed, self.thesis, self.robot)
+        """Return the options of a run in a world.
 
-    @property
-    def random(self) -> bool:
-        """Whether the simulator itself draws random numbers."""
-        return self.thesis.random or self.robot.random
+        Args:
+            world: Its witness decides how long a run may take.
+            steps: Budget to use instead.
+        """
+        budget = step_budget(world, self.run.time_step) if steps is None else steps
+        return replace(self.run, steps=budget)
 
-    def with_seed(self, seed: int) -> Scenario:
-        """The same with another seed."""
-        return replace(self, seed=seed)
+    def with_run(self, **changes: Any) -> Scenario:
+        """Return the same scenario with other values for some fields of its run options."""
+        return replace(self, run=replace(self.run, **changes))
+
+    def with_option(self, name: str, value: Value) -> Scenario:
+        """Return the same scenario with another value for one option of its motion model.
+
+        Raises:
+            InvalidParameter: If the motion model has no such option, or the value is out of range.
+        """
+        options = self.run.changed() | {name: value}
+        return self.with_run(**switch_sets(self.run.motion, options))
+
+
+def read_settings(text: str, motion: str = RunOptions.motion) -> tuple[str, dict[str, Any]]:
+    """Read a controller's name and the fields of :class:`RunOptions` that its text sets.
+
+    Args:
+        text: A name, then ``+option`` or ``+option=value`` as often as you like: ``motion``,
+            ``time_step``, and the options of the motion model, which are those of
+            :class:`ThesisOptions` or :class:`RobotOptions`. A program has them before the colon:
+            ``cmd+motion=endpoint:./mine``.
+        motion: Motion model, if the text names none.
+
+    Raises:
+        InvalidParameter: If the text names no controller, or an option is unknown or out of range.
+    """
+    controller, written = _split(text.strip())
+    if not is_process_name(controller):
+        _refuse_program_options(controller, written)
+    settings = {
+        name: option.parse(written.pop(name), "run")
+        for name, option in _OF_EVERY_RUN.items()
+        if name in written
+    }
+    motion = settings.get("motion", motion)
+    values: dict[str, Value] = {}
+    for name, value in written.items():
+        values |= _parsed(motion, name, value)
+    return controller, settings | (switch_sets(motion, values) if values else {})
 
 
 def _split(text: str) -> tuple[str, dict[str, str | None]]:
@@ -149,7 +151,7 @@ def _split(text: str) -> tuple[str, dict[str, str | None]]:
         return split_options(text, "thesis-1+noise, or ./mine.py:Robot")
     head, colon, command = text.partition(":")
     name, options = split_options(head, "cmd+motion=endpoint:./mine")
-    own = ("motion", "time_step", *RobotOptions.names())
+    own = (*_OF_EVERY_RUN, *RobotOptions.names())
     of_the_run = {option: value for option, value in options.items() if option in own}
     words = [name]
     for option, value in options.items():

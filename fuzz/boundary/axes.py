@@ -94,7 +94,7 @@ def _with_speed(subject: Subject, value: float) -> Subject:
 
 
 def _with_time_step(subject: Subject, value: float) -> Subject:
-    return replace(subject, scenario=replace(subject.scenario, time_step=value))
+    return replace(subject, scenario=subject.scenario.with_run(time_step=value))
 
 
 def _with_heading(subject: Subject, value: float) -> Subject:
@@ -127,7 +127,7 @@ AXES = {
         Axis("speed", "m/s", index_of(1e-3), index_of(1e4), three_digits,
              lambda subject: index_of(subject.world.robot_speed), _with_speed),
         Axis("time-step", "s", index_of(1e-3), index_of(1e1), three_digits,
-             lambda subject: index_of(subject.scenario.time_step), _with_time_step),
+             lambda subject: index_of(subject.scenario.run.time_step), _with_time_step),
         Axis("heading", "degrees", -179, 180, float,
              lambda subject: round(math.degrees(math.remainder(subject.world.start.heading, math.tau))), _with_heading),
         Axis("depth", "cells", 1, 100, float, _depth, _with_depth),

@@ -25,7 +25,8 @@ def is_bounded(scenario: Scenario) -> bool:
     """
     controller = CONTROLLERS.get(scenario.controller)
     return not (
-        scenario.random or (isinstance(controller, CompiledController) and controller.randomised)
+        scenario.run.random
+        or (isinstance(controller, CompiledController) and controller.randomised)
     )
 
 

@@ -76,9 +76,9 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
     families = (*options.families, *options.lanes)
     for name in families:
         check_lane(name, scenario)
-    time_steps: tuple[float, ...] = (scenario.time_step,)
-    unsaid = options.time_step is None and scenario.time_step == usual
-    if unsaid and MOTIONS.get(scenario.motion).name == "endpoint":
+    time_steps: tuple[float, ...] = (scenario.run.time_step,)
+    unsaid = options.time_step is None and scenario.run.time_step == usual
+    if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
         time_steps = TIME_STEPS
     varied = tuple(Variation.parse(text, scenario) for text in options.vary)
     names = [one.name for one in varied]
@@ -471,7 +471,7 @@ class CampaignSession:
         if not self._failing():
             what = "new failure" if state.known else "failure"
             beside = ", but for hazards that it cannot sense" if hazards else ""
-            who = f"{self._config.scenario.label()} under {self._config.scenario.motion}"
+            who = f"{self._config.scenario.label()} under {self._config.scenario.run.motion}"
             click.echo(f"no {what} of {who} found{beside}")
 
     def _as_report(self) -> Report:
@@ -480,8 +480,8 @@ class CampaignSession:
         scenario = self._config.scenario
         best = sorted(state.best.items())
         facts = {
-            "controller": shown(scenario.label(scenario.motion, scenario.time_step)),
-            "motion": scenario.motion,
+            "controller": shown(scenario.label()),
+            "motion": scenario.run.motion,
         }
         numbers = {
             "seed": self._config.seed,

@@ -50,7 +50,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
     return Summary(
         folder=folder,
         controller=config.scenario.label(),
-        motion=config.scenario.motion,
+        motion=config.scenario.run.motion,
         seed=config.seed,
         units=state.units,
         worlds=state.worlds,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
-from sim.options.run import TIME_STEP, switch_class, switch_sets
+from sim.options.run import TIME_STEP, switch_class
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import Provenance, Value, World
@@ -53,7 +53,7 @@ class Variation:
                 option=_OPTION,
                 text=text,
             )
-        _check_name(name, scenario.motion)
+        _check_name(name, scenario.run.motion)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
         for value in found.values:
             found._check(value, scenario)
@@ -72,7 +72,7 @@ class Variation:
                     unit=unit,
                 )
         elif self.name != "time_step":
-            _with_option(scenario, self.name, value)
+            scenario.with_option(self.name, value)
 
 
 def applied(
@@ -93,9 +93,9 @@ def applied(
         world = replace(world, certificate=None, provenance=map_provenance(world), **robot)  # type: ignore[arg-type]
     for name, value in values.items():
         if name == "time_step":
-            scenario = replace(scenario, time_step=value)  # type: ignore[arg-type]
+            scenario = scenario.with_run(time_step=value)
         elif name not in robot:
-            scenario = _with_option(scenario, name, value)
+            scenario = scenario.with_option(name, value)
     return world, scenario
 
 
@@ -114,7 +114,7 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
         seconds: float = TIME_STEP.parse(word, "run")
         return seconds
     if name not in _OF_THE_ROBOT:
-        return switch_class(scenario.motion).parse(name, word)[name]
+        return switch_class(scenario.run.motion).parse(name, word)[name]
     try:
         return float(word)
     except ValueError:
@@ -143,8 +143,3 @@ def _check_name(name: str, motion: str) -> None:
             hint=hint,
             known=list(known),
         )
-
-
-def _with_option(scenario: Scenario, name: str, value: Value) -> Scenario:
-    changed = scenario.thesis.changed() | scenario.robot.changed() | {name: value}
-    return replace(scenario, **switch_sets(scenario.motion, changed))

@@ -299,7 +299,7 @@ def _report(
     click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
     first = wishes[0].scenario
     note(
-        f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.motion} "
+        f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.run.motion} "
         f"--steps {wishes[0].steps}"
     )
 

@@ -59,7 +59,9 @@ class Baseline:
             # Ignore the failures of other robots.
             failure = Failure.read(entry.path)
             record = failure.record
-            if _who(record.controller, record.motion) != _who(scenario.controller, scenario.motion):
+            if _who(record.controller, record.motion) != _who(
+                scenario.controller, scenario.run.motion
+            ):
                 others.add(f"{record.controller} under {record.motion}")
                 continue
             is_any_ours = True
@@ -81,7 +83,7 @@ class Baseline:
         # A baseline for another controller is probably a mistake, such as a wrong path.
         if others and not is_any_ours:
             say(
-                f"the baseline has no failure of {scenario.controller} under {scenario.motion}, "
+                f"the baseline has no failure of {scenario.controller} under {scenario.run.motion}, "
                 f"only of "
                 f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
             )

@@ -94,7 +94,7 @@ class OutcomeTarget:
         """Whether the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or self.scenario.random
+        return chance or self.scenario.run.random
 
     @property
     def cost(self) -> int:
@@ -145,12 +145,12 @@ class OutcomeTarget:
         )
 
     def _run(self, world: World, seed: int, prove: bool) -> _Run:
-        scenario = self.scenario.with_seed(seed)
+        scenario = self.scenario.with_run(seed=seed)
         options = scenario.options(world, self.steps)
         outcome = prepare(world, scenario.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )
-        chance = outcome.random_draws > 0 or scenario.random
+        chance = outcome.random_draws > 0 or scenario.run.random
         verdict = outcome.verdict
         steps = outcome.steps
         if verdict == Verdict.LOOP:
@@ -212,7 +212,7 @@ class OutcomeTarget:
 
 
 def parse_targets(
-    text: str, *, motion: str = "swept", time_step: float = Scenario.time_step
+    text: str, *, motion: str = "swept", time_step: float = RunOptions.time_step
 ) -> tuple[OutcomeTarget, ...]:
     """Reads ``CONTROLLER=OUTCOME, ...``.
 
@@ -263,7 +263,7 @@ def _parse_wish(part: str, motion: str, time_step: float) -> OutcomeTarget:
             _EXAMPLE,
             outcome=outcome[:80],
         )
-    low, high = _parse_range(match["range"].strip(), scenario.time_step)
+    low, high = _parse_range(match["range"].strip(), scenario.run.time_step)
     return OutcomeTarget(scenario, outcome.strip(), verdicts, low, high)
 
 

@@ -115,4 +115,4 @@ def _checked(world: World, scenario: Scenario, options: RunOptions, oracle: Orac
 
 def who_drives(scenario: Scenario) -> str:
     """Return controller and motion model in words: ``turn-left under swept``."""
-    return f"{scenario.label(scenario.motion, scenario.time_step)} under {scenario.motion}"
+    return f"{scenario.label()} under {scenario.run.motion}"

@@ -186,7 +186,7 @@ def _keep(seen: RegressionRun, path: Path) -> str:
     if failure is not None:
         return f"worldgen replay {file}"
     label = seen.scenario.label(RunOptions.motion, RunOptions.time_step)
-    return f"worldgen run {file} --controller {shlex.quote(label)} --seed {seen.scenario.seed}"
+    return f"worldgen run {file} --controller {shlex.quote(label)} --seed {seen.scenario.run.seed}"
 
 
 def _near(path: Path) -> str:

@@ -237,7 +237,7 @@ class Screening:
 
     def scenario_of(self, n: int) -> Scenario:
         """What ran there, with its seed and time step."""
-        return replace(self.scenario, seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
+        return self.scenario.with_run(seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
 
 
 def can_screen(scenario: Scenario) -> bool:
@@ -245,7 +245,7 @@ def can_screen(scenario: Scenario) -> bool:
 
     Any controller, under a motion model on the pose lattice.
     """
-    return MOTIONS.get(scenario.motion).kernel == LATTICE
+    return MOTIONS.get(scenario.run.motion).kernel == LATTICE
 
 
 def evaluate(
@@ -310,7 +310,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             "take --motion swept or endpoint",
             at_terminal=True,
             controller=scenario.label(),
-            motion=scenario.motion,
+            motion=scenario.run.motion,
         )
     if (
         budget is not None
@@ -371,7 +371,7 @@ class _Packed:
         """
         controller = CONTROLLERS.get(scenario.controller)
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
-        each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
+        each = (scenario.with_run(time_step=time_step).options(world) for time_step in time_steps)
         runs = tuple(LatticeRun(world, controller, options) for options in each)
         return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
 

@@ -33,7 +33,7 @@ def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
         ) from error
     scenario = config.scenario
     where = world_digest(config.fixed_map) if config.fixed_map is not None and lane == "map" else ""
-    varied = (scenario.label(), scenario.motion, config.time_steps, config.vary, lane, where)
+    varied = (scenario.label(), scenario.run.motion, config.time_steps, config.vary, lane, where)
     return _Keyed(DirectoryBasedExampleDatabase(folder), f"worldgen {varied!r}".encode())
 
 

@@ -109,7 +109,7 @@ def visit_of(task: Task, lane: str) -> Visit:
 
 
 def _visit(task: Task, world: World, scenario: Scenario) -> str:
-    budget = step_budget(world, scenario.time_step) if world.certificate else _SEARCH_STEPS
+    budget = step_budget(world, scenario.run.time_step) if world.certificate else _SEARCH_STEPS
     try:
         run = prepare(world, task.controller, scenario.options(world, budget))
         outcome = run.run(budget, find_loop=True, record=False, digest=False)

@@ -25,4 +25,4 @@ def can_breach(scenario: Scenario) -> bool:
 
     So that a target walled off is of use.
     """
-    return MOTIONS.get(scenario.motion).kernel == THESIS and not scenario.thesis.keep_going
+    return MOTIONS.get(scenario.run.motion).kernel == THESIS and not scenario.run.thesis.keep_going

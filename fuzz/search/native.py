@@ -234,9 +234,9 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Screening]:
     robot = {
         name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")
     }
-    times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
+    times = np.array([scenario.run.time_step] if "time_step" in values else config.time_steps)
     step = (
-        pace.step + pace.beam * robot_for(task.controller, scenario.robot).beams
+        pace.step + pace.beam * robot_for(task.controller, scenario.run.robot).beams
     )  # each takes as long as a step
     work = 0
     count = 0

@@ -99,7 +99,7 @@ def check_lane(name: str, scenario: Scenario) -> None:
             "take another lane for {label} under {motion}",
             lane=name,
             label=scenario.label(),
-            motion=scenario.motion,
+            motion=scenario.run.motion,
         )
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(

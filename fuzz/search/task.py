@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from fuzz.campaign.config import CampaignConfig
@@ -45,4 +45,4 @@ class Task:
 
     def scenario(self, seed: int, time_step: float) -> Scenario:
         """What runs, with a draw's seed and time step."""
-        return replace(self.config.scenario, time_step=time_step, seed=seed)
+        return self.config.scenario.with_run(time_step=time_step, seed=seed)

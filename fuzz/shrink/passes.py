@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -151,16 +150,14 @@ def _simplify_target(case: Case) -> Iterator[Edit]:
 
 def _simplify_run(case: Case) -> Iterator[Edit]:
     scenario = case.scenario
-    for step in rounder(scenario.time_step, DEFAULT_TIME_STEP):
-        yield partial(_run, case, time_step=step)
-    for name in ("thesis", "robot"):
-        options = getattr(scenario, name)
-        for option, value in options.changed().items():
-            if isinstance(value, float):
-                for number in rounder(value):
-                    # 0 switches an option off, which makes it a different robot.
-                    if number != 0.0:
-                        yield partial(_option, case, name, option, number)
+    for step in rounder(scenario.run.time_step, DEFAULT_TIME_STEP):
+        yield partial(_time_step, case, step)
+    for name, value in scenario.run.changed().items():
+        if isinstance(value, float):
+            for number in rounder(value):
+                # 0 switches an option off, which makes it a different robot.
+                if number != 0.0:
+                    yield partial(_option, case, name, number)
 
 
 def _round_times(case: Case) -> Iterator[Edit]:
@@ -249,13 +246,12 @@ def _part(case: Case, **parts: Any) -> Case | None:
     return _with(case, changed(case.world, **parts))
 
 
-def _run(case: Case, **parts: Any) -> Case | None:
-    return case._replace(scenario=replace(case.scenario, **parts))
+def _time_step(case: Case, time_step: float) -> Case | None:
+    return case._replace(scenario=case.scenario.with_run(time_step=time_step))
 
 
-def _option(case: Case, group: str, option: str, value: float) -> Case | None:
+def _option(case: Case, name: str, value: float) -> Case | None:
     try:
-        options = dataclasses.replace(getattr(case.scenario, group), **{option: value})
+        return case._replace(scenario=case.scenario.with_option(name, value))
     except InvalidParameter:  # out of the option's range
         return None
-    return _run(case, **{group: options})

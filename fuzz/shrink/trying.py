@@ -59,7 +59,7 @@ class Trying:
         self._deadline = deadline
         whole = still_fails.oracle == VERDICT and not still_fails.bucket
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
-        self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
+        self._on_lattice = MOTIONS.get(still_fails.scenario.run.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
         """Return the first edit from ``begin`` on that keeps the failure, and the edited case.

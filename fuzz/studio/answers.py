@@ -238,7 +238,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         scenario = self._scenario(label, message)
         steps = message.get("steps")
         budget = (
-            step_budget(world, scenario.time_step)
+            step_budget(world, scenario.run.time_step)
             if steps is None
             else field(message, "steps", int)
         )
@@ -260,14 +260,14 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
                 "controller {controller!r} was not named when the studio was started",
                 controller=scenario.controller[:60],
             )
-        check_registered("motion", scenario.motion, MOTIONS.names())
+        check_registered("motion", scenario.run.motion, MOTIONS.names())
         asked: dict[str, Value] = (
-            field(message, "options", dict) if scenario.motion == motion else {}
+            field(message, "options", dict) if scenario.run.motion == motion else {}
         )
         # The controller's own variations take precedence over the options for all robots.
-        changed = asked | scenario.thesis.changed() | scenario.robot.changed()
-        parameters: dict[str, Value] = {"time_step": scenario.time_step, **changed}
-        return Scenario.of(scenario.controller, RunOptions.of(scenario.motion, seed, parameters))
+        changed = asked | scenario.run.changed()
+        parameters: dict[str, Value] = {"time_step": scenario.run.time_step, **changed}
+        return Scenario(scenario.controller, RunOptions.of(scenario.run.motion, seed, parameters))
 
 
 @dataclass(frozen=True, eq=False)

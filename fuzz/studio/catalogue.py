@@ -139,7 +139,7 @@ def _controller(label: str) -> dict[str, Any]:
             return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
         return entry | {"fault": refusal(error)}
     thesis = isinstance(found, CompiledController) and bool(found.thesis_rule)
-    return entry | {"thesis": thesis, "motion": scenario.motion, "also": _other_name(label)}
+    return entry | {"thesis": thesis, "motion": scenario.run.motion, "also": _other_name(label)}
 
 
 def _other_name(label: str) -> str:

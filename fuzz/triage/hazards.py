@@ -52,7 +52,7 @@ def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Val
         return {}
     _, state, how = (*kind.split("-"), "", "")[:3]
     controller = CONTROLLERS.get(scenario.controller)
-    return {} if can_sense(controller, scenario.robot, state, how) else {HAZARD: _UNSENSED}
+    return {} if can_sense(controller, scenario.run.robot, state, how) else {HAZARD: _UNSENSED}
 
 
 def is_unsensed(failure: Failure) -> bool:

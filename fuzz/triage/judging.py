@@ -108,15 +108,15 @@ def failure_of(
         details = {**hazard_details(trial.episode.verdict, found.bucket, scenario), **details}
     record = FailureRecord(
         controller=scenario.controller,
-        motion=scenario.motion,
-        seed=scenario.seed,
+        motion=scenario.run.motion,
+        seed=scenario.run.seed,
         verdict=trial.episode.verdict.value,
         trace_digest=trial.episode.trace_digest,
         parameters=trial.options.parameters(),
         evidence=found.table,
         details={
             "class": found.bucket,
-            "motion_version": MOTIONS.get(scenario.motion).version,
+            "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
     )

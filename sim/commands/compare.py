@@ -184,7 +184,6 @@ def _scenarios(
     found: dict[str, Scenario] = {}
     for text in (name for value in controllers for name in names_in(value)):
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
-        RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
         if not isinstance(
             CONTROLLERS.get(scenario.controller), CompiledController | ProcessController
         ):
@@ -267,9 +266,9 @@ def _note_strangers(
         used = {
             figure.motion for world in worlds for figure in figures_of(figures, world, scenario)
         }
-        other = sorted(used - {"", scenario.motion})
+        other = sorted(used - {"", scenario.run.motion})
         if other:
             note(
-                f"{label} runs under {scenario.motion}, and its published figures are of "
+                f"{label} runs under {scenario.run.motion}, and its published figures are of "
                 f"{', '.join(other)}"
             )

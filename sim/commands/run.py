@@ -93,7 +93,6 @@ def run(
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
     scenario = Scenario.parse(controller, motion=motion, time_step=duration, seed=seed)
-    RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
     options = scenario.options(world, steps)
     note_unused([scenario], seeds=["seed"])
     for out in (trail, trace):
@@ -123,7 +122,7 @@ def run(
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")
     if trail is not None:
-        title = f"{scenario.label()}, {scenario.motion}: {_sentence(episode)}"
+        title = f"{scenario.label()}, {scenario.run.motion}: {_sentence(episode)}"
         with working(f"drawing {trail}"):
             picture = _picture(world, episode, title, trail.suffix)
         write_bytes(trail, picture, force=force)

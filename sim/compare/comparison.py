@@ -339,15 +339,13 @@ def compare(
 
     # Check every scenario before the first run.
     for column in columns:
-        RunOptions(
-            motion=MOTIONS.get(column.scenario.motion).name, time_step=column.scenario.time_step
-        )
-        if column.scenario.seed + seeds > 2**64:
+        MOTIONS.get(column.scenario.run.motion)
+        if column.scenario.run.seed + seeds > 2**64:
             raise InvalidParameter(
                 "seeds-run-out",
                 "seed={seed} does not leave {seeds} seeds below 2**64",
                 "begin lower",
-                seed=column.scenario.seed,
+                seed=column.scenario.run.seed,
                 seeds=seeds,
             )
     done = [column.cells(worlds, seeds, steps, progress) for column in columns]
@@ -373,7 +371,7 @@ class _Column:
     def declared_random(self) -> bool:
         """Whether the controller, or the simulator under it, declares that it is random."""
         chance = isinstance(self.controller, CompiledController) and self.controller.randomised
-        return chance or self.scenario.random
+        return chance or self.scenario.run.random
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
@@ -422,7 +420,7 @@ class _Column:
     ) -> tuple[ComparedRun, ...]:
         # The first run drew nothing, so it is the same with every other seed.
         own = range(options.seed + 1, options.seed + seeds)
-        if not first.draws and not self.scenario.random:
+        if not first.draws and not self.scenario.run.random:
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
         return (first.run, *(self._try(world, replace(options, seed=seed)).run for seed in own))
 

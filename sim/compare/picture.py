@@ -46,7 +46,7 @@ def _way(world: World, cell: Cell) -> Trail | None:
     steps = shown.steps if shown.verdict == Verdict.REACHED else min(shown.steps, _MOST_STEPS)
     if steps < 1:
         return None
-    options = cell.scenario.with_seed(shown.seed).options(world, steps)
+    options = cell.scenario.with_run(seed=shown.seed).options(world, steps)
     return trail_of(
         simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world
     )

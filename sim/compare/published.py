@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from sim.compare.comparison import Cell, Comparison, NamedWorld
-from sim.scenario import Scenario
+from sim.options.run import RunOptions
+from sim.scenario import Scenario, read_settings
 from sim.verdict import FAILURES, NEVER, Verdict
 from worldgen.errors import FormatError, InvalidParameter
 
@@ -221,11 +222,11 @@ def _figure(
 def _scenario(text: str, motion: str) -> tuple[str, str, float | None]:
     """Return controller, motion model and time step, however the table writes them."""
     try:
-        found = Scenario.parse(text, motion=motion, time_step=math.inf)
+        controller, settings = read_settings(text, motion)
+        found = Scenario(controller, RunOptions(**({"motion": motion} | settings)))
     except InvalidParameter:  # The table may contain controllers that do not exist here.
         return text, motion, None
-    step = found.time_step if math.isfinite(found.time_step) else None
-    return found.label(found.motion, found.time_step), found.motion, step
+    return found.label(), found.run.motion, settings.get("time_step")
 
 
 def _seconds(name: str, text: str, line: int, source: str) -> float:
@@ -254,10 +255,12 @@ def figures_of(
 
     These are the ones for its motion model and time step if there are any, else all of them.
     """
-    name = scenario.label(scenario.motion, scenario.time_step)
+    name = scenario.label()
     found = [figure for figure in figures if figure.controller == name and figure.is_of(world)]
-    found = [figure for figure in found if figure.motion in ("", scenario.motion)] or found
-    found = [figure for figure in found if figure.time_step in (None, scenario.time_step)] or found
+    found = [figure for figure in found if figure.motion in ("", scenario.run.motion)] or found
+    found = [
+        figure for figure in found if figure.time_step in (None, scenario.run.time_step)
+    ] or found
     return tuple(found)
 
 

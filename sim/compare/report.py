@@ -247,12 +247,12 @@ def _csv_row(cell: Cell) -> list[object]:
     percentiles = [cell.percentile(percent) if cell.random else None for percent in PERCENTILES]
     return [
         cell.world,
-        scenario.label(scenario.motion, scenario.time_step),
-        scenario.motion,
-        repr(scenario.time_step),
+        scenario.label(),
+        scenario.run.motion,
+        repr(scenario.run.time_step),
         cell.budget,
         len(cell.runs),
-        scenario.seed if cell.random else "",
+        scenario.run.seed if cell.random else "",
         cell.reached,
         *((round(end, 6) for end in interval) if interval else ("", "")),
         verdict,
@@ -294,11 +294,11 @@ def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
     scenario = cell.scenario
     return {
         "controller": cell.label,
-        "motion": scenario.motion,
-        "time_step": scenario.time_step,
+        "motion": scenario.run.motion,
+        "time_step": scenario.run.time_step,
         "budget": cell.budget,
         "random": cell.random,
-        "first_seed": scenario.seed,
+        "first_seed": scenario.run.seed,
         "seeds": len(cell.runs),
         "reached": cell.reached,
         "interval": list(cell.interval) if cell.interval else None,

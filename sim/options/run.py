@@ -108,17 +108,18 @@ class RunOptions:
         motion = MOTIONS.get(self.motion)
         return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
 
-    def parameters(self) -> dict[str, Value]:
-        """What a failure file stores beside motion and seed.
+    @property
+    def random(self) -> bool:
+        """Whether the simulator itself draws random numbers."""
+        return self.thesis.random or self.robot.random
 
-        The switches that are not at their default.
-        """
-        return {
-            "steps": self.steps,
-            "time_step": self.time_step,
-            **self.thesis.changed(),
-            **self.robot.changed(),
-        }
+    def changed(self) -> dict[str, Value]:
+        """Return the options of the motion model that are not at their default."""
+        return self.thesis.changed() | self.robot.changed()
+
+    def parameters(self) -> dict[str, Value]:
+        """Return what a failure file stores in addition to motion model and seed."""
+        return {"steps": self.steps, "time_step": self.time_step, **self.changed()}
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:

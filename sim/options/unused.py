@@ -42,15 +42,15 @@ def unused_options(scenario: Scenario) -> list[str]:
         InvalidParameter: If no controller or motion model is called so.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if switch_class(scenario.motion) is ThesisOptions:
+    if switch_class(scenario.run.motion) is ThesisOptions:
         return _unused_in_the_thesis(controller, scenario)
     senses = getattr(controller, "senses", None)
-    changed = scenario.robot.changed()
+    changed = scenario.run.robot.changed()
     sentences = []
     for name in changed:
         needed = _READ_BY.get(name, ())
         shaped = _SHAPES.get(name)
-        if shaped is not None and not getattr(scenario.robot, shaped):
+        if shaped is not None and not getattr(scenario.run.robot, shaped):
             sentences.append(f"+{name} has no effect without +{shaped}")
         elif senses is not None and needed and not set(needed) & set(senses):
             sentences.append(
@@ -64,15 +64,15 @@ def coarse_forces(scenario: Scenario) -> list[str]:
 
     Else nothing.
     """
-    if switch_class(scenario.motion) is not ThesisOptions:
+    if switch_class(scenario.run.motion) is not ThesisOptions:
         return []
     known = {one.name for one in ThesisOptions.declared() if one.group == "Forces"}
-    forces = [name for name in scenario.thesis.changed() if name in known]
+    forces = [name for name in scenario.run.thesis.changed() if name in known]
     if not forces:
         return []
     options = ", ".join(f"+{name}" for name in forces)
     return [
-        f"{options}: {scenario.motion} moves by whole pixels (a tenth of a cell) and drops the "
+        f"{options}: {scenario.run.motion} moves by whole pixels (a tenth of a cell) and drops the "
         f"rest of each tick's "
         "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m "
         "and ticks of 15 ms, "
@@ -87,12 +87,14 @@ def random_run(scenario: Scenario) -> bool:
     """
     controller = CONTROLLERS.get(scenario.controller)
     return (
-        not isinstance(controller, CompiledController) or controller.randomised or scenario.random
+        not isinstance(controller, CompiledController)
+        or controller.randomised
+        or scenario.run.random
     )
 
 
 def _unused_in_the_thesis(controller: object, scenario: Scenario) -> list[str]:
-    changed = scenario.thesis.changed()
+    changed = scenario.run.thesis.changed()
     random = isinstance(controller, CompiledController) and controller.thesis_rule == RANDOM
     sentences = []
     if "draws" in changed and not random:

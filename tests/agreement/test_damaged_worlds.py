@@ -48,7 +48,7 @@ def read_and_use(file, scenario):
         parsed = Scenario.parse(scenario)
         options = parsed.options(bare, STEPS)
         simulate(bare, parsed.controller, options)
-        simulate_many(bare, parsed.controller, seeds=2, steps=STEPS, motion=parsed.motion)
+        simulate_many(bare, parsed.controller, seeds=2, steps=STEPS, motion=parsed.run.motion)
     except WorldgenError:
         return False
     return True

@@ -15,6 +15,7 @@ from fuzz.corpus import Baseline, read_corpus
 from fuzz.failure import Failure
 from fuzz.triage.judging import failure_of
 from sim.controllers import CONTROLLERS
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import generate, read_world, write_world
@@ -130,7 +131,7 @@ def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
 
 def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
     notes = []
-    for scenario in (Scenario("turn-left"), Scenario("turn-right", "endpoint")):
+    for scenario in (Scenario("turn-left"), Scenario("turn-right", RunOptions("endpoint"))):
         assert not baseline_of(found[0], notes, scenario).failures
     assert "no failure of turn-left under swept, only of turn-right under swept" in notes[0]
 

@@ -27,6 +27,7 @@ from fuzz.campaign.run import shrunk_or_same
 from fuzz.campaign.unit import run_unit
 from fuzz.triage.judging import failure_of, replay
 from sim import simulate
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World, check_certificate, write_world
@@ -178,7 +179,9 @@ def test_at_the_value_that_passes_the_robot_arrives(found):
         said, record = failure.record.details["boundaries"][0], failure.record
         subject = Subject(
             failure.world,
-            Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed),
+            Scenario(
+                "turn-right", RunOptions(time_step=record.parameters["time_step"], seed=record.seed)
+            ),
         )
         before = AXES[said["axis"]].at(subject, said["passes_at"])
         world = before.world

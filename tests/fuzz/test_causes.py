@@ -16,6 +16,7 @@ from fuzz.triage.signature import failure_class
 from sim import simulate
 from sim.episode import prepare
 from sim.evidence import BudgetEvidence
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen import Cut
 from worldgen.files.grid import read_world
@@ -148,7 +149,9 @@ def test_a_breach_by_another_run_is_refused():
 def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
     world = replace(judged("thesis-1-breach")[0], failure=None)
     assert failure_of(world, Scenario.parse("thesis-1+repaired", motion="stepped")) is None
-    trial = Trial.recorded(world, "thesis-1", Scenario("thesis-1", "swept").options(world, 5000))
+    trial = Trial.recorded(
+        world, "thesis-1", Scenario("thesis-1", RunOptions("swept")).options(world, 5000)
+    )
     assert BREACH.check(trial) is None
 
 

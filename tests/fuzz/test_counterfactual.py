@@ -10,6 +10,8 @@ from fuzz import counterfactual
 from fuzz.boundary import AXES, run_subject, subject_of
 from fuzz.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.failure import Failure
+from fuzz.triage.judging import failure_of
+from sim.scenario import Scenario
 from sim.verdict import Verdict
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
@@ -114,3 +116,11 @@ def test_a_failure_that_cannot_be_explained_is_reported_with_exit_code_2(tmp_pat
     write_world(generate("corridor", 1), tmp_path / "w.grid")
     result = worldgen("explain", CHANCE, tmp_path / "w.grid")
     assert result.code == 2 and result.out == "" and len(result.err.splitlines()) == 2
+
+
+def test_an_option_on_which_the_failure_depends_is_named():
+    world = generate("corridor", 0)
+    assert failure_of(world, Scenario.parse("bug2")) is None
+    found = counterfactuals(failure_of(world, Scenario.parse("bug2+turn_limit=1")))
+    options = [change for change in found.changes if change.what == "option"]
+    assert options == [Change("option", "turn_limit", 1.0)]

@@ -78,7 +78,7 @@ def test_a_controller_may_name_its_own_motion_and_switches():
     one, other = parse_targets(
         "thesis-1+noise+motion=stepped=loop, turn-left=reached", motion="endpoint"
     )
-    assert (one.scenario.motion, one.scenario.thesis.noise, other.scenario.motion) == (
+    assert (one.scenario.run.motion, one.scenario.run.thesis.noise, other.scenario.run.motion) == (
         "stepped",
         True,
         "endpoint",

@@ -14,6 +14,7 @@ from fuzz.triage.proofs import certified
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
 from tests.reference.sim import layout
@@ -195,7 +196,7 @@ def test_a_layout_is_a_scene_with_nothing_added():
         ({"seeds": np.zeros(3, np.uint64)}, {"code": "wrong-shape", "name": "seeds"}),
         ({"robot_radius": 0.11}, {"code": "robot-larger-than-cell"}),
         ({"budget": 0}, {"code": "out-of-range"}),
-        ({"scenario": Scenario("turn-left", "stepped")}, {"code": "not-native"}),
+        ({"scenario": Scenario("turn-left", RunOptions("stepped"))}, {"code": "not-native"}),
     ],
 )
 def test_what_cannot_be_looked_at_is_refused(changed, expected):

@@ -13,6 +13,7 @@ from fuzz.screening import evaluate
 from fuzz.search.native import Few, fits, scenes
 from fuzz.search.plan import planned_lane
 from fuzz.triage.judging import replay
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 
@@ -81,8 +82,8 @@ def test_a_campaign_for_a_compiled_controller_is_mainly_native():
 @pytest.mark.parametrize(
     ("config", "expected"),
     [
-        (CampaignConfig(Scenario("bug1", "endpoint")), True),
-        (CampaignConfig(Scenario("turn-left", "stepped")), False),
+        (CampaignConfig(Scenario("bug1", RunOptions("endpoint"))), True),
+        (CampaignConfig(Scenario("turn-left", RunOptions("stepped"))), False),
         (CampaignConfig(Scenario("tests.sim.test_vector_controllers:TurnsAway")), True),
         (varied("robot_radius=0.05,0.12"), False),
         (varied("slip=0,0.1"), True),

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.triage.proofs import walled_off
 from sim.episode import prepare
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen.files.grid import write_world
@@ -35,7 +36,7 @@ def test_the_arena_has_a_border_and_room_for_the_robot(data):
     )
     assert border.all() and all(10 <= side <= 20 for side in world.walls.shape)
     prepare(
-        world, "thesis-1", Scenario("thesis-1", "stepped").options(world, 10)
+        world, "thesis-1", Scenario("thesis-1", RunOptions("stepped")).options(world, 10)
     )  # raises if the start is in a wall
 
 

@@ -16,6 +16,7 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from sim.options.run import RunOptions
 from sim.runners.edited import has_sure_path
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
@@ -45,7 +46,9 @@ def cup_world():
 
 def failure(controller="turn-right", motion="swept", **scenario):
     return failure_of(
-        certified(cup_world()), Scenario(controller, motion, **scenario), fewest_steps=20_000
+        certified(cup_world()),
+        Scenario(controller, RunOptions(motion, **scenario)),
+        fewest_steps=20_000,
     )
 
 
@@ -149,7 +152,7 @@ SCENARIOS = [
 def found(controller, motion, family="features"):
     scenario = Scenario.parse(controller, motion=motion)
     config = CampaignConfig(
-        scenario, seed=5, families=(family,), time_steps=(scenario.time_step,), examples=100
+        scenario, seed=5, families=(family,), time_steps=(scenario.run.time_step,), examples=100
     )
     return [world for _, world in sorted(run_unit(config, 0).failures.items())][:4]
 
@@ -178,7 +181,7 @@ def fails_alike(world, failure):
     if proved is None:
         return False
     try:
-        made = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
+        made = failure_of(proved, Scenario(record.controller, options), steps=options.steps)
     except WorldgenError:
         return False
     mine, theirs = (made.record if made else None), failure.record
@@ -280,7 +283,7 @@ def test_odd_numbers_of_the_world_and_the_run_become_simple():
         robot_radius=0.0687,
     )
     made = failure_of(
-        certified(world), Scenario("turn-right", time_step=0.0173), fewest_steps=20_000
+        certified(world), Scenario("turn-right", RunOptions(time_step=0.0173)), fewest_steps=20_000
     )
     small = shrink(made).failure
     assert (

@@ -12,6 +12,7 @@ from fuzz.failure import Failure
 from fuzz.shrink import ORDER, PASSES, snippet, trying
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
@@ -118,7 +119,9 @@ def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch
 @pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
 def test_a_module_is_valid_python_that_carries_the_same_world(motion):
     made = failure_of(
-        certified(cup_world()), Scenario("turn-right", motion, time_step=0.03), fewest_steps=20_000
+        certified(cup_world()),
+        Scenario("turn-right", RunOptions(motion, time_step=0.03)),
+        fewest_steps=20_000,
     )
     names = {}
     exec(compile(snippet(made), "test_it.py", "exec"), names)

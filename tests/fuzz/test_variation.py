@@ -76,7 +76,9 @@ def test_a_quantity_given_twice_is_refused(tmp_path):
 def test_another_radius_takes_the_certificate_away_and_the_same_one_does_not():
     world = generate("trap", seed=1)
     other, scenario = applied({"robot_radius": 0.04, "slip": 0.1}, world, SCENARIO)
-    assert other.certificate is None and other.robot_radius == 0.04 and scenario.robot.slip == 0.1
+    assert (
+        other.certificate is None and other.robot_radius == 0.04 and scenario.run.robot.slip == 0.1
+    )
     assert applied({"robot_radius": world.robot_radius}, world, SCENARIO)[0] is world
 
 
@@ -107,7 +109,7 @@ def test_failures_store_what_was_drawn_and_replay():
 def test_scenarios_are_reachable_for_the_drawn_robot(drawn):
     world, scenario = drawn
     assert check_certificate(world).valid
-    assert world.robot_radius in (0.07, 0.04) and scenario.robot.sensor_noise in (0.0, 0.1)
+    assert world.robot_radius in (0.07, 0.04) and scenario.run.robot.sensor_noise in (0.0, 0.1)
 
 
 @pytest.mark.nightly

@@ -8,13 +8,14 @@ from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.run import Campaign
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
+from sim.options.run import RunOptions
 from sim.scenario import Scenario
 
 
 @functools.cache
 def campaign(controller, motion, time_steps=(0.015,)):
     config = CampaignConfig(
-        Scenario(controller, motion), seed=1, examples=120, time_steps=time_steps
+        Scenario(controller, RunOptions(motion)), seed=1, examples=120, time_steps=time_steps
     )
     made = Campaign(config, units=4)
     for _ in made.run():

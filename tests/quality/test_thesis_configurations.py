@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim import Scenario, simulate
+from sim import RunOptions, Scenario, simulate
 from sim.compare.comparison import NamedWorld, compare
 from sim.compare.published import agreement, read_figures
 from sim.episode import prepare
@@ -101,7 +101,9 @@ def test_every_published_time_of_the_random_rule_lies_in_the_middle_of_our_seeds
 def test_the_random_rule_is_lost_in_configuration_5_for_a_million_ticks():
     world, lost = read_world(FOLDER / "config-05.grid"), 0
     for seed in range(10):
-        options = Scenario("thesis-3", "stepped", TICK, seed).options(world, 1_000_000)
+        options = Scenario("thesis-3", RunOptions("stepped", time_step=TICK, seed=seed)).options(
+            world, 1_000_000
+        )
         outcome = prepare(world, "thesis-3", options).run(
             1_000_000, find_loop=False, record=False, digest=False
         )

@@ -344,7 +344,7 @@ def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
         "cmd+memory=1G+motion=endpoint+time_step=0.03:./mine a+noise --url=x:y+b"
     )
     assert scenario.controller == "cmd+memory=1G:./mine a+noise --url=x:y+b"
-    assert (scenario.motion, scenario.time_step) == ("endpoint", 0.03)
+    assert (scenario.run.motion, scenario.run.time_step) == ("endpoint", 0.03)
     assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
 
 

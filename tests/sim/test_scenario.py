@@ -14,18 +14,30 @@ STEPPED = {"motion": "stepped"}
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("thesis-1", Scenario("thesis-1", "stepped")),
-        ("thesis-1+noise", Scenario("thesis-1", "stepped", thesis=ThesisOptions(noise=True))),
+        ("thesis-1", Scenario("thesis-1", RunOptions("stepped"))),
+        (
+            "thesis-1+noise",
+            Scenario("thesis-1", RunOptions("stepped", thesis=ThesisOptions(noise=True))),
+        ),
         (
             "thesis-1+sensor-range=50+arbiter=A2",
-            Scenario("thesis-1", "stepped", thesis=ThesisOptions(50, arbiter="A2")),
+            Scenario("thesis-1", RunOptions("stepped", thesis=ThesisOptions(50, arbiter="A2"))),
         ),
-        ("thesis-1+noise=false", Scenario("thesis-1", "stepped")),
-        ("mine+motion=endpoint+time_step=0.1", Scenario("mine", "endpoint", 0.1)),
-        ("mine+slip=0.1+motion=swept", Scenario("mine", "swept", robot=RobotOptions(slip=0.1))),
-        ("mine+motion=swept+beams=36", Scenario("mine", "swept", robot=RobotOptions(beams=36))),
-        ("./a+b/mine.py:Robot", Scenario("./a+b/mine.py:Robot", "stepped")),
-        ("./a+b/mine.py:Robot+motion=swept", Scenario("./a+b/mine.py:Robot", "swept")),
+        ("thesis-1+noise=false", Scenario("thesis-1", RunOptions("stepped"))),
+        (
+            "mine+motion=endpoint+time_step=0.1",
+            Scenario("mine", RunOptions("endpoint", time_step=0.1)),
+        ),
+        (
+            "mine+slip=0.1+motion=swept",
+            Scenario("mine", RunOptions("swept", robot=RobotOptions(slip=0.1))),
+        ),
+        (
+            "mine+motion=swept+beams=36",
+            Scenario("mine", RunOptions("swept", robot=RobotOptions(beams=36))),
+        ),
+        ("./a+b/mine.py:Robot", Scenario("./a+b/mine.py:Robot", RunOptions("stepped"))),
+        ("./a+b/mine.py:Robot+motion=swept", Scenario("./a+b/mine.py:Robot", RunOptions("swept"))),
     ],
 )
 def test_a_controller_with_variations_is_read(text, expected):
@@ -33,7 +45,7 @@ def test_a_controller_with_variations_is_read(text, expected):
 
 
 def test_repaired_stands_for_the_three_repairs():
-    thesis = Scenario.parse("thesis-1+repaired", **STEPPED).thesis
+    thesis = Scenario.parse("thesis-1+repaired", **STEPPED).run.thesis
     assert thesis.repaired and thesis == ThesisOptions(
         repair_slide=True, repair_back_off=True, repair_corner=True
     )
@@ -72,7 +84,7 @@ ROBOT = st.builds(
 )
 def test_a_label_reads_back(switches, time_step):
     motion, sets = switches
-    scenario = Scenario("thesis-2", motion, time_step, **sets)
+    scenario = Scenario("thesis-2", RunOptions(motion, time_step=time_step, **sets))
     assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
 
 

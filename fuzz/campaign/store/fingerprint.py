@@ -8,7 +8,7 @@ import importlib
 import json
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -104,14 +104,11 @@ def digest_of(value: Any) -> str:
 def _configuration(config: CampaignConfig) -> dict[str, Any]:
     plain = {field.name: getattr(config, field.name) for field in fields(config)}
     scenario = config.scenario
-    options = RunOptions(
-        scenario.motion, 1, scenario.time_step, scenario.seed, scenario.thesis, scenario.robot
-    )
     plain["scenario"] = {
         "controller": scenario.controller,
-        "motion": scenario.motion,
-        "seed": scenario.seed,
-        "parameters": options.parameters(),
+        "motion": scenario.run.motion,
+        "seed": scenario.run.seed,
+        "parameters": replace(scenario.run, steps=1).parameters(),
     }
     plain["fixed_map"] = None if config.fixed_map is None else dumps(config.fixed_map).decode()
     configuration: dict[str, Any] = json.loads(
@@ -135,7 +132,7 @@ def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
     controller = str(said["controller"])
     motion = str(said["motion"])
     seed = int(said["seed"])
-    scenario = Scenario.of(controller, RunOptions.of(motion, seed, said["parameters"]))
+    scenario = Scenario(controller, RunOptions.of(motion, seed, said["parameters"]))
     text = values.pop("fixed_map")
     fixed_map = None if text is None else loads(text.encode())
     vary = tuple(Variation(str(one["name"]), tuple(one["values"])) for one in values.pop("vary"))
