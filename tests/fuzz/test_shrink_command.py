@@ -87,7 +87,7 @@ def test_the_printed_module_runs_and_fails_as_the_failure_does(big, tmp_path):
     code = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--snippet").out
     (tmp_path / "test_small.py").write_text(code)
     told = run_pytest(tmp_path)
-    assert "2 failed" in told and "loop for ever" in told and "Failing explicit example" in told
+    assert "2 failed" in told and "loop forever" in told and "Failing explicit example" in told
 
 
 ROBOT = """

@@ -103,22 +103,19 @@ def test_marked_tests_and_corpora_run_and_show_what_fails_also_under_xdist(proje
 
 
 WRONG = {
-    'mark.worldgen(family="trap")\ndef test_it(): pass': "takes no world; add the argument "
-    "worldgen_world",
+    'mark.worldgen(family="trap")\ndef test_it(): pass': "add the argument worldgen_world",
     "mark.filterwarnings('error')\ndef test_it(worldgen_world): "
-    "pass": "does not say of which worlds; add @pytest",
+    "pass": 'add @pytest.mark.worldgen(family="trap")',
     "mark.worldgen('trap')\ndef test_it(worldgen_world): "
     "pass": "takes keyword arguments only, not 'trap'; write family='trap'",
     "mark.worldgen(count=3)\ndef test_it(worldgen_world): "
     "pass": 'family=None does not name a family; write family="trap"',
     "mark.worldgen(family='trap', count=0)\ndef test_it(worldgen_world): "
     "pass": "count=0 is not a whole number from 1",
-    "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): "
-    "pass": "controller=3 is no name",
+    "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): pass": "controller=3",
     "mark.worldgen(family='trapp', count=1)\ndef test_it(worldgen_world): "
     "pass": "did you mean 'trap'?",
-    "mark.worldgen(family='trap', count=1)\ndef test_it(worldgen_episode): "
-    "pass": "no controller is named; add cont",
+    "mark.worldgen(family='trap', count=1)\ndef test_it(worldgen_episode): pass": "add controller=",
 }
 
 

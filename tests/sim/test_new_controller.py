@@ -157,9 +157,9 @@ def test_a_hosted_class_that_hangs_has_a_verdict_and_its_prints_are_no_commands(
     ("arguments", "message"),
     [
         ((), "takes one controller"),
-        (("turn-left",), "turn-left is no Python class"),
+        (("turn-left",), "turn-left is not a Python class"),
         (("./absent.py:Robot",), "no such file"),
-        ((f"{Path(__file__).with_name('test_episode.py')}:Follower",), "a program is not told"),
+        ((f"{Path(__file__).with_name('test_episode.py')}:Follower",), "plans with the world"),
     ],
 )
 def test_what_cannot_be_hosted_is_one_line(arguments, message):
