@@ -1,10 +1,10 @@
 """What campaigns cost, and what a billion worlds would.
 
-``python -m benchmarks.campaigns``, ``--json`` for one object. For each lane worlds and steps a
+``python -m benchmarks.campaigns``, ``--json`` for one object. For each strategy worlds and steps a
 second and core, with proof and classification of what fails. For a whole campaign bytes a unit on
 disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what
         a piece
-of work costs client and scheduler together. ``--units`` is the number of units of each lane
+of work costs client and scheduler together. ``--units`` is the number of units of each strategy
 (default 3). Times are the processor's, so other work on the machine counts little; before the clock
 starts, kernels are loaded.
 """
@@ -28,7 +28,7 @@ from fuzz.campaign.run import Campaign, CampaignState, shrunk_or_same
 from fuzz.campaign.store import Budget, begin
 from fuzz.campaign.store.entry import Done
 from fuzz.campaign.unit import run_unit
-from fuzz.search.plan import lanes_for
+from fuzz.search.plan import strategies_for
 from sim.scenario import Scenario
 
 __all__ = ["measure", "model"]
@@ -39,14 +39,14 @@ _TASKS = 300  # pieces of no work for the cluster
 _SHRUNK = 10  # failures
 
 
-def lanes(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
-    """Does units of each lane.
+def strategies(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
+    """Does units of each strategy.
 
     Returns:
-        ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and
+        ``strategy``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and
         ``step_rate``.
     """
-    for name in lanes_for(config, memory):
+    for name in strategies_for(config, memory):
         only = CampaignConfig(
             config.scenario, config.seed, families=(name,), examples=config.examples
         )
@@ -55,7 +55,7 @@ def lanes(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[d
         taken = _seconds(lambda only=only, results=results: _do_units(only, units, memory, results))
         worlds = sum(one.worlds for one in results)
         steps = sum(one.steps for one in results)
-        row = {"lane": name, "units": units, "worlds": worlds, "steps": steps}
+        row = {"strategy": name, "units": units, "worlds": worlds, "steps": steps}
         yield row | {"rate": worlds / taken, "step_rate": steps / taken}
 
 
@@ -120,17 +120,17 @@ def scheduler(config: CampaignConfig) -> float | None:
 def model(
     rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None
 ) -> list[dict[str, float | str]]:
-    """A billion worlds of each lane.
+    """A billion worlds of each strategy.
 
     Returns:
-        ``lane``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.
+        ``strategy``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.
     """
     rows: list[dict[str, float | str]] = []
     for one in rates:
         units = WORLDS * one["units"] / max(one["worlds"], 1)
         rows.append(
             {
-                "lane": one["lane"],
+                "strategy": one["strategy"],
                 "core_hours": WORLDS / one["rate"] / 3600 if one["rate"] else 0.0,
                 "units": units,
                 "gigabytes": units * costs["bytes_per_unit"] / 1e9,
@@ -141,13 +141,13 @@ def model(
 
 
 def measure(units: int, controller: str) -> dict[str, Any]:
-    """Everything: ``lanes``, ``campaign``, ``task_s`` and ``billion``."""
+    """Everything: ``strategies``, ``campaign``, ``task_s`` and ``billion``."""
     config = CampaignConfig(Scenario(controller), seed=1)
     state, costs = whole(config, _WARM + units)
-    rates = list(lanes(config, units, state.memory))
+    rates = list(strategies(config, units, state.memory))
     task_s = scheduler(config)
     return {
-        "lanes": rates,
+        "strategies": rates,
         "campaign": costs,
         "task_s": task_s,
         "billion": model(rates, costs, task_s),
@@ -172,12 +172,12 @@ def main() -> None:
         click.echo(json.dumps(result))
         return
     click.echo(
-        "lane        worlds/s  steps/s   a billion worlds: core hours      units        GB  "
+        "strategy        worlds/s  steps/s   a billion worlds: core hours      units        GB  "
         "scheduler hours"
     )
-    for rate, cost in zip(result["lanes"], result["billion"], strict=True):
+    for rate, cost in zip(result["strategies"], result["billion"], strict=True):
         click.echo(
-            f"{rate['lane']:<11} {rate['rate']:>8.0f} {rate['step_rate']:>8.2g} "
+            f"{rate['strategy']:<11} {rate['rate']:>8.0f} {rate['step_rate']:>8.2g} "
             f"{cost['core_hours']:>29.0f} "
             f"{cost['units']:>10.3g} {cost['gigabytes']:>9.0f} {cost['scheduler_hours']:>16.1f}"
         )

@@ -6,8 +6,8 @@ processor time, without compilation. For a program they are per second of wall t
 its time is spent in another process.
 
 ``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets.
-    ``lane``: whole units
-of the lane ``native``, with the proofs of what they report. ``features``: the lane in which
+    ``strategy``: whole units
+of the strategy ``native``, with the proofs of what they report. ``features``: the strategy in which
     Hypothesis draws worlds,
 which was all that such controllers had before. ``user``: the share of the time of ``looks`` that
     passes in the
@@ -113,8 +113,8 @@ class Row:
         looks: Worlds of first looks.
         steps: Steps of these.
         user: Share of their time in the controller's own code.
-        lane: Worlds of units of the lane ``native``.
-        features: Worlds of units of the lane ``features``.
+        strategy: Worlds of units of the strategy ``native``.
+        features: Worlds of units of the strategy ``features``.
     """
 
     controller: str
@@ -122,13 +122,13 @@ class Row:
     looks: float
     steps: float
     user: float
-    lane: float
+    strategy: float
     features: float
 
     @property
     def gain(self) -> float:
-        """Worlds of ``lane`` for one of ``features``."""
-        return self.lane / self.features
+        """Worlds of ``strategy`` for one of ``features``."""
+        return self.strategy / self.features
 
 
 def measure(name: str, controller: str, seconds: float) -> Row:
@@ -141,8 +141,10 @@ def measure(name: str, controller: str, seconds: float) -> Row:
     )
     short, _ = _looks(scenario, SHORT, clock)
     looks, steps = _looks(scenario, None, clock)
-    lane, features = (_units(scenario, which, seconds, clock) for which in ("native", "features"))
-    return Row(name, short, looks, steps, _share_of_user(scenario), lane, features)
+    strategy, features = (
+        _units(scenario, which, seconds, clock) for which in ("native", "features")
+    )
+    return Row(name, short, looks, steps, _share_of_user(scenario), strategy, features)
 
 
 def _looks(
@@ -166,10 +168,10 @@ def _look(scenario: Scenario, count: int, budget: int | None) -> Screening:
     )
 
 
-def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], float]) -> float:
+def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[], float]) -> float:
     """Worlds a second of whole units; what compiles does not count."""
-    config = CampaignConfig(scenario, seed=3, families=(lane,))
-    run_unit(CampaignConfig(scenario, seed=3, families=(lane,), examples=8), 0)
+    config = CampaignConfig(scenario, seed=3, families=(strategy,))
+    run_unit(CampaignConfig(scenario, seed=3, families=(strategy,), examples=8), 0)
     worlds = 0
     unit = 0
     begin = clock()
@@ -189,7 +191,7 @@ def _share_of_user(scenario: Scenario) -> float:
 
 def _markdown(rows: list[Row]) -> str:
     lines = [
-        "| controller | short | looks | steps | user | lane | features | gain |",
+        "| controller | short | looks | steps | user | strategy | features | gain |",
         "| --- |" + " ---: |" * 7,
     ]
     for row in rows:
@@ -197,7 +199,7 @@ def _markdown(rows: list[Row]) -> str:
         cells = [
             *rates,
             f"{row.user:.0%}".replace("%", " %"),
-            f"{row.lane:,.0f}",
+            f"{row.strategy:,.0f}",
             f"{row.features:,.0f}",
         ]
         lines.append(f"| {row.controller} | {' | '.join(cells)} | {row.gain:.0f} |")
@@ -214,7 +216,7 @@ def main() -> None:
         "--controllers", default=";".join(CASES), help="names of the table, with semicolons between"
     )
     parser.add_argument(
-        "--seconds", type=float, default=4.0, help="of the processor for each lane (default 4)"
+        "--seconds", type=float, default=4.0, help="of the processor for each strategy (default 4)"
     )
     parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()

@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass, replace
 import click
 
 from benchmarks.finding import shows
-from benchmarks.searchers import lanes
+from benchmarks.searchers import strategies
 from fuzz.campaign.config import CampaignConfig
 from fuzz.faults import FAULTS
 from sim.scenario import Scenario
@@ -60,11 +60,11 @@ def look_for(fault: str, way: str, seconds: float, seed: int = 1) -> Row:
     controller = FAULTS[fault]
     scenario = Scenario.parse(f"{WAYS[way]}{fault.replace('-', '_')}{controller.variations}")
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.run.time_step,))
-    for lane in ("native", "archive", "features"):  # compiles what they need
-        next(lanes(lane)(replace(config, seed=_COMPILES, examples=1)))
+    for strategy in ("native", "archive", "features"):  # compiles what they need
+        next(strategies(strategy)(replace(config, seed=_COMPILES, examples=1)))
     worlds = 0
     begun = time.process_time()
-    for result in lanes()(config):
+    for result in strategies()(config):
         worlds += result.worlds
         found = any(shows(controller, world) for world in result.failures.values())
         spent = time.process_time() - begun

@@ -1,6 +1,6 @@
 """How well failures are found.
 
-Over the seeded faults, by each lane, the whole plan, and what one would do without.
+Over the seeded faults, by each strategy, the whole plan, and what one would do without.
 ``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many
 simulated steps against each fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the
 tables of ``docs/explanation/search.md``; with ``--json`` one object. With ``--out DIR`` each cell of the table
@@ -30,7 +30,7 @@ from typing import Any
 import click
 import numpy as np
 
-from benchmarks.searchers import SEARCHERS, lanes
+from benchmarks.searchers import SEARCHERS, strategies
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.result import UnitResult
 from fuzz.failure import Failure
@@ -63,7 +63,7 @@ _FAILURES_ALONE = (
     "native",
     "archive",
     "boundary",
-)  # lanes that ask no oracle about a run that arrives
+)  # strategies that ask no oracle about a run that arrives
 _FLOOR_SECONDS = (
     60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
 )
@@ -336,7 +336,7 @@ def floors() -> dict[str, float]:
         begun = time.process_time()
         next(
             result
-            for result in lanes()(config)
+            for result in strategies()(config)
             if any(kind.startswith("loop") for kind in result.failures)
         )
         seconds.append(time.process_time() - begun)

@@ -25,45 +25,45 @@ from worldgen.family import FAMILIES
 
 __all__ = ["Found", "search"]
 
-UNITS = 1  # of each lane
+UNITS = 1  # of each strategy
 FEATURES = "features"
 
 
 @dataclass(frozen=True)
 class Found:
-    """What one controller's units of one lane found.
+    """What one controller's units of one strategy found.
 
     Args:
         controller: Its name.
-        lane: A family, or feature layouts.
+        strategy: A family, or feature layouts.
         worlds: Worlds tried.
         failed: Proved failures that were classified, by class; of one verdict and cause at most 24
             a unit.
     """
 
     controller: str
-    lane: str
+    strategy: str
     worlds: int
     failed: dict[str, int]
 
 
-def search(controller: str, lane: str, *, units: int, seed: int) -> Found:
-    """A campaign of one controller over one lane."""
-    config = CampaignConfig(Scenario.parse(controller), seed=seed, families=(lane,))
+def search(controller: str, strategy: str, *, units: int, seed: int) -> Found:
+    """A campaign of one controller over one strategy."""
+    config = CampaignConfig(Scenario.parse(controller), seed=seed, families=(strategy,))
     worlds = 0
     met = Counter[str]()
     for unit in range(units):
         result = run_unit(config, unit)
         worlds += result.worlds
         met += result.met
-    return Found(controller, lane, worlds, dict(sorted(met.items())))
+    return Found(controller, strategy, worlds, dict(sorted(met.items())))
 
 
-def _in_words(found: Sequence[Found], lanes: Sequence[str]) -> str:
-    cells = {(entry.controller, entry.lane): entry for entry in found}
-    lines = ["| | " + " | ".join(lanes) + " |", "| --- |" + " ---: |" * len(lanes)]
+def _in_words(found: Sequence[Found], strategies: Sequence[str]) -> str:
+    cells = {(entry.controller, entry.strategy): entry for entry in found}
+    lines = ["| | " + " | ".join(strategies) + " |", "| --- |" + " ---: |" * len(strategies)]
     for name in dict.fromkeys(entry.controller for entry in found):
-        row = [cells[name, lane] for lane in lanes]
+        row = [cells[name, strategy] for strategy in strategies]
         lines.append(
             f"| `{name}` | "
             + " | ".join(str(sum(entry.failed.values()) or "") for entry in row)
@@ -76,7 +76,7 @@ def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--units", type=int, default=UNITS, help=f"units of each lane (default {UNITS})"
+        "--units", type=int, default=UNITS, help=f"units of each strategy (default {UNITS})"
     )
     parser.add_argument("--seed", type=int, default=1, help="of every campaign (default 1)")
     parser.add_argument("--controller", action="append", help="only this one; may be repeated")
@@ -84,13 +84,15 @@ def main() -> None:
     given = parser.parse_args()
     if given.units < 1:
         parser.error(f"--units {given.units} is below 1; give a number of units")
-    lanes = [FEATURES, *FAMILIES.names()]
+    strategies = [FEATURES, *FAMILIES.names()]
     found = []
     begun = time.perf_counter()
     for name in given.controller or controllers():
-        for lane in lanes:
-            found.append(search(name, lane, units=given.units, seed=given.seed))
-            click.echo(f"{name} {lane}: {found[-1].worlds} worlds, {found[-1].failed}", err=True)
+        for strategy in strategies:
+            found.append(search(name, strategy, units=given.units, seed=given.seed))
+            click.echo(
+                f"{name} {strategy}: {found[-1].worlds} worlds, {found[-1].failed}", err=True
+            )
     if given.json:
         click.echo(
             json.dumps(
@@ -103,7 +105,7 @@ def main() -> None:
         )
         return
     worlds = sum(entry.worlds for entry in found)
-    click.echo(_in_words(found, lanes))
+    click.echo(_in_words(found, strategies))
     click.echo(f"\n{worlds} worlds, {time.perf_counter() - begun:.0f} s")
 
 

@@ -1,19 +1,19 @@
 """What native search costs.
 
-Robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
+Robot steps and worlds a second, beside the bare simulator and the Hypothesis strategy.
 ``python -m benchmarks.native`` prints a table, with ``--json`` one object;
 ``--document docs/explanation/search.md`` also puts it into that document. All rates are per second of one
 core's processor time, compilation left out.
 
-``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at;
+``strategy``: units of the strategy ``native`` as a campaign does them: scenes drawn, simulated, looked at;
     what it reports
 proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the
     simulator's step in
-the worlds of the same scenes, with everything ready before the clock starts: what the lane could be
+the worlds of the same scenes, with everything ready before the clock starts: what the strategy could be
     at most.
 ``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of
     the same scenes
-through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a
+through the library. ``features``: the strategy in which Hypothesis draws feature layouts, one example a
     world.
 """
 
@@ -69,12 +69,12 @@ class Row:
         bare: Steps of the simulator alone, in the worlds of the first looks.
         looks_steps: Steps of first looks.
         looks_worlds: Their worlds.
-        lane_steps: Steps of whole units of the lane ``native``.
-        lane_worlds: Their worlds.
-        lane_classes: Classes of proved failures in all of these units.
+        strategy_steps: Steps of whole units of the strategy ``native``.
+        strategy_worlds: Their worlds.
+        strategy_classes: Classes of proved failures in all of these units.
         many_steps: Steps of ``simulate_many`` in the same worlds.
         many_worlds: Its worlds.
-        features_steps: Steps of whole units of the lane ``features``.
+        features_steps: Steps of whole units of the strategy ``features``.
         features_worlds: Their worlds.
         features_classes: Classes of proved failures in as many seconds of such units.
     """
@@ -84,9 +84,9 @@ class Row:
     bare: float
     looks_steps: float
     looks_worlds: float
-    lane_steps: float
-    lane_worlds: float
-    lane_classes: int
+    strategy_steps: float
+    strategy_worlds: float
+    strategy_classes: int
     many_steps: float
     many_worlds: float
     features_steps: float
@@ -98,7 +98,7 @@ class Row:
         """The rates of first looks and of whole units, as shares of the bare step's."""
         return {
             "looks_share": self.looks_steps / self.bare,
-            "lane_share": self.lane_steps / self.bare,
+            "strategy_share": self.strategy_steps / self.bare,
         }
 
 
@@ -107,12 +107,12 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
     return work(), time.process_time() - begin
 
 
-def _units(scenario: Scenario, lane: str, budget: float) -> tuple[float, float, int]:
+def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, float, int]:
     """Steps and worlds a second of whole units, and all classes that they find.
 
     What compiles does not count.
     """
-    config = CampaignConfig(scenario, seed=3, families=(lane,))
+    config = CampaignConfig(scenario, seed=3, families=(strategy,))
     run_unit(config, 0)
     steps = 0
     worlds = 0
@@ -209,7 +209,7 @@ def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Ro
 
 def _markdown(rows: list[Row]) -> str:
     lines = [
-        "| controller | alone | bare | looks | looks / bare | lane | lane / bare | simulate_many | "
+        "| controller | alone | bare | looks | looks / bare | strategy | strategy / bare | simulate_many | "
         "features | worlds "
         "| features | classes | features |",
         "| --- |" + " ---: |" * 12,
@@ -221,11 +221,13 @@ def _markdown(rows: list[Row]) -> str:
             f"{row.alone / 1e6:.2f}",
             f"{row.bare / 1e6:.2f}",
         ]
-        for rate, share in zip((row.looks_steps, row.lane_steps), row.shares.values(), strict=True):
+        for rate, share in zip(
+            (row.looks_steps, row.strategy_steps), row.shares.values(), strict=True
+        ):
             cells += [f"{rate / 1e6:.2f}", f"{share:.2f}"]
         cells += [f"{rate / 1e6:.2f}" for rate in others]
-        cells += [f"{rate:,.0f}" for rate in (row.lane_worlds, row.features_worlds)]
-        cells += [str(row.lane_classes), str(row.features_classes)]
+        cells += [f"{rate:,.0f}" for rate in (row.strategy_worlds, row.features_worlds)]
+        cells += [str(row.strategy_classes), str(row.features_classes)]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
@@ -238,10 +240,16 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--controllers", default=",".join(NAMES), help="names, with commas between")
     parser.add_argument(
-        "--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)"
+        "--rounds",
+        type=int,
+        default=3,
+        help="of what is not a strategy; the median counts (default 3)",
     )
     parser.add_argument(
-        "--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)"
+        "--seconds",
+        type=float,
+        default=10.0,
+        help="of the processor for each strategy (default 10)",
     )
     parser.add_argument("--document", type=Path, help="put the table into this document too")
     arguments = parser.parse_args()

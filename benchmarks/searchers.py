@@ -1,7 +1,7 @@
 """Ways to look for a controller's failures, for ``benchmarks.finding`` to compare.
 
-All hand them in at the one door. A searcher makes of a campaign's configuration one unit's result
-after another, without end, each of as many worlds as the configuration says. The lanes are those of
+All hand them to triage. A searcher makes of a campaign's configuration one unit's result
+after another, without end, each of as many worlds as the configuration says. The strategies are those of
 the product; the two others are what one would do without it:
 
 - ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too,
@@ -45,7 +45,7 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "lanes", "random_cells"]
+__all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "random_cells", "strategies"]
 
 Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
 
@@ -67,8 +67,8 @@ _MUTATION = 2.0 / LAYOUT_BYTES  # of each byte
 _WORDS = LAYOUT_BYTES // 8
 
 
-def lanes(*names: str) -> Searcher:
-    """The lanes of these names; without any, the campaign's own plan."""
+def strategies(*names: str) -> Searcher:
+    """The strategies of these names; without any, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
@@ -89,7 +89,7 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
     """Uniformly random cells at several densities, reachable."""
     stream = RandomStream(config.seed).child("random cells")
     while True:
-        door = Triage(config, UnitResult(lane="random"))
+        door = Triage(config, UnitResult(strategy="random"))
         for _ in range(config.examples):
             world = None
             while world is None:
@@ -106,7 +106,7 @@ def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
     stream = RandomStream(config.seed).child("genetic")
     population: list[tuple[float, bytes]] = []
     while True:
-        door = Triage(config, UnitResult(lane="genetic"))
+        door = Triage(config, UnitResult(strategy="genetic"))
         while door.result.worlds < config.examples:
             full = len(population) == _POPULATION
             layout = _child(population, stream) if full else stream.bits(_WORDS).tobytes()
@@ -183,16 +183,16 @@ def _centre(index: int) -> float:
 
 
 SEARCHERS: dict[str, Searcher] = {
-    "plan": lanes(),
-    "native": lanes("native"),
-    "archive": lanes("archive"),
-    "features": lanes("features"),
-    "families": lanes(*STILL_FAMILIES),
-    "boundary": lanes("boundary"),
+    "plan": strategies(),
+    "native": strategies("native"),
+    "archive": strategies("archive"),
+    "features": strategies("features"),
+    "families": strategies(*STILL_FAMILIES),
+    "boundary": strategies("boundary"),
     "random": random_cells,
     "genetic": genetic,
 }
 """By name, in the order of the table.
 
-``plan`` is the campaign as it is, with lanes that share by its own plan.
+``plan`` is the campaign as it is, with strategies that share by its own plan.
 """

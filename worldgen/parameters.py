@@ -171,11 +171,13 @@ class Written:
         flag: Such as ``--family`` for ``families``; empty for the name with dashes.
         metavar: What help shows for the value; empty for its type.
         path: ``file`` or ``folder`` if the value names one.
+        also: Earlier flag that scripts may still use; help does not show it.
     """
 
     flag: str = ""
     metavar: str = ""
     path: str = ""
+    also: str = ""
 
 
 @dataclass(frozen=True)

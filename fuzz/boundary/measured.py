@@ -15,7 +15,7 @@ _MEASURED = (
     "radius",
     "speed",
     "time-step",
-)  # of each failure; the others only where a lane came by them
+)  # of each failure; the others only where a strategy came by them
 
 
 def is_bounded(scenario: Scenario) -> bool:

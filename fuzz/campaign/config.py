@@ -27,7 +27,7 @@ class CampaignConfig(SearchOptions):
     Args:
         scenario: Controller, motion model and switches; each draw has its own seed and time step.
         seed: Of the whole campaign.
-        families: Families and other lanes to look for failures with; empty for all that fit.
+        families: Families and other strategies to look for failures with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.

@@ -43,8 +43,8 @@ class CampaignOptions(SearchOptions):
         controller: Whom to test; ``+option=value`` varies the run.
         motion: Motion model.
         families: Draw worlds from this family; may be repeated.
-        lanes: Look for failures with this lane only: native, archive, boundary, features, sealed,
-            or a family; may be repeated.
+        strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
+            a family; may be repeated.
         world: Keep this map; vary start, target and radius.
         vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these
             values, the simplest first; may be repeated.
@@ -60,7 +60,7 @@ class CampaignOptions(SearchOptions):
     controller: str = ""
     motion: str = "swept"
     families: Annotated[tuple[str, ...], Written("--family")] = ()
-    lanes: Annotated[tuple[str, ...], Written("--lane")] = ()
+    strategies: Annotated[tuple[str, ...], Written("--strategy", also="--lane")] = ()
     world: Annotated[Path | None, Written(path="file")] = None
     vary: Annotated[tuple[str, ...], Written(metavar="NAME=VALUE,...")] = ()
     time_step: float | None = None

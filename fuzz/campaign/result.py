@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fuzz.failure import Failure
 from sim.runners.controller_time import Effort
 
-__all__ = ["Elite", "LaneYield", "SearchState", "UnitResult"]
+__all__ = ["Elite", "SearchState", "StrategyYield", "UnitResult"]
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Elite:
     """The best layout that a quality-diversity search knows in one cell of its archive.
 
     Args:
-        layout: Bytes that a lane turns into a world again.
+        layout: Bytes that a strategy turns into a world again.
         quality: The more, the better.
         verdict: At first look.
     """
@@ -32,7 +32,7 @@ class UnitResult:
     """What one unit found.
 
     Args:
-        lane: Where its scenarios came from.
+        strategy: Where its scenarios came from.
         worlds: Scenarios simulated.
         steps: Steps simulated.
         verdicts: How often each verdict came up at first look; where the target is walled off,
@@ -46,7 +46,7 @@ class UnitResult:
         effort: Where its time went, which no store keeps and no other unit knows.
     """
 
-    lane: str = ""
+    strategy: str = ""
     worlds: int = 0
     steps: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
@@ -59,8 +59,8 @@ class UnitResult:
 
 
 @dataclass(frozen=True)
-class LaneYield:
-    """What a lane has brought so far.
+class StrategyYield:
+    """What a strategy has brought so far.
 
     Args:
         units: Units that it had.
@@ -84,19 +84,19 @@ class SearchState:
     The same for any timing.
 
     Args:
-        lanes: By lane, what it brought.
+        strategies: By strategy, what it brought.
         failures: By class, the smallest failure as it was found, before shrinking.
         elites: The archive.
     """
 
-    lanes: Mapping[str, LaneYield] = field(default_factory=dict)
+    strategies: Mapping[str, StrategyYield] = field(default_factory=dict)
     failures: Mapping[str, Failure] = field(default_factory=dict)
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
     def after(self, result: UnitResult) -> SearchState:
         """The memory with one more unit's result."""
-        had = self.lanes.get(result.lane, LaneYield())
-        lane = replace(
+        had = self.strategies.get(result.strategy, StrategyYield())
+        strategy = replace(
             had,
             units=had.units + 1,
             worlds=had.worlds + result.worlds,
@@ -111,7 +111,7 @@ class SearchState:
             cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)
         }
         return SearchState(
-            {**self.lanes, result.lane: lane},
+            {**self.strategies, result.strategy: strategy},
             {**self.failures, **smaller},
             {**self.elites, **better},
         )

@@ -86,7 +86,7 @@ class DiscoveryTotals:
 
     Args:
         unit: That met it.
-        lane: Of that unit.
+        strategy: Of that unit.
         kind: The class.
         failure: As it was found, before shrinking.
         worlds: Of the campaign up to that unit, and with it.
@@ -95,7 +95,7 @@ class DiscoveryTotals:
     """
 
     unit: int
-    lane: str
+    strategy: str
     kind: str
     failure: Failure
     worlds: int
@@ -123,7 +123,7 @@ class CampaignState:
         met: How often each class was met.
         known: The same, for classes that the baseline has.
         best: By class, the smallest failure, shrunk.
-        memory: What the lanes brought, and what later units know of it.
+        memory: What the strategies brought, and what later units know of it.
         finds: In the order of units.
     """
 
@@ -527,7 +527,7 @@ class Campaign:
             is_interesting = state.memory.is_interesting(kind, failure)
             if is_interesting:
                 totals = (state.worlds, state.steps, seconds)
-                state.finds.append(DiscoveryTotals(unit, result.lane, kind, failure, *totals))
+                state.finds.append(DiscoveryTotals(unit, result.strategy, kind, failure, *totals))
             # What is stored depends on whole units alone, so that a resumed campaign agrees.
             few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
             if few_whole or self._memory.is_interesting(kind, failure):

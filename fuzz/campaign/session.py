@@ -18,8 +18,8 @@ from fuzz.campaign.options import CampaignOptions, SearchOptions
 from fuzz.campaign.run import Campaign, Discovery, Progress, UnitDone
 from fuzz.campaign.store import CampaignRun, record_error
 from fuzz.campaign.summary import (
-    describe_lanes,
     describe_share,
+    describe_strategies,
     describe_time,
     describe_units,
     summary_of,
@@ -31,7 +31,7 @@ from fuzz.describe import describe
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.names import DATABASE, TIME_STEPS
-from fuzz.search.registry import check_lane
+from fuzz.search.registry import check_strategy
 from fuzz.triage.hazards import is_unsensed
 from fuzz.triage.proofs import certified
 from sim.motion import MOTIONS
@@ -73,9 +73,9 @@ def configure(options: CampaignOptions, seed: int, seconds: float | None = None)
         motion=options.motion,
         time_step=usual if options.time_step is None else options.time_step,
     )
-    families = (*options.families, *options.lanes)
+    families = (*options.families, *options.strategies)
     for name in families:
-        check_lane(name, scenario)
+        check_strategy(name, scenario)
     time_steps: tuple[float, ...] = (scenario.run.time_step,)
     unsaid = options.time_step is None and scenario.run.time_step == usual
     if unsaid and MOTIONS.get(scenario.run.motion).name == "endpoint":
@@ -266,10 +266,10 @@ class CampaignSession:
         A build must not take that for a controller without failures.
         """
         state = self._campaign.state
-        lanes = self._campaign.state.memory.lanes.keys()
-        if state.worlds or (lanes and lanes <= {DATABASE}):
+        strategies = self._campaign.state.memory.strategies.keys()
+        if state.worlds or (strategies and strategies <= {DATABASE}):
             return None
-        if state.cut or not lanes:
+        if state.cut or not strategies:
             return InvalidParameter(
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too "
@@ -435,7 +435,7 @@ class CampaignSession:
             click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
         for kind, failure in sorted(hazards.items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
-        click.echo(describe_lanes(state))
+        click.echo(describe_strategies(state))
         verdicts = ", ".join(
             f"{count} {verdict}" for verdict, count in state.verdicts.most_common()
         )

@@ -13,8 +13,8 @@ from worldgen.support.plain_text import aligned, counted
 
 __all__ = [
     "controller_share",
-    "describe_lanes",
     "describe_share",
+    "describe_strategies",
     "describe_time",
     "describe_units",
     "summary_of",
@@ -30,14 +30,21 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
         status: One of those that a summary has.
         folder: Where its failures are.
     """
-    lanes = [
-        StrategyTotals(name, lane.units, lane.worlds, lane.steps, lane.failures, lane.classes)
-        for name, lane in state.memory.lanes.items()
+    strategies = [
+        StrategyTotals(
+            name,
+            strategy.units,
+            strategy.worlds,
+            strategy.steps,
+            strategy.failures,
+            strategy.classes,
+        )
+        for name, strategy in state.memory.strategies.items()
     ]
     found = [
         BucketTotals(
             unit=find.unit,
-            lane=find.lane,
+            strategy=find.strategy,
             kind=find.kind,
             solid_cells=find.failure.world.solid_cells,
             worlds=find.worlds,
@@ -60,7 +67,7 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str, folder
         verdicts=dict(state.verdicts),
         met=dict(state.met),
         known=dict(state.known),
-        lanes=lanes,
+        strategies=strategies,
         found=found,
         archive=_archive_of(state),
         units_cut=state.cut - state.too_early,
@@ -79,12 +86,24 @@ def _archive_of(state: CampaignState) -> Archive | None:
     return Archive((first["name"], second["name"]), (first["edges"], second["edges"]), cells)
 
 
-def describe_lanes(state: CampaignState) -> str:
-    """A table of the lanes: what each had and what it brought."""
-    rows = [["lane", "units", "worlds", "steps", "failures", "new classes"]]
-    for name, lane in sorted(state.memory.lanes.items()):
+def describe_strategies(state: CampaignState) -> str:
+    """A table of the strategies: what each had and what it brought."""
+    rows = [["strategy", "units", "worlds", "steps", "failures", "new classes"]]
+    for name, strategy in sorted(state.memory.strategies.items()):
         rows.append(
-            [name, *map(str, (lane.units, lane.worlds, lane.steps, lane.failures, lane.classes))]
+            [
+                name,
+                *map(
+                    str,
+                    (
+                        strategy.units,
+                        strategy.worlds,
+                        strategy.steps,
+                        strategy.failures,
+                        strategy.classes,
+                    ),
+                ),
+            ]
         )
     return aligned(rows, right=range(1, 6))
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.deadline import NO_DEADLINE, Deadline
 from fuzz.campaign.result import SearchState, UnitResult
-from fuzz.search.plan import planned_lane
-from fuzz.search.registry import lane_of
+from fuzz.search.plan import planned_strategy
+from fuzz.search.registry import strategy_of
 from fuzz.search.task import Task
 from fuzz.triage.triage import Triage
 from sim.controllers.shared.guarded import renew
@@ -37,13 +37,13 @@ def run_unit(
     """
     began = Effort.so_far()
     known = SearchState() if memory is None else memory
-    name = planned_lane(config, unit, known)
-    result = UnitResult(lane=name)
+    name = planned_strategy(config, unit, known)
+    result = UnitResult(strategy=name)
     renew()  # what a shared library has kept from other units counts for nothing in this one
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()
-            lane_of(name)(Task(name, config, unit, known, Triage(config, result, deadline)))
+            strategy_of(name)(Task(name, config, unit, known, Triage(config, result, deadline)))
     except OutOfTime:
         result.cut = True
     except KeyboardInterrupt:

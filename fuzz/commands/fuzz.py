@@ -185,9 +185,9 @@ def _begin(
     options = CampaignOptions(**{name: value for name, value in said.items() if value is not None})
     if not options.controller or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
-    if options.world is not None and (options.families or options.lanes):
+    if options.world is not None and (options.families or options.strategies):
         raise click.UsageError(
-            "give --world, or --family and --lane, not both: on a map only the poses vary"
+            "give --world, or --family and --strategy, not both: on a map only the poses vary"
         )
     drawn = draw_seed(stored_seed(out) if seed is None and not force else seed)
     config = configure(options, drawn, run_budget.seconds)

@@ -97,7 +97,7 @@ def _failure(entry: CorpusEntry, campaigns: list[Summary]) -> dict[str, Any]:
         "size": f"{facts.width} x {facts.height}",
         "cells": facts.width * facts.height,
         "met": met,
-        "lane": str(record.details.get("found_by", "")),
+        "strategy": str(record.details.get("found_by", "")),
         "campaign": reported.campaign,
         "confirmed": seen.replay.confirmed,
         "words": f"{record.verdict}{seen.words}",

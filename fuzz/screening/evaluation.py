@@ -329,7 +329,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             "robot-larger-than-cell",
             "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and "
             "native search finds no ways for such robots",
-            "give a smaller one, or take another lane",
+            "give a smaller one, or take another strategy",
             robot_radius=robot["robot_radius"],
             cell_size=DEFAULT_CELL_SIZE,
         )

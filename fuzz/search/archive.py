@@ -1,10 +1,9 @@
-"""The archive lane: scenes are changed bit by bit, and an archive keeps the simplest of each kind of behaviour.
+"""The archive strategy: mutate scenes, and keep the simplest one of each kind of behaviour.
 
-Random scenes mostly show a robot that drives straight to its target. The archive's cells are kinds
-of runs that arrive: by what detour, how dense the world, how often the robot comes to the same
-    place, how near to walls. Children of
-what fills them fill others, and now and then fail. A scene in which the robot fails has no
-children; the archive has a map of its own for them.
+In random scenes most robots drive straight to their target. The archive's cells are kinds of runs
+that arrive, by detour, density of the world, how often the robot revisits a place, and how close it
+gets to walls. Mutated copies of the scenes in them fill other cells, and some fail. Scenes in which
+the robot fails have no children; the archive keeps them on a map of their own.
 
 Source: Jean-Baptiste Mouret and Jeff Clune, "Illuminating search spaces by mapping elites", 2015.
 """
@@ -30,11 +29,10 @@ __all__ = ["ARCHIVE", "archive_table", "search"]
 
 ARCHIVE = "archive"
 
-_AFRESH = 10  # one scene in so many of a generation has no parents
-_EDITS = 3  # bytes of a child that are changed, at most; one is always
-_SMALL = np.array(
-    [-3, -1, 1, 3]
-)  # changes of a byte: moves by a cell or three, another kind, a feature more or less
+_UNRELATED = 10  # one in this many scenes of a generation has no parents
+_EDITS = 3  # most bytes of a child that are changed; one always is
+# Small changes of a byte: a move by one or three cells, another kind, one feature more or less.
+_SMALL = np.array([-3, -1, 1, 3])
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -43,18 +41,18 @@ Cell = tuple[int, ...]
 
 @dataclass(frozen=True)
 class _Axis:
-    """A number of a run.
+    """A number that describes a run, divided into cells of the archive.
 
     Args:
-        name: In reports.
-        edges: Between one cell of the archive and the next.
+        name: Name in reports.
+        edges: Values at which the next cell begins.
     """
 
     name: str
     edges: tuple[float, ...]
 
     def cells(self, values: npt.NDArray[np.float64]) -> Ints:
-        """(n,) the index of each value."""
+        """Return (n,) int64, the cell's index of each value."""
         return np.searchsorted(np.array(self.edges), values, side="right")
 
 
@@ -64,13 +62,13 @@ _REVISITS = _Axis("revisits", (0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 5.0))
 _CLEARANCE = _Axis("clearance", (1.3, 1.6, 2.0, 2.5))
 
 _MAP = (_DETOUR, _DENSITY)
-"""Axes of the failures' map, and of the one that reports show."""
+"""Axes of the map of failures, and of the map that reports show."""
 
 
 def search(task: Task) -> None:
-    """Looks at children of the archive's elites, and hands on the smallest failures of each key."""
+    """Screen children of the archive's elites, and hand the smallest failures to triage."""
     elites = dict(task.memory.elites)
-    brought = task.door.result.elites
+    brought = task.triage.result.elites
     count = pace_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
@@ -78,8 +76,10 @@ def search(task: Task) -> None:
         if not parents:
             return scenes(stream, count)
         pool = np.frombuffer(b"".join(parents), np.uint8).reshape(-1, SCENE_BYTES)
-        afresh = count // _AFRESH
-        return np.concatenate([_children(pool, stream, count - afresh), scenes(stream, afresh)])
+        unrelated = count // _UNRELATED
+        return np.concatenate(
+            [_children(pool, stream, count - unrelated), scenes(stream, unrelated)]
+        )
 
     def seen(looks: Screening) -> None:
         for cell, elite in _best(looks).items():
@@ -90,13 +90,12 @@ def search(task: Task) -> None:
 
 
 def _best(looks: Screening) -> dict[Cell, Elite]:
-    """The runs with the fewest solid cells of each cell.
+    """Return the run with the fewest solid cells for each cell of the archive.
 
-    Of four numbers if they arrived, of two if not.
+    A cell has four indices if its run arrived, two if it failed.
     """
-    with np.errstate(
-        divide="ignore", invalid="ignore"
-    ):  # where nothing ran, or the target is where the robot starts
+    # The straight distance is 0 where nothing ran, or where the robot starts at its target.
+    with np.errstate(divide="ignore", invalid="ignore"):
         detour = looks.driven / looks.straight
     numbers = ((_DETOUR, detour), (_DENSITY, looks.density), (_REVISITS, looks.revisits))
     indices = [
@@ -116,9 +115,9 @@ def _best(looks: Screening) -> dict[Cell, Elite]:
 
 
 def _children(pool: Bytes, stream: RandomStream, count: int) -> Bytes:
-    """(count, SCENE_BYTES) children of scenes.
+    """Return (count, SCENE_BYTES) uint8, children of scenes in a pool.
 
-    One in three has a feature of another, each a few other bytes.
+    One in three gets a feature of another scene; in each, up to three bytes change.
     """
     child, other = (pool[_below(stream, count, len(pool))].copy() for _ in range(2))
     rows = np.arange(count)
@@ -137,7 +136,7 @@ def _children(pool: Bytes, stream: RandomStream, count: int) -> Bytes:
 
 
 def _feature(index: Ints) -> Ints:
-    """(n, FEATURE_BYTES) where the bytes of features are."""
+    """Return (n, FEATURE_BYTES) int64, the positions of the features' bytes in a scene."""
     where: Ints = HEAD_BYTES + FEATURE_BYTES * index[:, None] + np.arange(FEATURE_BYTES)
     return where
 
@@ -147,12 +146,12 @@ def _below(stream: RandomStream, count: int, bound: int) -> Ints:
 
 
 def archive_table(elites: Mapping[Cell, Elite]) -> dict[str, Any] | None:
-    """What a campaign's summary says of the archive.
+    """Return the archive as a table for a campaign's summary; ``None`` if it is empty.
 
-    By detour and density the simplest run, a failure before others.
+    Each cell of detour and density shows its simplest failure, or its simplest run if none failed.
 
     Args:
-        elites: Of the memory.
+        elites: The archive, as the search state keeps it.
     """
     cells: dict[Cell, Elite] = {}
     for cell, elite in sorted(

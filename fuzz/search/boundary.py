@@ -1,10 +1,10 @@
-"""The boundary lane: from a scenario along one axis to where the controller begins, or ceases, to fail.
+"""The boundary strategy: change one number of a scenario until the outcome changes.
 
-Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures
-that the campaign knows, in which the nearest values are looked for at which the robot arrives; half
-are drawn, for the nearest at which it does not. Two neighbouring values with different outcomes
-bring one failure, and its record says where it begins. A drawn scenario that fails and of which no
-such values are found brings the failure that it is.
+Other strategies leave radius, speed and time step as they are. Half of the scenarios here are known
+failures, for which the nearest value is searched at which the robot arrives. The other half are
+drawn, and the nearest value at which the robot fails is searched. Two neighbouring values with
+different outcomes make a failure whose record states the boundary. A drawn scenario that fails but
+has no boundary within reach is handed in as it is.
 """
 
 from __future__ import annotations
@@ -30,22 +30,21 @@ __all__ = ["BOUNDARY", "search"]
 
 BOUNDARY = "boundary"
 
-# Complete controllers, too, fail in gaps as wide as the robot, mapper with 2 % to spare; with 5 %
-# none.
+# Even complete controllers fail in gaps as wide as the robot: mapper still does with 2 % to spare.
+# With 5 % to spare none does.
 _SPARE = 0.05
-# How many feature layouts are drawn in the time of one boundary: about 20 runs, few of them with a
-# proof.
+# Feature layouts that take as long as one boundary, which takes about 20 runs but few proofs.
 _DEARER = 16
 
 
 def search(task: Task) -> None:
-    """Looks for boundaries, and hands in their failing ends."""
+    """Search for boundaries, and hand their failing sides to triage."""
     stream = task.stream
     failures = [subject_of(failure) for _, failure in sorted(task.memory.failures.items())]
     known = [subject for subject in failures if subject is not None]
 
     def count(look: BoundaryRun) -> None:
-        task.door.count(look.outcome.verdict, look.outcome.steps)
+        task.triage.count(look.outcome.verdict, look.outcome.steps)
         check_time()
 
     for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
@@ -63,7 +62,7 @@ def search(task: Task) -> None:
 
 
 def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> None:
-    """Hand in the failing end of the nearest boundary, or what fails at all values that were tried."""
+    """Hand in the failing side of the nearest boundary, or a drawn scenario that has none."""
     try:
         found = nearest_boundary(looks, start)
     except OutOfTime:
@@ -73,7 +72,7 @@ def _bring(task: Task, looks: BoundaryRuns, start: int, *, is_known: bool) -> No
     if found is not None:
         fails = found.fails.subject
         outcome = found.fails.outcome
-        task.door.enter(
+        task.triage.enter(
             fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()]
         )
     elif not is_known:
@@ -85,11 +84,11 @@ def _bring_whole(task: Task, look: BoundaryRun | None) -> None:
     if look is not None and not look.arrives:
         subject = look.subject
         outcome = look.outcome
-        task.door.enter(subject.world, subject.scenario, outcome.verdict, outcome.cause)
+        task.triage.enter(subject.world, subject.scenario, outcome.verdict, outcome.cause)
 
 
 def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:
-    """A failure that is known, or a scenario that is drawn; on a fixed map only what is known."""
+    """Return a known failure or a drawn scenario; on a fixed map only a known failure."""
     if known and (stream.below(2) or task.config.fixed_map is not None):
         subject = stream.choice(known)
         if axis.index(subject) is not None:

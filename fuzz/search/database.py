@@ -1,4 +1,4 @@
-"""A campaign's Hypothesis database: what failed in the lanes in which Hypothesis draws."""
+"""A campaign's Hypothesis database: examples that failed in strategies where Hypothesis draws."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from worldgen.files.grid import world_digest
 __all__ = ["Failed", "exception_of", "remembered"]
 
 
-def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
-    """Where Hypothesis keeps what failed in a lane, by what decides how its choices are read.
+def remembered(config: CampaignConfig, strategy: str) -> ExampleDatabase:
+    """Return the database of a strategy, under a key of everything that decides what examples mean.
 
     Raises:
         OutputError: If the folder cannot be made.
@@ -32,15 +32,24 @@ def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
             reason=error.strerror or str(error),
         ) from error
     scenario = config.scenario
-    where = world_digest(config.fixed_map) if config.fixed_map is not None and lane == "map" else ""
-    varied = (scenario.label(), scenario.run.motion, config.time_steps, config.vary, lane, where)
+    where = (
+        world_digest(config.fixed_map) if config.fixed_map is not None and strategy == "map" else ""
+    )
+    varied = (
+        scenario.label(),
+        scenario.run.motion,
+        config.time_steps,
+        config.vary,
+        strategy,
+        where,
+    )
     return _Keyed(DirectoryBasedExampleDatabase(folder), f"worldgen {varied!r}".encode())
 
 
 class _Keyed(ExampleDatabase):
-    """A database under a key of ours.
+    """A database under a fixed key.
 
-    Hypothesis's own is a digest of the source, so any edit would orphan it.
+    Hypothesis's own key is a digest of the test's source, so any edit would lose the examples.
     """
 
     def __init__(self, inner: ExampleDatabase, key: bytes) -> None:
@@ -63,10 +72,13 @@ class _Keyed(ExampleDatabase):
 
 
 class Failed(Exception):
-    """Tells Hypothesis that a draw failed."""
+    """Raised so that Hypothesis learns that a draw failed."""
 
 
 @cache
 def exception_of(kind: str) -> type[Failed]:
-    """One type for each class of failures, for Hypothesis tells failures apart by their type and line."""
+    """Return an exception type of its own for each class of failures.
+
+    Hypothesis distinguishes failures by type and line.
+    """
     return type(f"Failed_{kind}", (Failed,), {})

@@ -1,6 +1,6 @@
-"""Lanes in which Hypothesis draws scenarios one by one.
+"""Search strategies in which Hypothesis draws scenarios one by one.
 
-Feature layouts, families, poses on a map, sealed targets.
+They draw feature layouts, worlds of families, poses on a map, and worlds with a walled-off target.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fuzz.campaign.variation import map_provenance
 from fuzz.failure import regardless_of_walls
 from fuzz.search.database import Failed, exception_of, remembered
 from fuzz.search.features import decode_world
-from fuzz.search.names import LAYOUT_LANES, SEALED
+from fuzz.search.names import LAYOUT_STRATEGIES, SEALED
 from fuzz.search.sealed import SEALED_BYTES, decode_sealed
 from fuzz.search.task import Task
 from fuzz.strategies import family_worlds, layouts, scenarios_in
@@ -37,15 +37,15 @@ from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
-__all__ = ["explore", "lane_worlds", "poses_on", "search", "search_again"]
+__all__ = ["explore", "poses_on", "search", "search_again", "strategy_worlds"]
 
-_SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
-_DEARER = 4  # how many feature layouts are drawn in the time of one world of a family
-_MOST_AGAIN = 10_000  # examples of a lane that are tried again
-_EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
+_SEARCH_STEPS = 6_000  # budget of a first run, before the witness is known
+_DEARER = 4  # feature layouts that take as long to draw as one world of a family
+_MOST_AGAIN = 10_000  # examples that are run again
+_EXAMPLE_WORDS = 128  # of 8 bytes; more than any Hypothesis strategy here reads
 
 Visit = Callable[[World, Scenario], str]
-"""Runs one scenario; the class of the failure, empty if there is none."""
+"""Runs one scenario and returns the failure's class, or an empty string if it arrives."""
 
 _SETTINGS = settings(
     database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck)
@@ -53,33 +53,35 @@ _SETTINGS = settings(
 
 
 def search(task: Task) -> None:
-    """Runs worlds as Hypothesis draws them, and hands on what does not arrive."""
+    """Run worlds that Hypothesis draws, and hand those in which the robot fails to triage."""
     config = task.config
-    share = (1 if task.lane in (*LAYOUT_LANES, "map") else _DEARER) * config.slower
-    database = remembered(config, task.lane) if config.database else None
+    share = (1 if task.strategy in (*LAYOUT_STRATEGIES, "map") else _DEARER) * config.slower
+    database = remembered(config, task.strategy) if config.database else None
     explore(
-        lane_scenarios(config, task.lane),
+        strategy_scenarios(config, task.strategy),
         task.stream.next64(),
         max(config.examples // share, 1),
-        visit_of(task, task.lane),
+        visit_of(task, task.strategy),
         database,
     )
 
 
-def search_again(task: Task, lanes: Iterable[str]) -> None:
-    """Runs what failed before in these lanes, as the campaign's Hypothesis database has it."""
-    for lane in lanes:
+def search_again(task: Task, strategies: Iterable[str]) -> None:
+    """Run the examples of the campaign's Hypothesis database that failed in these strategies."""
+    for strategy in strategies:
         _repeat(
-            lane_scenarios(task.config, lane), visit_of(task, lane), remembered(task.config, lane)
+            strategy_scenarios(task.config, strategy),
+            visit_of(task, strategy),
+            remembered(task.config, strategy),
         )
 
 
 def _repeat(
-    strategy: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase
+    draws: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase
 ) -> None:
-    """Visits every example of a database.
+    """Visit every example of a database.
 
-    Deletes none, as Hypothesis would if it did not fail any more.
+    Unlike Hypothesis, delete none, not even those that no longer fail.
     """
     ended: list[BaseException] = []
 
@@ -89,7 +91,7 @@ def _repeat(
         phases=[Phase.reuse],
         max_examples=_MOST_AGAIN,
     )
-    @given(strategy)
+    @given(draws)
     def example(draw: tuple[World, Scenario]) -> None:
         try:
             if not ended:
@@ -97,15 +99,16 @@ def _repeat(
         except (KeyboardInterrupt, OutOfTime) as end:
             ended.append(end)
 
-    with contextlib.suppress(SkipTest):  # so Hypothesis says that there was no example
+    # Hypothesis raises SkipTest if there was no example.
+    with contextlib.suppress(SkipTest):
         example()
     if ended:
         raise ended[0]
 
 
-def visit_of(task: Task, lane: str) -> Visit:
-    """How a lane runs one scenario."""
-    return partial(_visit_sealed if lane == SEALED else _visit, task)
+def visit_of(task: Task, strategy: str) -> Visit:
+    """Return the function that runs one scenario of a strategy."""
+    return partial(_visit_sealed if strategy == SEALED else _visit, task)
 
 
 def _visit(task: Task, world: World, scenario: Scenario) -> str:
@@ -113,13 +116,14 @@ def _visit(task: Task, world: World, scenario: Scenario) -> str:
     try:
         run = prepare(world, task.controller, scenario.options(world, budget))
         outcome = run.run(budget, find_loop=True, record=False, digest=False)
-    except InvalidWorld:  # the drawn start is in a wall
+    except InvalidWorld:
+        # The drawn start is in a wall.
         return ""
-    return task.door.look(world, scenario, outcome)
+    return task.triage.look(world, scenario, outcome)
 
 
 def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
-    """All that counts where the target is walled off is a robot that gets there."""
+    """Run a world whose target is walled off; only a robot that arrives is a failure."""
     verdict = "sealed"
     options = scenario.options(world)
     run = prepare(world, task.controller, options)
@@ -128,31 +132,30 @@ def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
         run = prepare(world, task.controller, regardless_of_walls(options))
         whole = run.run(options.steps, find_loop=True, record=False, digest=False)
         verdict = "breach" if whole.ending == Verdict.REACHED else "sealed"
-    task.door.count(verdict, outcome.steps)
-    return task.door.enter(world, scenario, verdict, outcome.cause) if verdict == "breach" else ""
+    task.triage.count(verdict, outcome.steps)
+    return task.triage.enter(world, scenario, verdict, outcome.cause) if verdict == "breach" else ""
 
 
 def explore(
-    strategy: st.SearchStrategy[tuple[World, Scenario]],
+    draws: st.SearchStrategy[tuple[World, Scenario]],
     unit_seed: int,
     examples: int,
     visit: Visit,
     database: ExampleDatabase | None = None,
 ) -> None:
-    """Lets Hypothesis turn our own random bytes into examples.
+    """Let Hypothesis turn random bytes of the unit into examples, and visit each.
 
-    So that a unit depends on its seed alone. Left to itself, Hypothesis mixes constants of every
-    loaded module into its draws, and with ``CI`` set it would derandomise. A failure is raised only
-    for Hypothesis to keep it, so a round goes through all its examples.
+    The bytes make a unit depend on its seed alone. Left to itself, Hypothesis mixes constants of
+    every loaded module into its draws, and derandomises them if ``CI`` is set. A failure is raised
+    only so that Hypothesis stores it; all examples are visited.
 
     Raises:
-        OutOfTime: As ``visit`` does, but not through Hypothesis, which would keep that for a
-            failure.
+        OutOfTime: As ``visit`` does, but not through Hypothesis, which would store it as a failure.
     """
     ended: list[BaseException] = []
 
     @settings(_SETTINGS, database=database)
-    @given(strategy)
+    @given(draws)
     def example(draw: tuple[World, Scenario]) -> None:
         try:
             kind = visit(*draw)
@@ -172,29 +175,33 @@ def explore(
         check_time()
 
 
-def lane_scenarios(config: CampaignConfig, lane: str) -> st.SearchStrategy[tuple[World, Scenario]]:
-    """What a lane draws from."""
+def strategy_scenarios(
+    config: CampaignConfig, strategy: str
+) -> st.SearchStrategy[tuple[World, Scenario]]:
+    """Return the Hypothesis strategy that a search strategy draws from."""
     return scenarios_in(
-        lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary
+        strategy_worlds(strategy, config.fixed_map), config.scenario, config.time_steps, config.vary
     )
 
 
-def lane_worlds(lane: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:
-    """The worlds of a lane.
+def strategy_worlds(strategy: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:
+    """Return the Hypothesis strategy of the worlds of a search strategy.
 
-    ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name.
+    Args:
+        strategy: ``features``, ``sealed``, ``map`` (poses on ``fixed_map``), or a family's name.
+        fixed_map: The map whose walls stay as they are.
     """
-    if lane == "map" and fixed_map is not None:
+    if strategy == "map" and fixed_map is not None:
         return poses_on(fixed_map)
-    if lane == "features":
+    if strategy == "features":
         return layouts().map(decode_world)
-    if lane == SEALED:
+    if strategy == SEALED:
         return st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
-    return family_worlds(lane)
+    return family_worlds(strategy)
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:
-    """Start, heading, target and robot radius on a fixed map, at the centres of its free cells."""
+    """Draw start, heading, target and robot radius on a map, at the centres of its free cells."""
     free = np.argwhere(~world.walls)
     if not len(free):
         raise InvalidWorld("no-free-cell", "the map has no free cell to start from")

@@ -1,4 +1,4 @@
-"""What is known of the lanes in which Hypothesis draws before one of them works, and so without loading Hypothesis."""
+"""Names and conditions of the search strategies, kept apart so that no import loads Hypothesis."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.scenario import Scenario
 
-__all__ = ["DATABASE", "LAYOUT_LANES", "SEALED", "TIME_STEPS", "can_breach"]
+__all__ = ["DATABASE", "LAYOUT_STRATEGIES", "SEALED", "TIME_STEPS", "can_breach"]
 
 DATABASE = "database"
-"""The lane of what failed before."""
+"""Runs again what failed before, from a Hypothesis database."""
 
 SEALED = "sealed"
-"""Layouts with a walled-off target, for motion models in which a robot can go on past a wall."""
+"""Layouts with a walled-off target, for motion models in which a robot can pass a wall."""
 
-LAYOUT_LANES = ("features", SEALED)
-"""Lanes that may be named like families."""
+LAYOUT_STRATEGIES = ("features", SEALED)
+"""Strategies that ``--family`` takes as well."""
 
 TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
 
 
 def can_breach(scenario: Scenario) -> bool:
-    """Whether a run can show what it does past a wall that it goes through.
+    """Return True if a run can continue beyond a wall that it went through.
 
-    So that a target walled off is of use.
+    Only then can a robot reach a walled-off target, which is a breach.
     """
     return MOTIONS.get(scenario.run.motion).kernel == THESIS and not scenario.run.thesis.keep_going

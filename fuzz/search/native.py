@@ -1,6 +1,6 @@
-"""The native lane: random scenes by the thousand, looked at in the core.
+"""The native strategy: screen random scenes by the thousand in the C core.
 
-The few smallest of each kind are proved.
+Of each behaviour key, only the few smallest failures are proved.
 """
 
 from __future__ import annotations
@@ -42,37 +42,35 @@ __all__ = [
 NATIVE = "native"
 
 Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]
-"""(n, SCENE_BYTES) scenes, any number of them."""
+"""Returns (n, SCENE_BYTES) uint8, the next scenes."""
 
 Seen = Callable[[Screening], None]
-"""Learns from first looks."""
+"""Called with the result of each screening run."""
 
-_SCENES = 80  # of a unit at most, for each of its examples
-_WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 us
-_DEATH = 40_000  # steps that could be made in the time in which another process is started
-# Looks that are proved, a second one because what is alike at first look need not be of one class.
+_SCENES = 80  # scenes of a unit at most, per example
+_WORK = 20_000  # steps of a unit, per example: 0.8 s if a step takes 0.1 us
+_DEATH = 40_000  # steps that take as long as starting another process
+# Runs of each key that are proved. Equal keys need not be of one class, hence more than one.
 _OF_EACH_KEY = 2
-_SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
+_SCENE_WORDS = -(-SCENE_BYTES // 8)  # words of 8 bytes
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How much of a controller a unit asks for.
-
-    So that units take a second or two whatever a step of it costs.
+    """How much work a unit does, so that it takes a second or two whatever a step costs.
 
     Args:
-        at_once: Scenes that are drawn and looked at together.
-        generation: Scenes of a generation of the archive lane.
-        one_in: One scene in so many that are drawn is looked at.
-        scene: What a scene costs, compared with a compiled controller's.
-        step: What a step costs, likewise: 1 is 0.1 us.
-        beam: What a range beam adds to that.
-        proved: Looks of a unit that are proved, at most.
-        undecided: Of these at most, runs that only spent their budget: such a proof takes ten times
-            the steps of a look, and a recording of them.
-        asked: Runs of one call that oracles judge, where any are asked for: each takes as long as
-            hundreds of looks.
+        at_once: Scenes that are drawn and screened together.
+        generation: Scenes of a generation of the archive strategy.
+        one_in: One in this many drawn scenes is screened.
+        scene: Cost of a scene, relative to a compiled controller's.
+        step: Cost of a step; 1 is 0.1 us.
+        beam: Cost that a range beam adds to a step.
+        proved: Most runs of a unit that are proved.
+        undecided: Most of these that only spent their budget. Their proofs take ten times the steps
+            of a screening run, and record them.
+        asked: Arriving runs of each batch that the oracles judge, if there are any oracles. Each
+            takes as long as hundreds of screening runs.
     """
 
     at_once: int = 1_000
@@ -93,7 +91,7 @@ _PROCESS = Pace(at_once=100, generation=100, scene=160, step=400, proved=4, aske
 
 
 def pace_of(config: CampaignConfig) -> Pace:
-    """The pace of a campaign, by the kind of its controller."""
+    """Return the pace of a campaign, which depends on the kind of its controller."""
     controller = CONTROLLERS.get(config.scenario.controller)
     if isinstance(controller, CompiledController):
         return Pace(one_in=config.slower, step=config.slower, beam=config.slower)
@@ -103,9 +101,9 @@ def pace_of(config: CampaignConfig) -> Pace:
 
 
 def fits(config: CampaignConfig) -> bool:
-    """Return True if the lane can work for a campaign.
+    """Return True if the strategy suits a campaign.
 
-    On the pose lattice, with robots no wider than two cells.
+    It takes a motion model on the pose lattice and robots no wider than two cells.
     """
     radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
     small = all(isinstance(value, float) and value <= DEFAULT_CELL_SIZE for value in radii)
@@ -113,21 +111,20 @@ def fits(config: CampaignConfig) -> bool:
 
 
 def search(task: Task) -> None:
-    """Looks at random scenes, and hands on the smallest failures of each key."""
+    """Screen random scenes, and hand the smallest failures of each key to triage."""
     count = pace_of(task.config).at_once
     look_through(task, lambda stream: scenes(stream, count))
 
 
 def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
-    """Looks at scenes until the unit's work is done, and hands on the smallest failures of each key.
+    """Screen scenes until the unit's work is done; prove the smallest failures of each key.
 
-    Oracles that are asked for judge the most winding of the runs that arrive, as the door does what
-    fails.
+    Oracles judge the runs that arrive with the longest detours.
 
     Args:
         task: The unit.
-        draw: Gives the next scenes from the unit's random numbers.
-        seen: Called with what came of them, before the next are drawn.
+        draw: Draws the next scenes from the unit's random stream.
+        seen: Called with each batch's result before the next is drawn.
     """
     few = Few()
     pace = pace_of(task.config)
@@ -137,25 +134,26 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         to_prove = deque(few.in_order(pace))
         _prove(task, to_prove)
     except KeyboardInterrupt:
-        # Nothing was proved while the unit looked, so all that it met is still to be proved.
-        task.door.stop()
+        # If screening was interrupted, nothing is proved yet, so prove all that it found.
+        task.triage.stop()
         with contextlib.suppress(OutOfTime), stopping_when(lambda: True):
             _prove(task, deque(few.in_order(pace)) if to_prove is None else to_prove)
         raise
     check_time()
     for looks, n in asked:
         check_time()
-        task.door.ask(looks.world(n), looks.scenario_of(n))
+        task.triage.ask(looks.world(n), looks.scenario_of(n))
 
 
 def _look(
     task: Task, draw: Draw, seen: Seen | None, few: Few, pace: Pace
 ) -> list[tuple[Screening, int]]:
-    """Look at the unit's scenes and give ``few`` the failures.
+    """Screen the unit's scenes and add the failures to ``few``.
 
-    Return the runs that oracles are to judge.
+    Returns:
+        The runs that the oracles judge, each a batch and an index into it.
     """
-    result = task.door.result
+    result = task.triage.result
     asked = list[tuple[Screening, int]]()
     for looks in _looks(task, draw, pace):
         if seen is not None:
@@ -171,29 +169,29 @@ def _look(
 
 
 def _prove(task: Task, failed: deque[tuple[Screening, int]]) -> None:
-    """Hand failures to the door, and take each out of the queue as its turn comes."""
+    """Hand failures to triage, removing each from the queue first."""
     while failed:
         looks, n = failed.popleft()
-        task.door.enter(
+        task.triage.enter(
             looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}"
         )
 
 
 def _most_winding(looks: Screening, most: int) -> list[int]:
-    """Of the runs that arrived those that drove furthest for their way."""
+    """Return the arriving runs that drove furthest, relative to the shortest path."""
     arrived = np.flatnonzero(looks.ran & ~looks.failed)
     order = np.argsort(-looks.driven[arrived] / np.maximum(looks.way[arrived], 1), kind="stable")
     return [int(n) for n in arrived[order[:most]]]
 
 
 class Few:
-    """The failures with the fewest solid cells of each key."""
+    """Keep the failures with the fewest solid cells of each key."""
 
     def __init__(self) -> None:
         self._of_key: dict[int, list[tuple[int, Screening, int]]] = {}
 
     def add(self, looks: Screening) -> None:
-        """Takes in what failed."""
+        """Add the failures of a batch."""
         failed = np.flatnonzero(looks.failed)
         solid = looks.solid
         keys = looks.key
@@ -205,7 +203,7 @@ class Few:
                 del found[_OF_EACH_KEY:]
 
     def in_order(self, pace: Pace = _COMPILED) -> list[tuple[Screening, int]]:
-        """The smallest of each key, then the second smallest, and so on; not too many."""
+        """Return the smallest failure of each key, then the second smallest, up to the pace's limit."""
         ranked = sorted(
             (rank, solid, key, looks, n)
             for key, found in self._of_key.items()
@@ -221,23 +219,21 @@ class Few:
 
 
 def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Screening]:
-    """The unit's scenes, until its work is done.
+    """Yield screened batches of scenes until the unit's work is done.
 
-    How much that is depends on nothing but their results.
+    The amount of work depends only on their results, not on the clock.
     """
     config = task.config
     stream = task.stream
-    values = {
-        one.name: stream.choice(one.values) for one in config.vary
-    }  # one of each for a whole unit
+    # Varied options keep one value for the whole unit.
+    values = {one.name: stream.choice(one.values) for one in config.vary}
     world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
     robot = {
         name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")
     }
     times = np.array([scenario.run.time_step] if "time_step" in values else config.time_steps)
-    step = (
-        pace.step + pace.beam * robot_for(task.controller, scenario.run.robot).beams
-    )  # each takes as long as a step
+    # Each beam of a step adds its own cost.
+    step = pace.step + pace.beam * robot_for(task.controller, scenario.run.robot).beams
     work = 0
     count = 0
     while work < _WORK * config.examples and count < _SCENES * config.examples:
@@ -253,6 +249,6 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Screening]:
 
 
 def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:
-    """(count, SCENE_BYTES) random scenes."""
+    """Return (count, SCENE_BYTES) uint8, random scenes."""
     words = stream.bits(count * _SCENE_WORDS).astype("<u8")
     return words.view(np.uint8).reshape(count, -1)[:, :SCENE_BYTES].copy()

@@ -1,9 +1,8 @@
-"""Which lane a unit works for: lanes share the budget by what they yield.
+"""Share a campaign's budget among search strategies in proportion to their yield.
 
-A lane's yield is what it brought, divided by what it cost; cost is counted in worlds and steps, not
-by the clock, so that a plan is the same on every machine. A lane of which nothing is known is taken
-to be worth a try, and none falls below a floor, for what a lane brings changes as a campaign goes
-on.
+The yield of a strategy is what it found divided by its cost. Cost is counted in worlds and steps
+rather than seconds, so a plan is the same on every machine. A strategy starts with an optimistic
+estimate, and its share never falls below a floor, because yields change during a campaign.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from dataclasses import dataclass
 
 from fuzz.boundary import is_bounded, subject_of
 from fuzz.campaign.config import CampaignConfig
-from fuzz.campaign.result import LaneYield, SearchState
+from fuzz.campaign.result import SearchState, StrategyYield
 from fuzz.search.archive import ARCHIVE
 from fuzz.search.boundary import BOUNDARY
 from fuzz.search.names import DATABASE, SEALED, can_breach
@@ -21,7 +20,7 @@ from fuzz.search.native import NATIVE
 from fuzz.search.native import fits as fits_native
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 
-__all__ = ["Prices", "lane_shares", "lanes_for", "planned_lane", "prices_of"]
+__all__ = ["Prices", "planned_strategy", "prices_of", "strategies_for", "strategy_shares"]
 
 _DRAWN = (
     "features",
@@ -36,31 +35,32 @@ _DRAWN = (
     "shift",
 )
 _PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
-"""New classes that a lane is taken to bring at first, for each unit of cost; 1 for the others."""
+"""Estimate of the new classes a strategy finds at first, per unit of cost; 1 if not listed."""
 
-_FLOOR = 0.3  # share of the budget that is dealt out evenly
-_FAILURE = 0.01  # what a failure counts beside a class that is new
+_FLOOR = 0.3  # share of the budget that is split evenly
+_FAILURE = 0.01  # weight of a failure, relative to a new class
 _WORLD_COST = {
     NATIVE: 0.02,
     ARCHIVE: 0.03,
     "features": 1.0,
     SEALED: 1.0,
     BOUNDARY: 0.5,
-}  # ms, beside its steps
-_FAMILY_COST = 4.0  # ms, likewise, of a family's world
-_AT_FIRST = 1000.0  # ms: what a lane's expected yield weighs against what it brought
+}  # ms per world, in addition to its steps
+_FAMILY_COST = 4.0  # ms per world of a family, in addition to its steps
+_AT_FIRST = 1000.0  # ms of work that the first estimate weighs as much as
 
-# Of 2**64: multiples of it lie as evenly as can be, wherever one begins or ends.
+# The golden ratio times 2**64. Its multiples, modulo 2**64, are spread as evenly as possible over
+# any run of consecutive units.
 _GOLDEN = 0x9E3779B97F4A7C15
 
 
 @dataclass(frozen=True)
 class Prices:
-    """What a campaign's work costs, by the kind of its controller; milliseconds.
+    """Cost of a campaign's work in milliseconds, which depends on the kind of its controller.
 
     Args:
-        step: Of a run.
-        proof: Of each failure: certified, run again, recorded, judged, classified.
+        step: One step of a run.
+        proof: One failure: certify, run again, record, judge and classify it.
     """
 
     step: float = 1e-4
@@ -68,10 +68,10 @@ class Prices:
 
 
 _SLOW = Prices(step=1e-2)
-_PYTHON = Prices(
-    step=3e-3, proof=80.0
-)  # a proof runs the class four times or so, each up to 7,500 steps
-_PROCESS = Prices(step=5e-2, proof=400.0)  # and starts the program each time
+# A proof runs a Python class about four times, for up to 7,500 steps.
+_PYTHON = Prices(step=3e-3, proof=80.0)
+# It also starts a program each time.
+_PROCESS = Prices(step=5e-2, proof=400.0)
 
 
 def prices_of(config: CampaignConfig) -> Prices:
@@ -82,8 +82,8 @@ def prices_of(config: CampaignConfig) -> Prices:
     return _PROCESS if isinstance(controller, ProcessController) else _PYTHON
 
 
-def lanes_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:
-    """The lanes that fit a campaign, those that are tried first first."""
+def strategies_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:
+    """Return the strategies that fit a campaign, in the order in which they are first tried."""
     if config.families:
         return config.families
     if config.fixed_map is not None:
@@ -93,37 +93,39 @@ def lanes_for(config: CampaignConfig, memory: SearchState) -> tuple[str, ...]:
     return (*native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
-def planned_lane(config: CampaignConfig, unit: int, memory: SearchState) -> str:
-    """The lane of a unit. Of any run of units that know the same, each lane has its share, to within a unit or two.
+def planned_strategy(config: CampaignConfig, unit: int, memory: SearchState) -> str:
+    """Return the strategy of a unit.
 
-    What failed before comes first of all.
+    Among consecutive units with the same search state, each strategy gets its share to within one
+    or two units. With a database, the first unit runs what failed before.
     """
     if config.database and unit == 0:
         return DATABASE
-    names = lanes_for(config, memory)
+    names = strategies_for(config, memory)
+    # Walk along the shares, laid end to end from 0 to 1, up to the unit's point.
     point = unit * _GOLDEN % 2**64 / 2**64
-    for name, share in zip(names, lane_shares(names, memory, prices_of(config)), strict=True):
+    for name, share in zip(names, strategy_shares(names, memory, prices_of(config)), strict=True):
         point -= share
         if point < 0.0:
             return name
     return names[-1]
 
 
-def lane_shares(names: Sequence[str], memory: SearchState, prices: Prices) -> list[float]:
-    """The share of the budget of each lane, by what it yields.
+def strategy_shares(names: Sequence[str], memory: SearchState, prices: Prices) -> list[float]:
+    """Return each strategy's share of the budget; the shares add up to 1.
 
     Args:
-        names: Of the lanes.
-        memory: What they brought.
-        prices: Of the campaign's work.
+        names: Names of the strategies.
+        memory: State of the search, with what each strategy found so far.
+        prices: Cost of the campaign's work.
     """
-    yields = [_worth(name, memory.lanes.get(name, LaneYield()), prices) for name in names]
+    yields = [_worth(name, memory.strategies.get(name, StrategyYield()), prices) for name in names]
     total = sum(yields)
     return [_FLOOR / len(names) + (1.0 - _FLOOR) * one / total for one in yields]
 
 
-def _worth(name: str, brought: LaneYield, prices: Prices) -> float:
-    """New classes and failures for each second of work, beginning with what is expected of the lane."""
+def _worth(name: str, brought: StrategyYield, prices: Prices) -> float:
+    """Return new classes and failures per unit of cost, starting from the first estimate."""
     found = brought.classes + _FAILURE * brought.failures
     worlds = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST)
     cost = worlds + brought.steps * prices.step + brought.failures * prices.proof

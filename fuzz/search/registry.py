@@ -1,10 +1,12 @@
-"""Lanes: where a campaign's scenarios come from.
+"""Search strategies: where a campaign's scenarios come from.
 
-Each looks for runs that fail and brings them to the one door. Contents:
-    lane_of: the lane of a name.
-    check_lane: refuses a name, or a lane that does not fit a campaign.
-    Task: what a lane gets.
-    OWN_LANES: those that are no family's.
+Each looks for runs that fail and hands them to triage.
+
+Contents:
+    strategy_of: Looks a strategy up by name.
+    check_strategy: Refuses an unknown name, or a strategy that does not fit a scenario.
+    Task: The work of one unit, which a strategy is called with.
+    OWN_STRATEGIES: Names of the strategies that are not families.
 """
 
 from __future__ import annotations
@@ -15,21 +17,21 @@ from collections.abc import Callable
 from fuzz.boundary import is_bounded
 from fuzz.screening import can_screen
 from fuzz.search import archive, boundary, native
-from fuzz.search.names import DATABASE, LAYOUT_LANES, SEALED, can_breach
-from fuzz.search.plan import lanes_for
+from fuzz.search.names import DATABASE, LAYOUT_STRATEGIES, SEALED, can_breach
+from fuzz.search.plan import strategies_for
 from fuzz.search.task import Task
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 
-__all__ = ["OWN_LANES", "Lane", "Task", "check_lane", "lane_of"]
+__all__ = ["OWN_STRATEGIES", "Strategy", "Task", "check_strategy", "strategy_of"]
 
-Lane = Callable[[Task], None]
-"""Does a unit's work: counts its runs and hands what fails to the task's door."""
+Strategy = Callable[[Task], None]
+"""Does the work of one unit: counts its runs and hands those that fail to the task's triage."""
 
 
-# The import of Hypothesis takes a third of a campaign's start, so it waits for the first lane that
-# draws with it.
+# Importing Hypothesis takes a third of the time that a campaign needs to start, so it waits for the
+# first strategy that draws with it.
 
 
 def _search(task: Task) -> None:
@@ -41,11 +43,11 @@ def _search(task: Task) -> None:
 def _search_again(task: Task) -> None:
     from fuzz.search import drawn
 
-    lanes = [name for name in lanes_for(task.config, task.memory) if name not in _OWN]
-    drawn.search_again(task, lanes)
+    strategies = [name for name in strategies_for(task.config, task.memory) if name not in _OWN]
+    drawn.search_again(task, strategies)
 
 
-_OWN: dict[str, Lane] = {
+_OWN: dict[str, Strategy] = {
     boundary.BOUNDARY: boundary.search,
     native.NATIVE: native.search,
     archive.ARCHIVE: archive.search,
@@ -53,39 +55,42 @@ _OWN: dict[str, Lane] = {
 }
 
 
-OWN_LANES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *LAYOUT_LANES)
-"""Lanes that a user may ask for, beside the families."""
+OWN_STRATEGIES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *LAYOUT_STRATEGIES)
+"""Strategies that a user may ask for, in addition to families."""
 
 
-def lane_of(name: str) -> Lane:
-    """The lane of a name; that of a family, of ``features``, ``sealed`` and ``map`` lets Hypothesis draw."""
+def strategy_of(name: str) -> Strategy:
+    """Return the strategy of a name.
+
+    Families, ``features``, ``sealed`` and ``map`` share one, in which Hypothesis draws.
+    """
     return _OWN.get(name, _search)
 
 
-def check_lane(name: str, scenario: Scenario) -> None:
-    """Refuses what is neither a lane nor a family, and a lane that has nothing to do for a scenario.
+def check_strategy(name: str, scenario: Scenario) -> None:
+    """Check that a name is a strategy or a family, and that it can find failures of a scenario.
 
     Raises:
-        InvalidParameter: If it does not fit.
+        InvalidParameter: If the name is unknown or the strategy does not fit.
     """
     if ":" in name or name.endswith(".toml"):
         FAMILIES.get(name)
-    elif name not in (known := (*OWN_LANES, *FAMILIES.names())):
+    elif name not in (known := (*OWN_STRATEGIES, *FAMILIES.names())):
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
             "unknown-name",
-            "no lane and no family is called {name!r}",
-            "{hint}lanes: {lanes!l}; families: {families!l}; your own family: "
+            "no strategy and no family is called {name!r}",
+            "{hint}strategies: {strategies!l}; families: {families!l}; your own family: "
             "package.module:name, ./file.py:name or ./recipe.toml",
             name=name,
             hint=hint,
-            lanes=list(OWN_LANES),
+            strategies=list(OWN_STRATEGIES),
             families=list(FAMILIES.names()),
         )
     if name == SEALED and not can_breach(scenario):
         raise InvalidParameter(
-            "lane-needs-keep-going",
+            "strategy-needs-keep-going",
             "family {name!r} has walled-off targets, which only a robot reaches that goes on past "
             "a wall",
             "take --motion stepped without +keep_going, or another family",
@@ -94,18 +99,19 @@ def check_lane(name: str, scenario: Scenario) -> None:
         )
     if name in (native.NATIVE, archive.ARCHIVE) and not can_screen(scenario):
         raise InvalidParameter(
-            "lane-needs-other-motion",
-            "lane {lane!r} runs under swept or endpoint",
-            "take another lane for {label} under {motion}",
-            lane=name,
+            "strategy-needs-other-motion",
+            "strategy {strategy!r} runs under swept or endpoint",
+            "take another strategy for {label} under {motion}",
+            strategy=name,
             label=scenario.label(),
             motion=scenario.run.motion,
         )
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(
-            "lane-needs-no-chance",
-            "lane {lane!r} looks for where failures begin, and with chance they begin anywhere",
-            "take another lane for {label}",
-            lane=name,
+            "strategy-needs-no-chance",
+            "strategy {strategy!r} looks for where failures begin, and with chance they begin "
+            "anywhere",
+            "take another strategy for {label}",
+            strategy=name,
             label=scenario.label(),
         )

@@ -1,4 +1,4 @@
-"""The work of one unit, as its lane gets it."""
+"""The work of one unit, which a search strategy is called with."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class Task:
     """The work of one unit.
 
     Args:
-        lane: The lane that does it.
-        config: The campaign's.
-        unit: Its number.
-        memory: What it knows of earlier units.
-        door: Counts runs and takes failures.
+        strategy: Name of the strategy that does it.
+        config: Configuration of the campaign.
+        unit: Number of the unit.
+        memory: State of the search after earlier units.
+        triage: Counts runs and takes failures.
     """
 
-    lane: str
+    strategy: str
     config: CampaignConfig
     unit: int
     memory: SearchState
-    door: Triage
+    triage: Triage
 
     @cached_property
     def controller(self) -> Controller:
@@ -40,9 +40,9 @@ class Task:
 
     @property
     def stream(self) -> RandomStream:
-        """The unit's random numbers, from the beginning."""
+        """A new random stream of the unit; always starts at the beginning."""
         return RandomStream(self.config.seed).child("unit", self.unit)
 
     def scenario(self, seed: int, time_step: float) -> Scenario:
-        """What runs, with a draw's seed and time step."""
+        """Return the campaign's scenario with the seed and time step of a draw."""
         return self.config.scenario.with_run(time_step=time_step, seed=seed)

@@ -20,7 +20,7 @@ from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.limits import limits
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
-from fuzz.studio.workers import LANES, Worker
+from fuzz.studio.workers import WORKER_OF, Worker
 
 __all__ = ["FULL", "MOST_PAGES", "Studio", "make_app"]
 
@@ -70,10 +70,10 @@ class Studio:
 def make_app(studio: Studio) -> ASGIApp:
     """Return the studio as an ASGI application, behind its gate."""
     # Requests are answered by separate processes; watching needs none.
-    lanes: dict[str, Worker | Watching] = {
-        name: Worker(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
+    workers: dict[str, Worker | Watching] = {
+        name: Worker(studio.folder, studio.named) for name in dict.fromkeys(WORKER_OF.values())
     }
-    lanes["watching"] = Watching(studio.folder)
+    workers["watching"] = Watching(studio.folder)
 
     # The page and its files. Unknown addresses never reach the file system.
     async def part(request: Request) -> Response:
@@ -96,7 +96,7 @@ def make_app(studio: Studio) -> ASGIApp:
             return
         pages.add(socket)
         try:
-            await Session(socket, lanes, _begins(studio)).serve()
+            await Session(socket, workers, _begins(studio)).serve()
         finally:
             pages.remove(socket)
 
@@ -104,8 +104,8 @@ def make_app(studio: Studio) -> ASGIApp:
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         yield
-        for lane in lanes.values():
-            lane.end()
+        for worker in workers.values():
+            worker.end()
 
     routes = [WebSocketRoute("/socket", connection), Route("/{path:path}", part)]
     return Guarded(Starlette(routes=routes, lifespan=life), studio.gate)

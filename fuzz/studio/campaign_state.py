@@ -120,7 +120,7 @@ def _totals(folder: Path) -> dict[str, Any]:
             "verdicts": {},
             "met": {},
             "known": {},
-            "lanes": [],
+            "strategies": [],
             "archive": None,
         }
     return {
@@ -133,7 +133,7 @@ def _totals(folder: Path) -> dict[str, Any]:
         "verdicts": summary.verdicts,
         "met": summary.met,
         "known": summary.known,
-        "lanes": [vars(lane) for lane in summary.lanes],
+        "strategies": [vars(strategy) for strategy in summary.strategies],
         "archive": None if summary.archive is None else vars(summary.archive),
     }
 

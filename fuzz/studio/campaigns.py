@@ -36,8 +36,8 @@ from fuzz.studio.fuzz_words import (
     baseline,
     begun,
     budget,
-    check_lanes,
     check_oracles,
+    check_strategies,
     command_line,
     workers,
 )
@@ -192,7 +192,7 @@ class CampaignAnswers(Opened):
                 "resume it at a terminal",
                 name=name,
             )
-        check_lanes(configuration.get("families"))
+        check_strategies(configuration.get("families"))
         check_oracles(configuration.get("oracles"))
         # Resolve links, because the database is written to.
         database = Path(os.path.realpath(str(configuration.get("database") or self.folder.root)))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.oracles import ORACLES
-from fuzz.search.registry import OWN_LANES
+from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.folder import KNOWN
 from fuzz.studio.fuzz_words import options
 from fuzz.studio.refusals import refusal
@@ -55,7 +55,7 @@ def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> d
         "motions": [_motion(name) for name in MOTIONS.names()],
         "formats": [_format(name) for name in FORMATS.names()],
         "time_step": DEFAULT_TIME_STEP,
-        "lanes": list(OWN_LANES),
+        "strategies": list(OWN_STRATEGIES),
         "oracles": ORACLES.names(),
         "cores": os.cpu_count() or 1,
         "known": KNOWN,

@@ -16,7 +16,7 @@ from fuzz.commands.fuzz import fuzz
 from fuzz.corpus import read_corpus
 from fuzz.failure import Failure
 from fuzz.oracles import ORACLES
-from fuzz.search.registry import OWN_LANES
+from fuzz.search.registry import OWN_STRATEGIES
 from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.limits import MOST_SECONDS, MOST_UNITS, MOST_WORKERS
 from fuzz.studio.messages import field as part_of
@@ -34,8 +34,8 @@ __all__ = [
     "baseline",
     "begun",
     "budget",
-    "check_lanes",
     "check_oracles",
+    "check_strategies",
     "command_line",
     "options",
     "workers",
@@ -61,9 +61,11 @@ def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
         "motion": _one_of(message, "motion", MOTIONS.names()),
         "oracles": tuple(check_oracles(message.get("oracles", []))),
     }
-    lanes = check_lanes(message.get("lanes"))
-    checked["families"] = tuple(lane for lane in lanes if lane not in OWN_LANES)
-    checked["lanes"] = tuple(lane for lane in lanes if lane in OWN_LANES)
+    strategies = check_strategies(message.get("strategies"))
+    checked["families"] = tuple(
+        strategy for strategy in strategies if strategy not in OWN_STRATEGIES
+    )
+    checked["strategies"] = tuple(strategy for strategy in strategies if strategy in OWN_STRATEGIES)
     if message.get("database") is not None:
         checked["database"] = str(folder.place(part_of(message, "database", str)))
     # The other options check their own values.
@@ -202,12 +204,12 @@ def _plain(default: object) -> object:
     return default if isinstance(default, int | float | str) else None
 
 
-def check_lanes(names: object) -> list[str]:
+def check_strategies(names: object) -> list[str]:
     """Return strategies and families, refusing unregistered ones, which are code from files."""
-    offered = (*OWN_LANES, *FAMILIES.names())
+    offered = (*OWN_STRATEGIES, *FAMILIES.names())
     return [
-        _one_of({"lanes": one}, "lanes", offered)
-        for one in part_of({"lanes": names}, "lanes", list)
+        _one_of({"strategies": one}, "strategies", offered)
+        for one in part_of({"strategies": names}, "strategies", list)
     ]
 
 

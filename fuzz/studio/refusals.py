@@ -29,7 +29,7 @@ REMEDIES: Mapping[str, str] = {
     "file-exists": "overwrite it, or choose another name",
     "folder-holds-worlds": _ANOTHER_FOLDER,
     "invalid-campaign": _ANOTHER_FOLDER,
-    "lane-needs-keep-going": "choose another motion model than stepped+keep_going, or another "
+    "strategy-needs-keep-going": "choose another motion model than stepped+keep_going, or another "
     "family",
     "many-posts": "export as sdf, which has fewer, larger boxes",
     "motion-is-the-thesis-robots": "choose the motion model swept or endpoint for other "

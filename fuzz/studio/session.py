@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.watching import Watching
-from fuzz.studio.workers import LANES, Ended, Worker
+from fuzz.studio.workers import WORKER_OF, Ended, Worker
 from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]
@@ -47,7 +47,7 @@ class _StudioRequest:
 
     number: int
     kind: str
-    lane: Worker | Watching
+    worker: Worker | Watching
     task: asyncio.Task[None] | None = None
     running: bool = False
     replaced: bool = False
@@ -59,12 +59,12 @@ class Session:
 
     Args:
         socket: The connection to the page.
-        lanes: The workers by name.
+        workers: The workers by name.
         begins: First message to the page: the file to open, if the studio was started with one.
     """
 
     socket: WebSocket
-    lanes: Mapping[str, Worker | Watching]
+    workers: Mapping[str, Worker | Watching]
     begins: Mapping[str, Any]
     _jobs: dict[int, _StudioRequest] = field(default_factory=dict)
     _newest: dict[str, _StudioRequest] = field(default_factory=dict)
@@ -102,7 +102,7 @@ class Session:
             if job is not None and job.kind in _ENDED:
                 self._end(job)
             await self._send({"id": number, "answer": {}})
-        elif not isinstance(kind, str) or kind not in LANES:
+        elif not isinstance(kind, str) or kind not in WORKER_OF:
             unknown = Message(
                 "unknown-name",
                 "there is no request {name!q}",
@@ -113,7 +113,7 @@ class Session:
         elif len(self._jobs) >= _MOST_WAITING:
             await self._send({"id": number, "error": refusal(_FULL)})
         else:
-            self._begin(_StudioRequest(number, kind, self.lanes[LANES[kind]]), message)
+            self._begin(_StudioRequest(number, kind, self.workers[WORKER_OF[kind]]), message)
 
     def _begin(self, job: _StudioRequest, message: dict[str, Any]) -> None:
         old = self._newest.get(job.kind) if job.kind in _REPLACED else None
@@ -124,7 +124,7 @@ class Session:
         for name in _WARM.get(job.kind, ()):
             # If no process can start now, a later request to it reports that.
             with contextlib.suppress(OSError):
-                self.lanes[name].warm()
+                self.workers[name].warm()
 
     async def _do(
         self, job: _StudioRequest, old: _StudioRequest | None, message: dict[str, Any]
@@ -153,7 +153,7 @@ class Session:
     async def _ask(self, job: _StudioRequest, message: dict[str, Any]) -> dict[str, Any]:
         try:
             # Stop reading parts as soon as a newer request replaces this one.
-            async with contextlib.aclosing(job.lane.ask(job.kind, message)) as replies:
+            async with contextlib.aclosing(job.worker.ask(job.kind, message)) as replies:
                 async for what, table in replies:
                     if job.replaced and job.kind in _ENDED:
                         break
@@ -170,7 +170,7 @@ class Session:
         """End a job: a running one by ending its process, a waiting one by never starting it."""
         job.replaced = True
         if job.kind in _ENDED and job.running:
-            job.lane.end()
+            job.worker.end()
 
     async def _send(self, message: Mapping[str, Any]) -> None:
         await self.socket.send_text(json.dumps(message, separators=(",", ":"), allow_nan=False))

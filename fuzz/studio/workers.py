@@ -17,11 +17,11 @@ from fuzz.studio.processes import start_beside
 from fuzz.studio.refusals import our_fault, refusal
 from worldgen.errors import Message, WorldgenError
 
-__all__ = ["LANES", "Ended", "Worker"]
+__all__ = ["WORKER_OF", "Ended", "Worker"]
 
 _NICE = 5  # gives the page priority
 
-LANES = {
+WORKER_OF = {
     "hello": "files",
     "files": "files",
     "open": "files",
@@ -75,7 +75,7 @@ class Worker:
         self._given = (str(folder.root), named)
         self._turn = asyncio.Lock()
         # A separate thread: many waiting requests would use up asyncio's shared ones.
-        self._thread = ThreadPoolExecutor(1, "lane")
+        self._thread = ThreadPoolExecutor(1, "worker")
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 

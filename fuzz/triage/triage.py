@@ -156,7 +156,7 @@ class Triage:
             # A run that is too long to be recorded could not be shown, so it is dropped.
             with contextlib.suppress(InvalidParameter):
                 return self._keep(
-                    failure_of(world, scenario, oracle, found_by=self.result.lane, **settings)
+                    failure_of(world, scenario, oracle, found_by=self.result.strategy, **settings)
                 )
         return ""
 

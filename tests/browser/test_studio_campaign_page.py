@@ -16,7 +16,7 @@ pytestmark = pytest.mark.nightly
 def begin(page, *, units):
     """Fills the form with the mouse and the keyboard, and begins."""
     page.get_by_label("From these strategies and families").check()
-    page.locator("#campaign-lanes").get_by_label("trap", exact=True).check()
+    page.locator("#campaign-strategies").get_by_label("trap", exact=True).check()
     page.get_by_label("Units of work").check()
     page.locator("#campaign-amount").fill(str(units))
     page.get_by_text("More", exact=True).click()

@@ -110,7 +110,7 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
         page.keyboard.press("3")
         page.locator("#campaign-controller").select_option("bug1")
         page.get_by_label("From these strategies and families").check()
-        page.locator("#campaign-lanes").get_by_label("maze", exact=True).check()
+        page.locator("#campaign-strategies").get_by_label("maze", exact=True).check()
         page.get_by_label("Units of work").check()
         page.locator("#campaign-amount").fill("7")
         page.get_by_role("textbox", name="Seed").fill("12")
@@ -125,7 +125,7 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
         page.keyboard.press("3")
         page.locator("#campaign-controller").wait_for()
         assert page.locator("#campaign-controller").input_value() == "bug1"
-        assert page.locator("#campaign-lanes").get_by_label("maze", exact=True).is_checked()
+        assert page.locator("#campaign-strategies").get_by_label("maze", exact=True).is_checked()
         assert (
             page.get_by_label("Units", exact=True).input_value(),
             page.get_by_role("textbox", name="Seed").input_value(),

@@ -1,4 +1,4 @@
-"""The archive lane: kinds of behaviour fill up, the same each time, and failures come of it."""
+"""The archive strategy: kinds of behaviour fill up, the same each time, and failures come of it."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -60,7 +60,7 @@ def test_an_elite_is_what_its_world_shows(epochs):
 
 
 @pytest.mark.gate
-def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
+def test_a_unit_of_the_archive_strategy_is_the_same_again(epochs):
     again = run_unit(CONFIG, 2, epochs[1][2])
     assert again.elites == epochs[0][2].elites and again.steps == epochs[0][2].steps
     assert {k: found.dumps() for k, found in again.failures.items()} == {
@@ -69,9 +69,9 @@ def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("lane", ["archive", "boundary"])
-def test_another_process_does_a_unit_to_the_same_end(epochs, lane):
-    config = replace(CONFIG, families=(lane,))
+@pytest.mark.parametrize("strategy", ["archive", "boundary"])
+def test_another_process_does_a_unit_to_the_same_end(epochs, strategy):
+    config = replace(CONFIG, families=(strategy,))
     with get_context("spawn").Pool(1) as pool:
         there = pool.apply(run_unit, (config, 5, epochs[1][2]))
     here = run_unit(config, 5, epochs[1][2])
@@ -83,7 +83,7 @@ def test_another_process_does_a_unit_to_the_same_end(epochs, lane):
     )
 
 
-def test_failures_of_the_archive_lane_replay(epochs):
+def test_failures_of_the_archive_strategy_replay(epochs):
     failures = [failure for result in epochs[0] for failure in result.failures.values()]
     assert len(failures) > 5 and all(replay(failure).confirmed for failure in failures[:6])
 

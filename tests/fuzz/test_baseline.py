@@ -25,7 +25,7 @@ FUZZ = (
     "fuzz",
     "--controller",
     "turn-right",
-    "--lane",
+    "--strategy",
     "features",
     "--units",
     "2",

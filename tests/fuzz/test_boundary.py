@@ -1,6 +1,6 @@
 """Boundaries: neighbouring values at which a robot arrives and fails, each proved.
 
-The lane that brings them.
+The strategy that brings them.
 """
 
 import json
@@ -156,12 +156,12 @@ def failures_of(found, *, bounded):
     return chosen
 
 
-def test_every_failure_of_the_boundary_lane_replays(found):
+def test_every_failure_of_the_boundary_strategy_replays(found):
     for bounded in (True, False):
         assert all(replay(failure).confirmed for failure in failures_of(found, bounded=bounded))
 
 
-def test_a_failure_of_the_boundary_lane_that_does_not_say_where_it_begins_has_no_boundary_on_some_axis(
+def test_a_failure_of_the_boundary_strategy_that_does_not_say_where_it_begins_has_no_boundary_on_some_axis(
     found,
 ):
     for failure in failures_of(found, bounded=False):

@@ -65,10 +65,10 @@ def test_a_unit_ends_at_the_world_at_which_its_time_is_over(clock):
     assert cut.cut and 0 < cut.worlds < whole.worlds and not whole.cut
 
 
-@pytest.mark.parametrize("lane", ["native", "archive", "boundary", "trap"])
-def test_a_unit_of_any_lane_whose_time_is_over_does_nothing(lane):
-    result = run_unit(replace(CONFIG, families=(lane,)), 0, deadline=Deadline(0.0, 0.0))
-    assert result.cut and result.worlds == 0 and result.lane == lane
+@pytest.mark.parametrize("strategy", ["native", "archive", "boundary", "trap"])
+def test_a_unit_of_any_strategy_whose_time_is_over_does_nothing(strategy):
+    result = run_unit(replace(CONFIG, families=(strategy,)), 0, deadline=Deadline(0.0, 0.0))
+    assert result.cut and result.worlds == 0 and result.strategy == strategy
 
 
 def test_a_long_run_of_a_slow_controller_ends_between_two_steps():
@@ -110,7 +110,7 @@ def test_a_run_in_time_is_the_same_as_one_that_nobody_stops():
 def test_a_failure_that_was_met_counts_though_the_time_is_over():
     world = generate("trap", 7)
     scenario = Scenario("turn-right")
-    result = UnitResult(lane="trap")
+    result = UnitResult(strategy="trap")
     options = scenario.options(world)
     outcome = prepare(world, "turn-right", options).run(options.steps, find_loop=True, record=False)
     with pytest.raises(OutOfTime), stopping_when(lambda: True):
@@ -227,9 +227,9 @@ def stopped(monkeypatch):
     return at
 
 
-@pytest.mark.parametrize("lane", ["native", "archive"])
-def test_a_worker_that_ctrl_c_stops_proves_what_its_unit_met(stopped, lane):
-    result = run_unit(replace(CONFIG, families=(lane,), examples=100), 0)
+@pytest.mark.parametrize("strategy", ["native", "archive"])
+def test_a_worker_that_ctrl_c_stops_proves_what_its_unit_met(stopped, strategy):
+    result = run_unit(replace(CONFIG, families=(strategy,), examples=100), 0)
     assert result.cut and result.worlds and result.failures
 
 
@@ -239,8 +239,8 @@ def test_a_worker_that_ctrl_c_stops_does_not_prove_for_longer_than_anybody_waits
     assert result.cut and result.worlds and not result.failures
 
 
-@pytest.mark.parametrize("lane", ["native", "archive"])
-def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeypatch):
+@pytest.mark.parametrize("strategy", ["native", "archive"])
+def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(strategy, monkeypatch):
     calls, whole = count(), evaluate
 
     def evaluate_or_stop(*args, **kwargs):
@@ -249,7 +249,7 @@ def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeyp
         return whole(*args, **kwargs)
 
     monkeypatch.setattr("fuzz.search.native.evaluate", evaluate_or_stop)
-    result = run_unit(replace(CONFIG, families=(lane,), examples=1_000), 0)
+    result = run_unit(replace(CONFIG, families=(strategy,), examples=1_000), 0)
     assert result.interrupted and result.worlds and result.failures
 
 

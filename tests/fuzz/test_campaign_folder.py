@@ -167,10 +167,10 @@ def test_the_whole_plan_goes_on_from_its_memory_as_if_it_had_never_stopped(tmp_p
 
     whole = search("whole", 10)
     parts = [search("parts", units) for units in (3, 7, 10)][-1]
-    assert {"native", "archive"} <= whole.memory.lanes.keys() and whole.memory.elites
+    assert {"native", "archive"} <= whole.memory.strategies.keys() and whole.memory.elites
     assert list(parts.memory.elites.items()) == list(whole.memory.elites.items())
-    assert (parts.memory.lanes, list(parts.best), parts.met) == (
-        whole.memory.lanes,
+    assert (parts.memory.strategies, list(parts.best), parts.met) == (
+        whole.memory.strategies,
         list(whole.best),
         whole.met,
     )
@@ -266,8 +266,10 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
     tmp_path, monkeypatch
 ):
     config = replace(CONFIG, families=("archive",), examples=4, shrink=False)
-    for lane in ("archive", "native"):
-        monkeypatch.setattr(f"fuzz.search.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
+    for strategy in ("archive", "native"):
+        monkeypatch.setattr(
+            f"fuzz.search.{strategy}.pace_of", lambda _: Pace(generation=50, proved=6)
+        )
 
     def left(name):
         campaign_run = begin(config, tmp_path / name, Budget(units=4))
@@ -478,7 +480,7 @@ def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", '{"version": 2}', '{"version": 1, "configuration": 5}', "[" * 100_000]
+    "text", ["", "{", "[]", '{"version": 3}', '{"version": 2, "configuration": 5}', "[" * 100_000]
 )
 def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, copied):
     (copied / ".campaign" / "campaign.json").write_text(text)

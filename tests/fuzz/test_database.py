@@ -22,7 +22,7 @@ def config(tmp_path):
 def test_what_a_unit_found_the_next_campaign_tries_first(config):
     found = run_unit(config, 1)
     again = run_unit(replace(config, seed=99), 0)
-    assert again.lane == "database" and found.failures
+    assert again.strategy == "database" and found.failures
     assert set(found.failures) <= set(again.failures)
 
 
@@ -37,8 +37,8 @@ def test_trying_again_deletes_nothing(config):
 
 def test_a_database_changes_nothing_in_what_a_unit_draws(config):
     with_one, without = run_unit(config, 3), run_unit(replace(config, database=""), 3)
-    assert (with_one.lane, with_one.steps, with_one.verdicts) == (
-        without.lane,
+    assert (with_one.strategy, with_one.steps, with_one.verdicts) == (
+        without.strategy,
         without.steps,
         without.verdicts,
     )
@@ -62,7 +62,7 @@ def test_another_map_does_not_read_places_of_the_first(config):
     )
 
 
-def test_a_lane_has_its_own_failures(config):
+def test_a_strategy_has_its_own_failures(config):
     run_unit(replace(config, families=("trap",), examples=120), 1)
     assert list(remembered(config, "trap").fetch(b".secondary")) and not list(
         remembered(config, "maze").fetch(b".secondary")

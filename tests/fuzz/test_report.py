@@ -106,7 +106,7 @@ def test_every_failure_says_whether_it_replays(page):
     assert [failure["confirmed"] for failure in data_of(page)["failures"]] == [True, True, True]
 
 
-def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
+def test_numbers_say_strategy_chance_and_how_often_the_class_was_met(page):
     loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
     groups = {title: dict(rows) for title, rows in loop["groups"]}
     assert groups["Search"]["found by strategy"] == "native"
@@ -356,13 +356,13 @@ def test_a_campaign_writes_its_own_page(tmp_path):
     data = data_of(page)
     assert data["campaigns"][0]["units"] == 1
     assert len(data["failures"]) == len(list((tmp_path / "f").glob("*.grid")))
-    assert all(failure["before"] and failure["lane"] for failure in data["failures"])
+    assert all(failure["before"] and failure["strategy"] for failure in data["failures"])
 
 
 @pytest.mark.parametrize(
     ("change", "fault"),
     [
-        ({"version": 2}, "its version is 2"),
+        ({"version": 1}, "its version is 1"),
         ({"worlds": -1}, "'worlds' is no whole number"),
         ({"seconds": "fast"}, "'seconds' is no finite number"),
         ({"seconds": 10**400}, "too large|no summary"),
@@ -372,7 +372,7 @@ def test_a_campaign_writes_its_own_page(tmp_path):
             "'verdict' is no text, or empty",
         ),
         ({"met": {"loop": 1.5}}, "'loop' is no whole number"),
-        ({"lanes": {}}, "'lanes' is no list"),
+        ({"strategies": {}}, "'strategies' is no list"),
         ({"found": [3]}, "an object is wanted"),
         ({"archive": {"axes": []}}, "'axes' has 0 axes"),
         ({"archive": {**SUMMARY["archive"], "cells": [[3, 0, 1.0, "loop"]]}}, "lies outside"),

@@ -629,21 +629,21 @@ def test_what_is_wrong_with_a_name_is_said_without_the_path_of_the_folder(page, 
         )
 
 
-def test_a_lane_that_waits_holds_no_other_up(tmp_path, monkeypatch):
+def test_a_worker_that_waits_holds_no_other_up(tmp_path, monkeypatch):
     ends = []
 
-    def start(lane):
+    def start(worker):
         ours, theirs = multiprocessing.Pipe()
         ends.append((ours, theirs))
         return ours
 
-    async def ask(lane):
-        return [said async for said in lane.ask("files", {})][-1]
+    async def ask(worker):
+        return [said async for said in worker.ask("files", {})][-1]
 
     async def all_wait_but_one():
-        lanes = [Worker(Folder(tmp_path), ()) for _ in range(40)]
-        tasks = [asyncio.create_task(ask(lane)) for lane in lanes]
-        while len(ends) < len(lanes):
+        workers = [Worker(Folder(tmp_path), ()) for _ in range(40)]
+        tasks = [asyncio.create_task(ask(worker)) for worker in workers]
+        while len(ends) < len(workers):
             await asyncio.sleep(0.01)
         ends[-1][1].send(("answer", "here"))
         try:

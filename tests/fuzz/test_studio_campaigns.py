@@ -85,7 +85,7 @@ def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
     asked = (
         SHORT
         | MORE
-        | {"lanes": [], "world": message_of(read_world(folder / "drawn.grid")), "units": 1}
+        | {"strategies": [], "world": message_of(read_world(folder / "drawn.grid")), "units": 1}
     )
     begin(page, "by page", **asked)
     watch(page, "by page")
@@ -113,7 +113,7 @@ def written(out):
 
 @pytest.mark.gate
 def test_no_command_names_a_map_that_is_in_no_file(page):
-    message = SHORT | {"lanes": [], "world": message_of(generate("trap", 2)), "units": 1}
+    message = SHORT | {"strategies": [], "world": message_of(generate("trap", 2)), "units": 1}
     assert (
         page.ask("command", folder="x", **message, world_name=None)["error"]["code"] == "not-saved"
     )
@@ -246,7 +246,7 @@ def test_what_is_no_campaign_is_not_stopped(page):
 @pytest.mark.nightly
 def test_on_the_drawn_map_only_the_poses_vary(page, folder):
     drawn = generate("trap", 1)
-    begin(page, "drawn", units=1, lanes=[], world=message_of(drawn))
+    begin(page, "drawn", units=1, strategies=[], world=message_of(drawn))
     watch(page, "drawn")
     walls = [read_world(path).walls for path in (folder / "drawn").glob("*.grid")]
     assert walls and all((found == drawn.walls).all() for found in walls)
@@ -279,7 +279,7 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
 @pytest.mark.gate
 @pytest.mark.parametrize(
     ("changes", "why"),
-    [({"controller": "./mine.py:Robot"}, "not-named"), ({"lanes": ["./mine.py:family"]}, "not-registered"),
+    [({"controller": "./mine.py:Robot"}, "not-named"), ({"strategies": ["./mine.py:family"]}, "not-registered"),
      ({"oracles": ["./mine.py:oracle=3"]}, "not-registered"), ({"motion": "./mine.py:M"}, "not-registered"),
      ({"units": 0}, "out-of-range"), ({"units": None}, "wrong-type"), ({"seed": "-1"}, "not-a-seed"),
      ({"workers": 1000}, "out-of-range"), ({"epoch": -1}, "out-of-range"), ({"database": "../x"}, "outside-of-folder"),
@@ -387,13 +387,15 @@ def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
 
 
 @pytest.mark.nightly
-def test_every_lane_that_the_form_offers_may_be_asked_for(page):
-    lanes = [
-        lane for lane in page.ask("hello")["answer"]["lanes"] if lane != "sealed"
+def test_every_strategy_that_the_form_offers_may_be_asked_for(page):
+    strategies = [
+        strategy for strategy in page.ask("hello")["answer"]["strategies"] if strategy != "sealed"
     ]  # of robots that go on past a wall
-    assert "archive" in lanes
-    assert "answer" in begin(page, "of lanes", lanes=lanes, units=1)
-    assert {lane["lane"] for lane in watch(page, "of lanes")["lanes"]} <= set(lanes)
+    assert "archive" in strategies
+    assert "answer" in begin(page, "of strategies", strategies=strategies, units=1)
+    assert {strategy["strategy"] for strategy in watch(page, "of strategies")["strategies"]} <= set(
+        strategies
+    )
 
 
 @pytest.mark.nightly
@@ -439,7 +441,7 @@ def test_a_campaign_that_begins_again_has_not_given_up(stored):
 
 def test_what_was_refused_after_a_campaign_was_done_says_nothing_of_it(stored):
     summary = {
-        "version": 1,
+        "version": 2,
         "status": "done",
         "controller": "turn-right",
         "motion": "swept",

@@ -259,7 +259,8 @@ def test_a_small_file_that_says_it_is_huge_is_refused_in_little_memory(page, fol
 def most_memory():
     """Of any process of the studio, at any time, in bytes."""
     told = [
-        Path(f"/proc/{lane.pid}/status").read_text() for lane in multiprocessing.active_children()
+        Path(f"/proc/{worker.pid}/status").read_text()
+        for worker in multiprocessing.active_children()
     ]
     return max(1024 * int(re.search(r"VmHWM:\s+(\d+)", one)[1]) for one in told)
 
@@ -267,14 +268,14 @@ def most_memory():
 @contextlib.contextmanager
 def no_room(bytes_left):
     """Nothing that the studio's processes write may be longer."""
-    for lane in multiprocessing.active_children():
-        resource.prlimit(lane.pid, resource.RLIMIT_FSIZE, (bytes_left, resource.RLIM_INFINITY))
+    for worker in multiprocessing.active_children():
+        resource.prlimit(worker.pid, resource.RLIMIT_FSIZE, (bytes_left, resource.RLIM_INFINITY))
     try:
         yield
     finally:
-        for lane in multiprocessing.active_children():
+        for worker in multiprocessing.active_children():
             resource.prlimit(
-                lane.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
+                worker.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
             )
 
 
@@ -332,7 +333,7 @@ def test_a_folder_that_nobody_can_write_is_read_and_what_is_written_is_refused(d
     }
     with read_only(tmp_path), studio_of(tmp_path) as gate, page_of(gate) as page:
         assert page.ask("open", name="f.grid")["answer"]["world"]["cells"]
-        said = page.ask(do, lanes=[], units=1, **message)
+        said = page.ask(do, strategies=[], units=1, **message)
     assert re.search("Read-only|Permission denied", said["error"]["problem"])
     assert str(tmp_path) not in json.dumps(said["error"])
     assert [path.name for path in tmp_path.iterdir()] == ["f.grid"]

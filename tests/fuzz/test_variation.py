@@ -135,7 +135,7 @@ def test_the_command_line_varies_and_its_failures_replay(tmp_path):
 
 def test_a_campaign_in_which_no_world_could_be_run_is_no_success(tmp_path):
     ended = worldgen(
-        "fuzz", "--controller", "turn-right", "--vary", "robot_radius=50", "--units", 1, "--lane", "features",
+        "fuzz", "--controller", "turn-right", "--vary", "robot_radius=50", "--units", 1, "--strategy", "features",
         "--examples", 5, "--workers", 1, "--out", tmp_path,
     )  # fmt: skip
     assert ended.code == 2 and ended.error_code == "no-world-fits"

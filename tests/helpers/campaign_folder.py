@@ -12,18 +12,18 @@ from worldgen.files.grid import read_world, world_digest, write_world
 CORPUS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP, TUNNEL, STALLED = "thesis-1-loop-104.grid", "thesis-2-slide.grid", "thesis-1-confined.grid"
 SUMMARY = {
-    "version": 1, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
+    "version": 2, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
     "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"loop-a": 17},
-    "lanes": [
-        {"lane": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "classes": 1},
-        {"lane": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "classes": 1},
+    "strategies": [
+        {"strategy": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "classes": 1},
+        {"strategy": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "classes": 1},
     ],
     "found": [
-        {"unit": 0, "lane": "native", "class": "loop-a", "solid_cells": 40, "worlds": 12, "steps": 900,
+        {"unit": 0, "strategy": "native", "class": "loop-a", "solid_cells": 40, "worlds": 12, "steps": 900,
          "seconds": 0.2, "file": "a"},
-        {"unit": 1, "lane": "archive", "class": "tunnel-a", "solid_cells": 9, "worlds": 300, "steps": 40_000,
+        {"unit": 1, "strategy": "archive", "class": "tunnel-a", "solid_cells": 9, "worlds": 300, "steps": 40_000,
          "seconds": 1.2, "file": "b"},
-        {"unit": 2, "lane": "native", "class": "loop-a", "solid_cells": 4, "worlds": 500,
+        {"unit": 2, "strategy": "native", "class": "loop-a", "solid_cells": 4, "worlds": 500,
          "steps": 70_000, "seconds": 2.5, "file": "c"},
     ],
     "archive": {

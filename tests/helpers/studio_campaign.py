@@ -19,7 +19,7 @@ class Robot:
 SHORT = {
     "controller": "turn-right",
     "motion": "swept",
-    "lanes": ["trap"],
+    "strategies": ["trap"],
     "seed": "1",
     "workers": 1,
     "examples": 8,

@@ -52,9 +52,9 @@ def fill(folder):
 
 @contextlib.contextmanager
 def studio_with_kinds(folder):
-    """Serve a folder, and run the campaign ``kinds`` of the lane of behaviours in it first."""
+    """Serve a folder, and run the campaign ``kinds`` of the strategy of behaviours in it first."""
     with studio_of(folder) as gate:
         with page_of(gate) as page:
-            assert "answer" in begin(page, "kinds", lanes=["archive"], units=2)
+            assert "answer" in begin(page, "kinds", strategies=["archive"], units=2)
             watch(page, "kinds")
         yield gate

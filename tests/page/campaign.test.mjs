@@ -12,7 +12,7 @@ const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
   budget: { units: 4, seconds: null }, units: 2, elapsed: null, archive: null, failures: 5,
   met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
-  lanes: [{ lane: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { lane: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
+  strategies: [{ strategy: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { strategy: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
 };
 const DONE = { ...RUNNING, running: false, units: 4, status: "done" };
 const REFUSED = { code: "scheduler-lost", problem: "the scheduler is gone", remedy: "", terminal: false, opens: "", facts: {}, line: null, source: null };
@@ -99,11 +99,11 @@ test("the smallest failure is the best so far, and before there is one the longe
   assert.deepEqual(done, ["loop-z"]);
 });
 
-test("a lane whose counts grow is the one that works now", () => {
+test("a strategy whose counts grow is the one that works now", () => {
   const { made, rows } = status();
   made.show(RUNNING);
-  const [native, trap] = RUNNING.lanes;
-  made.show({ ...RUNNING, lanes: [native, { ...trap, worlds: 160 }] });
+  const [native, trap] = RUNNING.strategies;
+  made.show({ ...RUNNING, strategies: [native, { ...trap, worlds: 160 }] });
   assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]); // more classes first
 });
 
@@ -136,7 +136,7 @@ const option = { help: "What it does, or ./file.py:name.", default: 60 };
 const OFFERED = {
   controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: REFUSED }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
   motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
-  lanes: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", time_step: 0.015,
+  strategies: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", time_step: 0.015,
   options: Object.fromEntries(["--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
 };
 
@@ -170,7 +170,7 @@ test("an untouched form asks for what is usual", async () => {
   const { send } = form();
   assert.deepEqual(await send(), {
     time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
-    folder: "turn-right-swept", controller: "turn-right", motion: "swept", lanes: [], world: null, world_name: null, seed: "1", workers: 2, known: true, seconds: 30,
+    folder: "turn-right-swept", controller: "turn-right", motion: "swept", strategies: [], world: null, world_name: null, seed: "1", workers: 2, known: true, seconds: 30,
   });
 });
 
@@ -184,11 +184,11 @@ test("what was filled in is what is asked for", async () => {
   type(field("Seed"), " 12 ");
   type(field("Worlds per unit"), "9");
   type(field("Oracles"), "turn  wall=3 ");
-  const { controller, lanes, units, seconds, seed, examples, oracles, folder } = await send();
-  assert.deepEqual([controller, lanes, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
+  const { controller, strategies, units, seconds, seed, examples, oracles, folder } = await send();
+  assert.deepEqual([controller, strategies, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
 });
 
-test("without a lane, where some were to be chosen, nothing is begun", async () => {
+test("without a strategy, where some were to be chosen, nothing is begun", async () => {
   const { radio, send, begun, made } = form();
   tick(radio("some"));
   await send();
@@ -240,7 +240,7 @@ test("what was chosen is there again the next time, for this folder", async () =
 });
 
 test("what was kept and is offered no more leaves the usual form", () => {
-  const none = { state: { controller: "gone", motion: "gone" }, lanes: ["gone"], more: { gone: 1 } };
+  const none = { state: { controller: "gone", motion: "gone" }, strategies: ["gone"], more: { gone: 1 } };
   localStorage.setItem("worldgen-studio-kept-campaign-form-/here", JSON.stringify(none));
   const { field } = form();
   assert.deepEqual([field("Controller").value, field("Motion model").value], ["turn-right", "swept"]);

@@ -8,7 +8,7 @@ import { makeOverview } from "#report/overview.js";
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
-  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, lane: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, now, ...more };
+  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, strategy: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, now, ...more };
 }
 
 const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { kind: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
@@ -85,11 +85,11 @@ test("arrow keys go from card to card", () => {
 const CAMPAIGN = {
   controller: "turn-right", motion: "swept", folder: "mine", seed: "1", units: 4, worlds: 900, steps: 120_000, seconds: 3.5,
   verdicts: { reached: 700, loop: 12 }, met: { "loop-a": 17, "tunnel-a": 2 },
-  lanes: [{ lane: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, classes: 1 }, { lane: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, classes: 2 }],
+  strategies: [{ strategy: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, classes: 1 }, { strategy: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, classes: 2 }],
   found: [
-    { unit: 0, lane: "native", kind: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
-    { unit: 1, lane: "archive", kind: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
-    { unit: 2, lane: "native", kind: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
+    { unit: 0, strategy: "native", kind: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
+    { unit: 1, strategy: "archive", kind: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
+    { unit: 2, strategy: "native", kind: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
   ],
   archive: { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1.5, "reached"], [2, 1, 4, "loop"]], axes: [{ name: "detour", edges: [1.5, 2] }, { name: "density", edges: [0.1] }] },
 };

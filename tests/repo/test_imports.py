@@ -14,7 +14,7 @@ def test_import_contracts_hold():
     assert lint_imports(config_filename=str(ROOT / "pyproject.toml"))
 
 
-def test_a_campaign_begins_without_what_only_some_lanes_need():
+def test_a_campaign_begins_without_what_only_some_strategies_need():
     heavy = ["hypothesis", "scipy.special", "pytest"]
     modules = "fuzz.campaign.session, fuzz.campaign.unit, fuzz.ci, fuzz.report"
     code = f"import sys, {modules}; print(sorted(set({heavy}) & set(sys.modules)))"

@@ -35,7 +35,7 @@ def answers(folder):
     search = (
         "--controller",
         "turn-right",
-        "--lane",
+        "--strategy",
         "native",
         "--examples",
         1,

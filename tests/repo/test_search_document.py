@@ -4,7 +4,7 @@ import re
 
 from tests.repo.documented_commands import DOCS, part_with
 
-DOCUMENT = part_with(DOCS / "explanation" / "search.md", "The native lane")
+DOCUMENT = part_with(DOCS / "explanation" / "search.md", "The native strategy")
 
 
 def test_the_example_runs_and_finds_the_longest_way_round(capsys):

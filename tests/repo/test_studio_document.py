@@ -4,7 +4,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-from fuzz.studio.workers import LANES
+from fuzz.studio.workers import WORKER_OF
 from tests.helpers.command_line import worldgen
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -18,7 +18,7 @@ def test_every_question_of_the_protocol_is_described():
             re.MULTILINE,
         )
     )
-    assert rows - {"do"} == {*LANES, "cancel"}
+    assert rows - {"do"} == {*WORKER_OF, "cancel"}
 
 
 def test_every_option_of_the_command_is_described():

@@ -121,11 +121,14 @@ def test_earlier_names_work_and_are_not_shown():
         worldgen("compare", "--help").out
         + worldgen("shrink", "--help").out
         + worldgen("maze", "--help").out
+        + worldgen("fuzz", "--help").out
     )
     assert not any(
-        name in shown for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed")
+        name in shown
+        for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed", "--lane")
     )
     assert "no such option" not in worldgen("shrink", "none.grid", "--seconds", 5).err.lower()
+    assert "no strategy" in worldgen("fuzz", "--controller", "bug1", "--lane", "no such").err
 
 
 def test_a_missing_option_is_named_by_its_own_name_only():

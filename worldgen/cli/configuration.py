@@ -30,7 +30,7 @@ _EITHER = (
     ("budget", "units"),
     ("scheduler", "workers"),
     ("world", "families"),
-    ("world", "lanes"),
+    ("world", "strategies"),
     ("begin", "families"),
 )
 _IN_A_FILE = re.compile(r"(?P<file>[^:+=]+\.(py|toml))(?P<rest>([:+=].*)?)", re.DOTALL)

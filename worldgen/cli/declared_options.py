@@ -1,6 +1,6 @@
-"""Options of a command from declared ones.
+"""Make the options of a command from declared ones.
 
-So that names, bounds, defaults and help stand in one place.
+Names, bounds, defaults and help are then written in one place.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 import click
 
+from worldgen.cli.output import named_also
 from worldgen.parameters import Parameter
 
 __all__ = ["declared_options"]
@@ -51,7 +52,10 @@ def _option(parameter: Parameter, said: str) -> Callable[[F], F]:
         settings["default"] = None
     if parameter.written.metavar:
         settings["metavar"] = parameter.written.metavar
-    return click.option(written, parameter.name, type=_type(parameter), **settings)
+    settings["type"] = _type(parameter)
+    if parameter.written.also:
+        return named_also(written, parameter.name, also=parameter.written.also, **settings)
+    return click.option(written, parameter.name, **settings)
 
 
 def _type(parameter: Parameter) -> Any:

@@ -46,7 +46,7 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
     result = done.result
     entry = {
         "unit": unit,
-        "lane": result.lane,
+        "strategy": result.strategy,
         "worlds": result.worlds,
         "steps": result.steps,
         "seconds": round(done.seconds, 3),
@@ -79,7 +79,7 @@ def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], 
         if entry.pop("digest") != digest_of([fingerprint, entry]) or entry["unit"] != unit:
             raise ValueError("it is of another campaign or unit, or was changed")
         result = UnitResult(
-            lane=str(entry["lane"]),
+            strategy=str(entry["strategy"]),
             worlds=int(entry["worlds"]),
             steps=int(entry["steps"]),
             verdicts=Counter({str(name): int(count) for name, count in entry["verdicts"].items()}),

@@ -30,7 +30,7 @@ from worldgen.files.whole import read_text, write_bytes
 
 __all__ = ["CampaignStore", "FolderStore"]
 
-_VERSION = 1
+_VERSION = 2
 _SHRUNK = re.compile(
     rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid"
 )

@@ -23,7 +23,7 @@ __all__ = [
 
 MEMORY = ".campaign"  # folder, in a campaign's folder, of what it remembers
 SUMMARY_FILE = "summary.json"
-_VERSION = 1
+_VERSION = 2
 _MOST_ROWS = 100_000
 _STATUSES = ("", "running", "done", "stopped", "failed")
 
@@ -32,7 +32,7 @@ _STATUSES = ("", "running", "done", "stopped", "failed")
 class StrategyTotals:
     """What one way of searching did: ``classes`` counts those that it was the first to find."""
 
-    lane: str
+    strategy: str
     units: int
     worlds: int
     steps: int
@@ -48,7 +48,7 @@ class BucketTotals:
     """
 
     unit: int
-    lane: str
+    strategy: str
     kind: str
     solid_cells: int
     worlds: int
@@ -60,7 +60,7 @@ class BucketTotals:
         """Return the part of the file that is about it."""
         return {
             "unit": self.unit,
-            "lane": self.lane,
+            "strategy": self.strategy,
             "class": self.kind,
             "solid_cells": self.solid_cells,
             "worlds": self.worlds,
@@ -112,7 +112,7 @@ class Summary:
         verdicts: How often each verdict was met, at first look.
         met: How often each class was met.
         known: Likewise, of those that were no news.
-        lanes: What each lane did.
+        strategies: What each strategy did.
         found: In order of time.
         archive: Behaviours met, if an archive was kept.
         units_cut: Units cut short, not among ``units``.
@@ -133,7 +133,7 @@ class Summary:
     verdicts: dict[str, int] = field(default_factory=dict)
     met: dict[str, int] = field(default_factory=dict)
     known: dict[str, int] = field(default_factory=dict)
-    lanes: list[StrategyTotals] = field(default_factory=list)
+    strategies: list[StrategyTotals] = field(default_factory=list)
     found: list[BucketTotals] = field(default_factory=list)
     archive: Archive | None = None
     units_cut: int = 0
@@ -165,7 +165,7 @@ class Summary:
             "verdicts": self.verdicts,
             "met": self.met,
             "known": self.known,
-            "lanes": [vars(lane) for lane in self.lanes],
+            "strategies": [vars(strategy) for strategy in self.strategies],
             "found": [find.row() for find in self.found],
             "archive": None if self.archive is None else self.archive.table(),
         }
@@ -271,7 +271,7 @@ def _summary(folder: Path, said: _SummaryReader) -> Summary:
         verdicts=said.counts("verdicts"),
         met=said.counts("met"),
         known=said.counts("known"),
-        lanes=[_lane(_SummaryReader(row)) for row in said.rows("lanes")],
+        strategies=[_strategy(_SummaryReader(row)) for row in said.rows("strategies")],
         found=[_find(_SummaryReader(row)) for row in said.rows("found")],
         archive=None if archive is None else _archive(archive),
         units_cut=said.whole_or_0("units_cut"),
@@ -281,15 +281,15 @@ def _summary(folder: Path, said: _SummaryReader) -> Summary:
     )
 
 
-def _lane(said: _SummaryReader) -> StrategyTotals:
+def _strategy(said: _SummaryReader) -> StrategyTotals:
     numbers = (said.whole(name) for name in ("units", "worlds", "steps", "failures", "classes"))
-    return StrategyTotals(said.text("lane"), *numbers)
+    return StrategyTotals(said.text("strategy"), *numbers)
 
 
 def _find(said: _SummaryReader) -> BucketTotals:
     return BucketTotals(
         unit=said.whole("unit"),
-        lane=said.text("lane"),
+        strategy=said.text("strategy"),
         kind=said.text("class"),
         solid_cells=said.whole("solid_cells"),
         worlds=said.whole("worlds"),

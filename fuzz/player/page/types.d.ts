@@ -172,7 +172,7 @@ interface ReportFailure {
   size: string;
   cells: number;
   met: number | null;
-  lane: string;
+  strategy: string;
   /** Index of its campaign on the page; -1 for none. */
   campaign: number;
   confirmed: boolean;
@@ -194,8 +194,8 @@ interface ReportCampaign {
   worlds: number;
   steps: number;
   seconds: number;
-  found: { kind: string; lane: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
-  lanes: { lane: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
+  found: { kind: string; strategy: string; unit: number; solid_cells: number; worlds: number; steps: number; seconds: number }[];
+  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
   met: Record<string, number>;
   verdicts: Record<string, number>;
   archive: Archive | null;

@@ -45,7 +45,7 @@ function campaignPart(campaign, links, several) {
       "div",
       { class: "charts" },
       foundChart(campaign, links),
-      laneChart(campaign),
+      strategyChart(campaign),
       archiveChart(campaign.archive),
       barChart(
         "Classes, by how often they were met",
@@ -108,7 +108,7 @@ function foundChart(campaign, links) {
       ["class", "strategy", "unit", "cells", "worlds", "steps", "s"],
       campaign.found.map((find) => [
         linked(find.kind, links),
-        find.lane,
+        find.strategy,
         grouped(find.unit),
         grouped(find.solid_cells),
         grouped(find.worlds),
@@ -149,7 +149,7 @@ function foundPlot(campaign, curve, axis) {
       svg(
         "title",
         {},
-        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.lane}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, strategy ${point.find.strategy}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
       ),
     ),
   );
@@ -189,24 +189,24 @@ function ticks(most) {
   return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
 }
 
-function laneChart(campaign) {
-  if (campaign.lanes.length === 0) return null;
-  const most = Math.max(...campaign.lanes.map((lane) => lane.classes), 1);
-  const rows = campaign.lanes.map((lane) => [
-    lane.lane,
-    grouped(lane.units),
-    grouped(lane.worlds),
-    grouped(lane.steps),
-    grouped(lane.failures),
-    grouped(lane.classes),
-    lane.steps > 0 ? Number(((lane.classes / lane.steps) * 1e6).toPrecision(2)).toString() : "–",
-    meter(lane.classes / most),
+function strategyChart(campaign) {
+  if (campaign.strategies.length === 0) return null;
+  const most = Math.max(...campaign.strategies.map((strategy) => strategy.classes), 1);
+  const rows = campaign.strategies.map((strategy) => [
+    strategy.strategy,
+    grouped(strategy.units),
+    grouped(strategy.worlds),
+    grouped(strategy.steps),
+    grouped(strategy.failures),
+    grouped(strategy.classes),
+    strategy.steps > 0 ? Number(((strategy.classes / strategy.steps) * 1e6).toPrecision(2)).toString() : "–",
+    meter(strategy.classes / most),
   ]);
-  const best = [...campaign.lanes].sort((a, b) => b.classes - a.classes)[0];
+  const best = [...campaign.strategies].sort((a, b) => b.classes - a.classes)[0];
   return chart(
     "By search strategy",
     best.classes > 0
-      ? `Strategy ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`
+      ? `Strategy ${best.strategy} was the first to find ${plural(best.classes, "class", "classes")}.`
       : "No strategy found a class.",
     table(["strategy", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
   );

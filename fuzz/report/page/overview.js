@@ -76,7 +76,7 @@ export function failureOf(failures, id) {
 }
 
 function fits(failure, wanted) {
-  const text = `${failure.kind} ${failure.controller} ${failure.motion} ${failure.path} ${failure.lane}`.toLowerCase();
+  const text = `${failure.kind} ${failure.controller} ${failure.motion} ${failure.path} ${failure.strategy}`.toLowerCase();
   return (
     (wanted.verdicts.size === 0 || wanted.verdicts.has(failure.verdict)) &&
     (wanted.controller === "" || failure.controller === wanted.controller) &&

@@ -19,7 +19,7 @@ const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", bud
  * @returns {{element: HTMLElement, refresh: () => void, workers: () => number | null}}
  */
 export function makeForm(campaign) {
-  const state = { ...USUAL, lanes: new Set(), chosen: false };
+  const state = { ...USUAL, strategies: new Set(), chosen: false };
   const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Loading the choices …")) };
   const sent = (event) => {
     event.preventDefault();
@@ -53,7 +53,7 @@ function build(form) {
   const { offered, folder, limits } = campaign.studio;
   form.folder = folder;
   const kept = keptFor(folder, offered);
-  Object.assign(state, USUAL, firstOf(offered), kept.state, { lanes: new Set(kept.lanes) });
+  Object.assign(state, USUAL, firstOf(offered), kept.state, { strategies: new Set(kept.strategies) });
   parts.motion = motionField(offered.motions, state.motion, (name) => {
     state.chosen = true;
     setMotion(form, name);
@@ -97,9 +97,9 @@ function firstOf({ controllers }) {
 const namedIn = ({ controllers }) => controllers.filter(({ named }) => named).map(({ name }) => name);
 
 function keepForm({ campaign, state, parts, folder, more }) {
-  const { lanes, named, ...chosen } = state;
+  const { strategies, named, ...chosen } = state;
   const fields = { seed: parts.seed.value, workers: parts.workers.value, known: parts.known.checked, more: more.written() };
-  keep(folder, KEPT, { state: chosen, lanes: [...lanes], named: namedIn(campaign.studio.offered), ...fields });
+  keep(folder, KEPT, { state: chosen, strategies: [...strategies], named: namedIn(campaign.studio.offered), ...fields });
 }
 
 // Returns the earlier choices that are still offered; if the studio was started with other controllers, those come first.
@@ -108,9 +108,9 @@ function keptFor(folder, offered) {
   const { controller, motion, ...state } = kept.state ?? {};
   const who = offered.controllers.find(({ name, fault }) => name === controller && !fault);
   const same = String(namedIn(offered)) === String(kept.named) && who && offered.motions.some(({ name }) => name === motion);
-  const names = [...offered.lanes, ...offered.families.map(({ name }) => name)];
+  const names = [...offered.strategies, ...offered.families.map(({ name }) => name)];
   const chosen = same ? { controller, motion } : { chosen: false };
-  return { ...kept, state: { ...state, ...chosen }, lanes: (kept.lanes ?? []).filter((name) => names.includes(name)) };
+  return { ...kept, state: { ...state, ...chosen }, strategies: (kept.strategies ?? []).filter((name) => names.includes(name)) };
 }
 
 // Follows the page Play until something is chosen here: its controller, motion model and time step.
@@ -170,14 +170,14 @@ function radios(form, name, title, pairs, change) {
 
 function worldsPart(form) {
   const { campaign, state, parts } = form;
-  const names = [...campaign.studio.offered.lanes, ...campaign.studio.offered.families.map(({ name }) => name)];
+  const names = [...campaign.studio.offered.strategies, ...campaign.studio.offered.families.map(({ name }) => name)];
   const box = (name) => {
-    const change = (event) => (event.target.checked ? state.lanes.add(name) : state.lanes.delete(name));
-    return el("label", { class: "check" }, el("input", { type: "checkbox", value: name, checked: state.lanes.has(name), onchange: change }), name);
+    const change = (event) => (event.target.checked ? state.strategies.add(name) : state.strategies.delete(name));
+    return el("label", { class: "check" }, el("input", { type: "checkbox", value: name, checked: state.strategies.has(name), onchange: change }), name);
   };
   parts.none = el("small", { class: "fault", role: "alert", hidden: true }, "Choose at least one.");
-  const lanes = el("div", { class: "robots", id: "campaign-lanes", role: "group", "aria-label": "Strategies and families", hidden: state.worlds !== "some" }, names.map(box));
-  parts.lanes = lanes;
+  const strategies = el("div", { class: "robots", id: "campaign-strategies", role: "group", "aria-label": "Strategies and families", hidden: state.worlds !== "some" }, names.map(box));
+  parts.strategies = strategies;
   const pairs = [
     ["search", "Let the search choose"],
     ["some", "From these strategies and families"],
@@ -185,10 +185,10 @@ function worldsPart(form) {
   ];
   const set = (value) => {
     state.worlds = value;
-    lanes.hidden = value !== "some";
+    strategies.hidden = value !== "some";
     parts.none.hidden = true;
   };
-  return el("div", {}, radios(form, "worlds", "Worlds", pairs, set), lanes, parts.none);
+  return el("div", {}, radios(form, "worlds", "Worlds", pairs, set), strategies, parts.none);
 }
 
 function goalPart(form) {
@@ -226,7 +226,7 @@ function messageFor({ campaign, state, parts, more }) {
     folder: parts.folder.value.trim(),
     controller: state.controller,
     motion: state.motion,
-    lanes: state.worlds === "some" ? [...state.lanes] : [],
+    strategies: state.worlds === "some" ? [...state.strategies] : [],
     world: state.worlds === "drawn" ? messageOf(model.world) : null,
     world_name: state.worlds === "drawn" && !model.unsaved ? model.world.name || null : null,
     seed: parts.seed.value.trim(),
@@ -240,9 +240,9 @@ function messageFor({ campaign, state, parts, more }) {
 function isFilled({ parts, state }) {
   const inputs = [...parts.element.querySelectorAll("input:not([type=radio], [type=checkbox])")];
   const bad = inputs.filter((input) => !isGood(input));
-  const none = state.worlds === "some" && state.lanes.size === 0;
+  const none = state.worlds === "some" && state.strategies.size === 0;
   parts.none.hidden = !none;
-  const first = none ? parts.lanes.querySelector("input") : bad[0];
+  const first = none ? parts.strategies.querySelector("input") : bad[0];
   if (!first) return true;
   first.closest("details:not([open])")?.setAttribute("open", "");
   first.focus();

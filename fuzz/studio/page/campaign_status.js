@@ -16,7 +16,7 @@ export function makeStatus(campaign) {
     line: el("p", { class: "progress-line", id: "progress-line" }),
     bar: el("progress", { max: 1, value: 0, "aria-labelledby": "progress-line" }),
     classes: el("tbody", {}),
-    lanes: el("tbody", {}),
+    strategies: el("tbody", {}),
     fault: el("p", { class: "notice", role: "alert", hidden: true }),
     best: el("p", { class: "best-line", id: "best-so-far" }),
   };
@@ -30,10 +30,10 @@ export function makeStatus(campaign) {
     "div",
     { class: "tables" },
     table("Failures by class", ["Class", "Met", "Smallest"], parts.classes),
-    table("Strategies", ["Strategy", "Units", "Worlds", "Failed", "New"], parts.lanes),
+    table("Strategies", ["Strategy", "Units", "Worlds", "Failed", "New"], parts.strategies),
   );
   const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
-  const status = { campaign, parts, past: [], lanes: new Map(), state: null, smallest: null };
+  const status = { campaign, parts, past: [], strategies: new Map(), state: null, smallest: null };
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until a campaign is shown
   return {
     element,
@@ -56,7 +56,7 @@ function showFailures(status) {
 
 function show(status, state) {
   const { parts } = status;
-  if (!state || status.state?.folder !== state.folder) Object.assign(status, { past: [], lanes: new Map() });
+  if (!state || status.state?.folder !== state.folder) Object.assign(status, { past: [], strategies: new Map() });
   status.state = state;
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = !state;
   parts.fault.hidden = !(state && state.error);
@@ -66,27 +66,27 @@ function show(status, state) {
   parts.bar.value = share(state);
   parts.bar.hidden = !state.running;
   showFailures(status);
-  const now = lanesNow(status);
+  const now = strategiesNow(status);
   const mark = (name) => (now.has(name) ? [name, el("b", { class: "now" }, " now")] : name);
-  /** @type {(lane: CampaignState["lanes"][0]) => [Content, ...Content[]]} */
-  const row = (lane) => [mark(lane.lane), lane.units, lane.worlds, lane.failures, lane.classes];
-  parts.lanes.replaceChildren(...[...state.lanes].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((lane) => rowOf(row(lane))));
-  parts.tables.hidden = state.lanes.length === 0;
+  /** @type {(strategy: CampaignState["strategies"][0]) => [Content, ...Content[]]} */
+  const row = (strategy) => [mark(strategy.strategy), strategy.units, strategy.worlds, strategy.failures, strategy.classes];
+  parts.strategies.replaceChildren(...[...state.strategies].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((strategy) => rowOf(row(strategy))));
+  parts.tables.hidden = state.strategies.length === 0;
 }
 
 // Returns the strategies whose counts have grown in the last seconds; if none has, those that grew last, because units
 // may take long.
-function lanesNow({ state, lanes }) {
+function strategiesNow({ state, strategies }) {
   if (!state.running) return new Set();
   const now = performance.now(),
-    first = lanes.size === 0;
-  for (const { lane, worlds, units } of state.lanes) {
-    const before = lanes.get(lane),
+    first = strategies.size === 0;
+  for (const { strategy, worlds, units } of state.strategies) {
+    const before = strategies.get(strategy),
       counted = worlds + units;
-    if (!before || before.counted !== counted) lanes.set(lane, { counted, grew: first ? 0 : now });
+    if (!before || before.counted !== counted) strategies.set(strategy, { counted, grew: first ? 0 : now });
   }
-  const last = Math.max(0, ...[...lanes.values()].map(({ grew }) => grew));
-  return new Set([...lanes].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
+  const last = Math.max(0, ...[...strategies.values()].map(({ grew }) => grew));
+  return new Set([...strategies].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
 }
 
 // Shows the smallest failure or, before there is one, the longest path that a robot took to its target.

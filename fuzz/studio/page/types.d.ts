@@ -53,7 +53,7 @@ interface Offered {
   motions: Motion[];
   formats: Format[];
   time_step: number;
-  lanes: string[];
+  strategies: string[];
   oracles: string[];
   cores: number;
   /** Name of the folder of known failures. */
@@ -220,7 +220,7 @@ interface CampaignState {
   verdicts: Record<string, number>;
   met: Record<string, number>;
   known: Record<string, number>;
-  lanes: { lane: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
+  strategies: { strategy: string; units: number; worlds: number; steps: number; failures: number; classes: number }[];
   archive: Archive | null;
   error: Refusal | null;
 }

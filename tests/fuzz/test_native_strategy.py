@@ -1,4 +1,4 @@
-"""The native lane: a unit is a function of its number, and what it reports is proved and small."""
+"""The native strategy: a unit is a function of its number, and what it reports is proved and small."""
 
 from collections import Counter
 
@@ -11,7 +11,7 @@ from fuzz.campaign.unit import run_unit
 from fuzz.campaign.variation import Variation
 from fuzz.screening import evaluate
 from fuzz.search.native import Few, fits, scenes
-from fuzz.search.plan import planned_lane
+from fuzz.search.plan import planned_strategy
 from fuzz.triage.judging import replay
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
@@ -73,10 +73,11 @@ def test_of_runs_that_only_spent_their_budget_few_are_proved():
 
 
 def test_a_campaign_for_a_compiled_controller_is_mainly_native():
-    lanes = Counter(
-        planned_lane(CampaignConfig(Scenario("vfh")), unit, SearchState()) for unit in range(100)
+    strategies = Counter(
+        planned_strategy(CampaignConfig(Scenario("vfh")), unit, SearchState())
+        for unit in range(100)
     )
-    assert lanes["native"] > 35 and lanes["features"] > 5
+    assert strategies["native"] > 35 and strategies["features"] > 5
 
 
 @pytest.mark.parametrize(
@@ -90,7 +91,7 @@ def test_a_campaign_for_a_compiled_controller_is_mainly_native():
     ],
     ids=["compiled", "stepped", "vector", "radius", "slip"],
 )
-def test_the_lane_works_where_its_kernel_runs(config, expected):
+def test_the_strategy_works_where_its_kernel_runs(config, expected):
     assert fits(config) is expected
 
 

@@ -1,7 +1,7 @@
-"""What lanes bring, alone and together: classes of failures for equal CPU seconds of one core.
+"""What strategies bring, alone and together: classes of failures for equal CPU seconds of one core.
 
-``python -m benchmarks.lanes`` gives every way of sharing a campaign's budget the same CPU seconds
-for each controller: the campaign's own plan, all its lanes in turn, and some lanes alone. It prints
+``python -m benchmarks.strategies`` gives every way of sharing a campaign's budget the same CPU seconds
+for each controller: the campaign's own plan, all its strategies in turn, and some strategies alone. It prints
     how many classes each finds, and how
 large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled
 before that.
@@ -20,10 +20,10 @@ import click
 from fuzz.campaign.config import CampaignConfig
 from fuzz.campaign.result import SearchState
 from fuzz.campaign.unit import run_unit
-from fuzz.search.plan import lanes_for
+from fuzz.search.plan import strategies_for
 from sim.scenario import Scenario
 
-__all__ = ["CASES", "Row", "campaign", "lanes_at"]
+__all__ = ["CASES", "Row", "campaign", "strategies_at"]
 
 CASES = (
     ("turn-right", "swept"), ("turn-right", "stepped"), ("turn-left", "endpoint"), ("wall-left", "swept"),
@@ -32,9 +32,7 @@ CASES = (
 """Controllers and motion models of the table."""
 
 _ALONE = ("native", "archive", "features", "boundary")
-_EXAMPLES = (
-    100  # of a unit: a quarter of a campaign's, so that a lane's share can be told in few seconds
-)
+_EXAMPLES = 100  # of a unit: a quarter of a campaign's, so that a strategy's share can be told in few seconds
 _COMPILES = 10**6  # a unit that is far from all others
 
 
@@ -45,7 +43,7 @@ class Row:
     Args:
         controller: Its name.
         motion: Motion model.
-        way: ``plan``, ``in turn``, or a lane's name.
+        way: ``plan``, ``in turn``, or a strategy's name.
         seed: Of the campaign.
         units: Done.
         worlds: Simulated.
@@ -67,21 +65,21 @@ class Row:
     solid_cells: int
 
 
-def lanes_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
-    """Which lanes a unit may be of."""
+def strategies_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
+    """Which strategies a unit may be of."""
     if way == "plan":
         return lambda unit: ()
-    names = lanes_for(config, SearchState()) if way == "in turn" else (way,)
+    names = strategies_for(config, SearchState()) if way == "in turn" else (way,)
     return lambda unit: (names[unit % len(names)],)
 
 
 def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
-    """A campaign without shrinking, for so many CPU seconds after the first unit of every lane is compiled."""
+    """A campaign without shrinking, for so many CPU seconds after the first unit of every strategy is compiled."""
     config = CampaignConfig(
         Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
     )
-    at = lanes_at(way, config)
-    for name in lanes_for(config, SearchState()):
+    at = strategies_at(way, config)
+    for name in strategies_for(config, SearchState()):
         run_unit(replace(config, families=(name,), examples=1), _COMPILES)
     memory = SearchState()
     known = [SearchState(), SearchState()]
@@ -94,13 +92,13 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
         unit += 1
         if unit % config.epoch == 0:
             known.append(memory)
-    brought = memory.lanes.values()
+    brought = memory.strategies.values()
     failures = memory.failures
     return Row(
         controller, motion, way, seed, unit,
-        worlds=sum(lane.worlds for lane in brought),
-        steps=sum(lane.steps for lane in brought),
-        proved=sum(lane.failures for lane in brought),
+        worlds=sum(strategy.worlds for strategy in brought),
+        steps=sum(strategy.steps for strategy in brought),
+        proved=sum(strategy.failures for strategy in brought),
         classes=tuple(sorted(failures)),
         solid_cells=sum(failure.solid_cells for failure in failures.values()),
     )  # fmt: skip
@@ -120,7 +118,7 @@ def main() -> None:
     for controller, motion in CASES:
         if given.controller in (None, controller):
             config = CampaignConfig(Scenario.parse(controller, motion=motion))
-            fit = [name for name in _ALONE if name in lanes_for(config, SearchState())]
+            fit = [name for name in _ALONE if name in strategies_for(config, SearchState())]
             for way in ("plan", "in turn", *fit):
                 for seed in range(1, given.seeds + 1):
                     rows.append(campaign(controller, motion, way, seed, given.seconds))
