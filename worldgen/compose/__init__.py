@@ -1,12 +1,12 @@
-"""Worlds made of parts: pieces of cells, put on each other.
+"""Compose worlds from pieces: rectangles of cells that are placed on each other.
 
 Contents:
-    Piece: cells, marks and changes, with the operations on them.
-    of_family, of_world, of_cells, read, drawn, rectangle: where pieces come from.
-    beside, above: pieces in a row.
-    first_solvable: a composition with drawn parts, tried until the robot gets through.
+    Piece: cells, marks and timeline, with the operations on them.
+    of_family, of_world, of_cells, read, drawn, rectangle: create a piece.
+    beside, above: join pieces into a row or a column.
+    first_solvable: redraw a random composition until the robot can reach the target.
 
-``docs/howto/compose.md`` shows them, and how the same is written as a TOML recipe.
+``docs/howto/compose.md`` has examples, and shows how to write the same as a TOML recipe.
 """
 
 from worldgen.compose.piece import Piece

@@ -1,4 +1,4 @@
-"""Cells and their events as arrays: taken from elsewhere, or of two pieces at once."""
+"""Copy cells and their events between grids, and combine those of two pieces."""
 
 from __future__ import annotations
 
@@ -26,8 +26,10 @@ Bools: TypeAlias = npt.NDArray[np.bool_]
 Whole: TypeAlias = npt.NDArray[np.int64]
 How: TypeAlias = Literal["over", "union", "intersection", "carve"]
 
-MAX_EVENTS = 4_000_000  # of one piece; a repeated fire could take all memory
-SILENT = 3  # for a cell of which a piece says nothing
+# Limit per piece: tiling a fire repeats its events and could use up all memory.
+MAX_EVENTS = 4_000_000
+# State of a cell that is outside a piece's mask.
+SILENT = 3
 _FREE, _SOLID, _BURNING = (
     int(state) for state in (CellState.FREE, CellState.SOLID, CellState.BURNING)
 )
@@ -35,8 +37,8 @@ _F = _FREE
 _S = _SOLID
 _B = _BURNING
 
-# What a cell is, by what the host says (free, solid, burning, nothing) and then the piece (free,
-# solid, burning). Where the host says nothing, the piece alone counts.
+# State of a combined cell, indexed by the host's state (free, solid, burning, silent) and then by
+# the piece's (free, solid, burning). Where the host is silent, the piece decides alone.
 HOW: dict[How, npt.NDArray[np.uint8]] = {
     "over": np.array([[_F, _S, _B], [_F, _S, _B], [_F, _S, _B], [_F, _S, _B]], np.uint8),
     "union": np.array([[_F, _S, _B], [_S, _S, _S], [_B, _S, _B], [_F, _S, _B]], np.uint8),
@@ -48,7 +50,13 @@ HOW: dict[How, npt.NDArray[np.uint8]] = {
 
 
 class Events(NamedTuple):
-    """Changes of cells: flat cells (n,) int64, times (n,) float64, s, and states (n,) uint8."""
+    """Hold changes of cells as arrays, which are easier to move around than a ``Timeline``.
+
+    Args:
+        cells: (n,) int64, flat cell indices.
+        times: (n,) float64, s.
+        states: (n,) uint8, the state that each cell changes to.
+    """
 
     cells: Whole
     times: npt.NDArray[np.float64]
@@ -56,15 +64,15 @@ class Events(NamedTuple):
 
     @classmethod
     def of(cls, line: Timeline, width: int) -> Events:
-        """The events of a timeline over a grid of ``width`` columns."""
+        """Convert a timeline over a grid of ``width`` columns."""
         return cls(line.iy * width + line.ix, line.times, line.states)
 
     def only(self, chosen: Bools | Whole) -> Events:
-        """Some of the events."""
+        """Return the events that a mask or an index array selects."""
         return Events(self.cells[chosen], self.times[chosen], self.states[chosen])
 
     def with_(self, others: Events) -> Events:
-        """These and others."""
+        """Return these events followed by others."""
         return Events(
             np.concatenate((self.cells, others.cells)),
             np.concatenate((self.times, others.times)),
@@ -73,21 +81,25 @@ class Events(NamedTuple):
 
 
 def timeline_of(events: Events, width: int) -> Timeline:
-    """The timeline of events in order of time, over a grid of ``width`` columns."""
+    """Convert events that are sorted by time to a timeline over ``width`` columns."""
     iy, ix = np.divmod(events.cells, width)
     return Timeline(events.times, ix, iy, events.states)
 
 
 def settled(events: Events, solid: Bools) -> Events:
-    """In order of time, then of place; of one cell and time the last.
+    """Sort events by time, then by cell, and drop those that have no effect.
 
-    None that says what already is.
+    If a cell has several events at the same time, only the last one is kept. An event that sets a
+    cell to the state it is already in is dropped.
     """
+    # The sort is stable, so the last of several events of a cell and time is the one to keep.
     ordered = events.only(np.lexsort((events.times, events.cells)))
     same_cell = ordered.cells[1:] == ordered.cells[:-1]
     ordered = ordered.only(
         np.append(~(same_cell & (ordered.times[1:] == ordered.times[:-1])), True)[: len(events[0])]
     )
+
+    # Find each cell's state just before its event: the previous event's, or the initial one.
     before = solid.ravel()[ordered.cells].astype(np.uint8)
     follows = np.flatnonzero(ordered.cells[1:] == ordered.cells[:-1]) + 1
     before[follows] = ordered.states[follows - 1]
@@ -96,18 +108,20 @@ def settled(events: Events, solid: Bools) -> Events:
 
 
 def taken(events: Events, source: Whole, cells: int) -> Events:
-    """The events of cells that were taken from others.
+    """Return the events of a grid whose cells were copied from another grid.
 
     Args:
-        events: Of the cells that were taken from.
-        source: (n,) the flat cell that each new one was taken from, -1 for none.
-        cells: How many cells there were.
+        events: Events of the old grid.
+        source: (n,) the flat old cell that each new cell was copied from, or -1.
+        cells: Number of cells in the old grid.
 
     Raises:
-        InvalidParameter: If there are too many.
+        InvalidParameter: If there are more than ``MAX_EVENTS`` events.
     """
     if not len(events.cells):
         return events
+    # List the new cells whose old cell changes, sorted by old cell, so that the copies of each old
+    # cell are one range that a binary search finds.
     changes = np.zeros(cells, dtype=np.bool_)
     changes[events.cells] = True
     new = np.flatnonzero((source >= 0) & changes[source])
@@ -122,13 +136,15 @@ def taken(events: Events, source: Whole, cells: int) -> Events:
             changes=int(count.sum()),
             most=MAX_EVENTS,
         )
+
+    # Repeat each event once per copy of its cell.
     which = np.repeat(np.arange(len(events.cells)), count)
     offset = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     return Events(new[first[which] + offset], events.times[which], events.states[which])
 
 
 def state_of_two(host: Bools, host_mask: Bools, piece: Bools, how: How) -> Bools:
-    """Whether cells are solid at the beginning, where a piece is put on a host."""
+    """Return which cells are solid at time 0 after a piece is placed on a host."""
     said = np.where(host_mask, host.astype(np.uint8), np.uint8(SILENT))
     return np.asarray(HOW[how][said, piece.astype(np.uint8)] == _SOLID)
 
@@ -142,21 +158,24 @@ def put_together(
     says: Bools,
     how: How,
 ) -> Events:
-    """The events of a host with a piece on it, in order of time.
+    """Return the events of a host with a piece placed on it, sorted by time.
 
     Args:
         host: The host's events.
-        piece: The piece's, in the host's frame.
-        solid: (height, width) the host's cells.
-        mask: (height, width) of which the host speaks.
-        piece_solid: (height, width) the piece's cells in the host's frame.
-        says: (height, width) where the piece counts.
-        how: How the two are put together.
+        piece: The piece's events, in the host's frame.
+        solid: (height, width) bool, the host's solid cells at time 0.
+        mask: (height, width) bool, the host's mask.
+        piece_solid: (height, width) bool, the piece's solid cells in the host's frame.
+        says: (height, width) bool, the cells that the piece has a say in.
+        how: How the two are combined.
     """
+    # Outside the piece, the host's events stay as they are.
     covered = says.ravel()
     piece = piece.only(covered[piece.cells])
     own = host.only(~covered[host.cells])
     under = host.only(covered[host.cells])
+
+    # "over" replaces the host, so its events under the piece are simply dropped.
     if how != "over" and len(under.cells) + len(piece.cells):
         host_says = np.where(mask, solid.astype(np.uint8), np.uint8(SILENT)).ravel()
         piece = _merged(under, piece, host_says, piece_solid.ravel().astype(np.uint8), how)
@@ -171,15 +190,20 @@ def _merged(
     piece_says: npt.NDArray[np.uint8],
     how: How,
 ) -> Events:
-    """What happens to cells of which host and piece speak, by both's events.
+    """Combine the events of cells that both host and piece cover.
+
+    The result has one event for each event of either, with the state that the latest states of
+    both combine to.
 
     Args:
         host: The host's events in these cells.
-        piece: The piece's.
-        host_says: (cells of the grid,) states at the beginning, ``SILENT`` where it says nothing.
-        piece_says: (cells of the grid,) likewise.
-        how: How the two are put together.
+        piece: The piece's events in these cells.
+        host_says: (cells of the grid,) uint8, the host's states at time 0; ``SILENT`` outside its
+            mask.
+        piece_says: (cells of the grid,) uint8, the piece's states at time 0.
+        how: How the two are combined.
     """
+    # Sort by cell, then by time, and remember where each cell's events begin.
     both = host.with_(piece)
     of_piece = np.repeat([False, True], [len(host.cells), len(piece.cells)])
     order = np.lexsort((both.times, both.cells))
@@ -188,6 +212,8 @@ def _merged(
     number = np.arange(len(order))
     begins = np.searchsorted(both.cells, both.cells, "left")
 
+    # For each event, the latest state of one party: that of its own last event in this cell, or
+    # its initial state if it has none yet.
     def latest(own: Bools, at_first: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         event = np.maximum.accumulate(np.where(own, number, -1))
         return np.where(event >= begins, both.states[event], at_first[both.cells])

@@ -1,4 +1,4 @@
-"""Marks: named places of a piece, in cells, exactly."""
+"""Marks: named places of a piece, in exact fractions of a cell."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ Place: TypeAlias = Callable[[Fraction, Fraction], tuple[Fraction, Fraction]]
 
 @dataclass(frozen=True)
 class Mark:
-    """A named place.
+    """Name a place of a piece.
 
     Args:
         x: Cells from the piece's left side.
         y: Cells from its lower side.
-        heading: In 1/65536 turns, counter-clockwise from +x; ``None`` where the mark has none.
-        radius: In cells, of the target's disc; ``None`` elsewhere.
+        heading: In 1/65536 turns, counter-clockwise from +x; ``None`` if the mark has no heading.
+        radius: Radius of the target's disc, cells; ``None`` for other marks.
     """
 
     x: Fraction
@@ -53,15 +53,23 @@ class Mark:
 
 
 def frozen(marks: Marks) -> Marks:
-    """The marks as a mapping that nobody can change, in order of their names."""
+    """Return the marks as a read-only mapping, sorted by name."""
     return MappingProxyType(dict(sorted(marks.items())))
 
 
 def mark_at(x: float, y: float, degrees: float | None = None, radius: float | None = None) -> Mark:
-    """A mark from numbers as people give them; each means its shortest decimal.
+    """Create a mark from a user's numbers.
+
+    Each float stands for its shortest decimal: 0.1 becomes exactly 1/10.
+
+    Args:
+        x: Cells from the piece's left side.
+        y: Cells from its lower side.
+        degrees: Heading, counter-clockwise from +x.
+        radius: Radius of the target's disc, cells.
 
     Raises:
-        InvalidParameter: If one is no finite number.
+        InvalidParameter: If a number is not finite, or the radius is not positive.
     """
     numbers: list[Fraction | None] = []
     for value in (x, y, degrees, radius):
@@ -89,7 +97,7 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
 
 
 def marks_of(world: World) -> Marks:
-    """Start and target of a world."""
+    """Return the start and the target of a world as marks."""
     start = world.start
     target = world.target
     side = world.cell_size
@@ -110,15 +118,15 @@ def marks_of(world: World) -> Marks:
 def moved(
     marks: Marks, place: Place, width: int, height: int, turn: int = 0, sign: int = 1
 ) -> Marks:
-    """Marks where a change of the piece puts them; those that then lie outside are left out.
+    """Map marks into a new frame, and drop those that end up outside.
 
     Args:
-        marks: In the old frame.
-        place: From a place in the old frame to one in the new.
-        width: Cells of the new frame in x.
-        height: In y.
-        turn: Added to headings, in 1/65536 turns.
-        sign: Headings are multiplied by it first; -1 for a mirror.
+        marks: Marks in the old frame.
+        place: Maps a place in the old frame to the new frame.
+        width: Width of the new frame, cells.
+        height: Height of the new frame, cells.
+        turn: Angle to add to headings, in 1/65536 turns.
+        sign: Factor that headings are multiplied by first; -1 for a mirror image.
     """
     new = {}
     for name, mark in marks.items():
@@ -130,9 +138,9 @@ def moved(
 
 
 def pose_of(start: Mark, target: Mark, cell_size: float) -> Pose:
-    """The start as a world has it.
+    """Convert a start mark to a world's start pose.
 
-    Without a heading of its own it looks towards the target, to a quarter turn.
+    A start without a heading faces the target, rounded to a quarter turn.
     """
     heading = start.heading
     if heading is None:
@@ -145,7 +153,7 @@ def pose_of(start: Mark, target: Mark, cell_size: float) -> Pose:
 
 
 def target_of(target: Mark, cell_size: float) -> Target:
-    """The target as a world has it; its disc is half a cell where the mark does not say."""
+    """Convert a target mark to a world's target; the radius defaults to half a cell."""
     side = exact(cell_size)
     return Target(
         float(target.x * side), float(target.y * side), float((target.radius or HALF) * side)

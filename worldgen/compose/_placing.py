@@ -1,4 +1,4 @@
-"""Putting one piece on another: where it goes, and what becomes of both."""
+"""Place one piece on another: find its position, then combine the two."""
 
 from __future__ import annotations
 
@@ -36,7 +36,20 @@ def corner_of(
     margin: int,
     seed: int | RandomStream | None,
 ) -> tuple[int, int]:
-    """First cell of a piece that is to be placed."""
+    """Return the host cell where the lower left cell of a piece goes.
+
+    Args:
+        host: The piece to place on.
+        piece: The piece to place.
+        at: As in ``Piece.place``.
+        anchor: As in ``Piece.place``.
+        margin: Least cells between the piece and the host's sides, for named and drawn places.
+        seed: Seed of a drawn place.
+
+    Raises:
+        InvalidParameter: If a word is unknown, arguments conflict, or the piece fits nowhere.
+        InvalidWorld: If the place is drawn along a path and the host has no path.
+    """
     whole("margin", margin, 0, MAX_SIDE)
     sizes = (host.width, host.height), (piece.width, piece.height)
     if not isinstance(at, str):
@@ -44,6 +57,8 @@ def corner_of(
         if anchor is None:
             return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
         return _anchored(piece, mark_at(x, y), anchor)
+    # A named place wins over a mark of the same name, so a recipe keeps its meaning whatever marks
+    # the host has.
     if at in host.marks and at not in (*NAMED, *DRAWN):
         return _anchored(piece, host.marks[at], anchor or "centre")
     if anchor is not None:
@@ -64,6 +79,8 @@ def corner_of(
             at=at,
             known=[*NAMED, *DRAWN, *host.marks],
         )
+
+    # Draw the place. The path from start to target is searched only if ``at`` asks for it.
     if seed is None:
         raise InvalidParameter("needs-seed", "at={at!r} is drawn", "give it a seed", at=at)
     rng = seed if isinstance(seed, RandomStream) else RandomStream(seed).child("place", at)
@@ -77,7 +94,7 @@ def corner_of(
 
 
 def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
-    """First cell of a piece where a point of it goes to a place."""
+    """Return the first cell that puts a piece's anchor on a place, to the nearest whole cell."""
     if anchor in piece.marks:
         x = piece.marks[anchor].x
         y = piece.marks[anchor].y
@@ -105,20 +122,21 @@ def put_down(
     outside: str,
     whose: Mapping[str, str],
 ) -> Piece:
-    """The host with a piece on it.
+    """Return the host with a piece placed on it.
 
     Args:
-        host: What it lies on.
-        piece: What is put down.
-        corner: Its first cell in the host.
+        host: The piece to place on.
+        piece: The piece to place.
+        corner: Host cell of the piece's lower left cell; may be outside the host.
         how: As in ``Piece.place``.
         outside: As in ``Piece.place``.
-        whose: Of ``start`` and ``target``: the ``host``'s counts, or the ``piece``'s.
+        whose: Maps ``start`` and ``target`` to the owner whose mark is kept, ``host`` or ``piece``.
 
     Raises:
-        InvalidParameter: If the piece sticks out and may not, lacks a mark, or has cells of another
-            size.
+        InvalidParameter: If the piece sticks out although ``outside`` is ``refuse``, if it lacks a
+            mark, or if the cell sizes differ.
     """
+    # Cells by which the piece sticks out on the left, right, lower and upper side.
     x, y = corner
     over = [
         max(0, -x),
@@ -143,6 +161,8 @@ def put_down(
         host = host.pad(*over)
         x = x + over[0]
         y = y + over[2]
+
+    # ``overlaid`` prefers the host's marks, so the piece's start counts only without the host's.
     dropped = [name for name, who in whose.items() if _is_piece(name, who, piece)]
     kept = replace(
         host, marks={name: mark for name, mark in host.marks.items() if name not in dropped}
@@ -151,7 +171,8 @@ def put_down(
 
 
 def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
-    """The host with a piece on it, what sticks out cut off."""
+    """Return the host with a piece placed at (x, y), cut off where it sticks out."""
+    # Merge what both pieces carry besides cells; where both have a value, the host's is kept.
     agreed = replace(
         host,
         marks={
@@ -162,6 +183,8 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
         robot_radius=piece.robot_radius if host.robot_radius is None else host.robot_radius,
         robot_speed=piece.robot_speed if host.robot_speed is None else host.robot_speed,
     )
+
+    # Cut the piece to the part that is inside the host.
     low_x = max(x, 0)
     low_y = max(y, 0)
     high_x = min(x + piece.width, host.width)
@@ -170,12 +193,18 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
         return agreed
     part = piece.crop(low_x - x, low_y - y, high_x - low_x, high_y - low_y)
     here = (slice(low_y, high_y), slice(low_x, high_x))
+
+    # Copy that part into arrays of the host's size. Carving needs something to carve, so it has no
+    # effect where the host says nothing.
     says, solid, mask = (np.zeros_like(host.solid) for _ in range(3))
     says[here] = part.mask
     solid[here] = part.solid
     if how == "carve":
         says &= host.mask
     mask = host.mask | says
+
+    # Combine the events before the cells, because both need the host's state at time 0.
+    # A flat index over the host's width is not the part's own, hence the shift.
     events = Events.of(part.timeline, host.width)
     events = events._replace(cells=events.cells + low_y * host.width + low_x)
     both = put_together(
@@ -186,7 +215,7 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
 
 
 def _is_piece(name: str, whose: str, piece: Piece) -> bool:
-    """Whether the piece's mark counts, not the host's."""
+    """Return True if the piece's mark is kept, and False if the host's is."""
     check_choice(name, whose, ("host", "piece"))
     if whose == "piece" and name not in piece.marks:
         raise InvalidParameter(

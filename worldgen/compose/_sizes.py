@@ -1,4 +1,4 @@
-"""How large pieces may be."""
+"""Limits on the size of pieces, and the checks that enforce them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from worldgen.errors import InvalidParameter
 
 __all__ = ["MAX_CELLS", "TooLarge", "check_size", "whole"]
 
-MAX_CELLS = 16_000_000  # of one piece, 4000 x 4000: its index arrays then take 128 MB each
+# Limit per piece, 4000 x 4000 cells: each of its index arrays then takes 128 MB.
+MAX_CELLS = 16_000_000
 
 
 class TooLarge(InvalidParameter):
-    """More cells than there may be; other draws are not tried in place of these."""
+    """Report too many cells; ``first_possible`` does not redraw after this error."""
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
-    """A whole number in a range.
+    """Check that a value is a whole number in a range, and return it as an int.
 
     Raises:
-        InvalidParameter: If it is none.
+        InvalidParameter: If it is not a whole number, or out of range.
     """
     if (
         isinstance(value, bool)
@@ -40,7 +41,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
 
 
 def check_size(what: str, width: int, height: int) -> None:
-    """Refuses sizes that no piece has.
+    """Reject a size that a piece cannot have.
 
     Raises:
         TooLarge: If a side is 0 or too long, or there are too many cells.

@@ -1,4 +1,4 @@
-"""Values of a recipe: given, computed from parameters, or drawn."""
+"""Parse and evaluate a recipe's values: constants, formulas, ranges and choices."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ __all__ = [
 Scalar: TypeAlias = bool | int | float | str
 
 _LONGEST = 200  # characters of a formula
-_LARGEST = 2**53  # beyond, not every whole number is a float
+# Above this limit a float cannot represent every whole number.
+_LARGEST = 2**53
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -42,7 +43,7 @@ _CALLS: dict[str, Callable[..., Any]] = {"min": min, "max": max}
 
 @dataclass(frozen=True)
 class Formula:
-    """A number computed from parameters: ``= size // 2 - 3``."""
+    """Compute a number from parameters, as in ``= size // 2 - 3``."""
 
     text: str
     tree: ast.expr
@@ -50,7 +51,7 @@ class Formula:
 
 @dataclass(frozen=True)
 class Range:
-    """A number drawn from ``low`` to ``high``, both included where they are whole."""
+    """Draw a number between ``low`` and ``high``; whole numbers include both ends."""
 
     low: Spec
     high: Spec
@@ -58,7 +59,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of some values, each as likely."""
+    """Draw one of several values with equal probability."""
 
     options: tuple[Spec, ...]
 
@@ -67,16 +68,17 @@ Spec: TypeAlias = "Scalar | Formula | Range | Choice | tuple[Spec, ...]"
 
 
 def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
-    """What a value in a recipe means.
+    """Parse a value of a recipe.
 
     Args:
-        raw: As TOML has it: a scalar, a list, ``{from, to}`` or ``{any}``.
+        raw: The value from TOML: a scalar, a list, ``{from, to}`` or ``{any}``.
         names: Parameters that a formula may use.
-        depth: How deep it is nested.
+        depth: Current nesting depth.
 
     Raises:
-        InvalidParameter: If it means nothing.
+        InvalidParameter: If it is none of these, or nested too deep.
     """
+    # Nobody needs deeper nesting, and the limit keeps a hostile file from exhausting the stack.
     if depth > 4:
         raise InvalidParameter("nested-too-deep", "values are nested too deep", "flatten them")
     if isinstance(raw, str) and raw.lstrip().startswith("="):
@@ -108,10 +110,10 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
 
 
 def parse_formula(text: str, names: Sequence[str]) -> Formula:
-    """A formula of numbers, parameters, + - * / // %, brackets, min() and max().
+    """Parse a formula of numbers, parameters, + - * / // %, brackets, min() and max().
 
     Raises:
-        InvalidParameter: If it is anything else.
+        InvalidParameter: If the text contains anything else, or is too long.
     """
     if len(text) > _LONGEST:
         raise InvalidParameter(
@@ -167,10 +169,11 @@ def _check(node: ast.expr, names: Sequence[str], text: str) -> None:
 
 
 def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
-    """A formula's number.
+    """Evaluate a formula.
 
     Raises:
-        InvalidParameter: If it divides by zero, grows too large, or computes with a word.
+        InvalidParameter: If it divides by zero, exceeds ``_LARGEST``, or uses a parameter that is
+            not a number.
     """
 
     def at(node: ast.expr) -> int | float:
@@ -192,7 +195,7 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
                     value=value,
                 )
         else:
-            value = node.value  # type: ignore[attr-defined]  # a constant: _check has seen to it
+            value = node.value  # type: ignore[attr-defined]  # _check admits only constants here
         if not abs(value) < _LARGEST:
             raise InvalidParameter(
                 "too-large",
@@ -201,7 +204,7 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
                 text=formula.text,
                 most=_LARGEST,
             )
-        return value  # type: ignore[no-any-return]  # a number: _check has seen to it
+        return value  # type: ignore[no-any-return]  # _check admits only numbers
 
     try:
         return at(formula.tree)
@@ -215,10 +218,12 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
 
 
 def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any:
-    """The value: computed, or drawn from a stream of its own.
+    """Evaluate a value: compute a formula, draw from a range or a choice, return the rest.
+
+    Nested values draw from child streams, so that editing one of them does not change the others.
 
     Raises:
-        InvalidParameter: If it cannot be computed, or a range is none.
+        InvalidParameter: If a formula fails, or a range is empty or not numeric.
     """
     if isinstance(spec, Formula):
         return compute(spec, params)
@@ -263,7 +268,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
 
 
 def is_drawn(spec: Spec) -> bool:
-    """Whether chance has a say in it."""
+    """Return True if the value contains a range or a choice at the level of lists."""
     if isinstance(spec, tuple):
         return any(is_drawn(item) for item in spec)
     return isinstance(spec, Range | Choice)

@@ -1,4 +1,4 @@
-"""Where a piece goes on another: named places, and places that are drawn."""
+"""Find the place of one piece on another, by name or at random."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from worldgen.world import Witness
 
 __all__ = ["DRAWN", "NAMED", "draw_corner", "named_corner"]
 
-# Shares of the room left over, in halves: lower left is (0, 0), the centre (1, 1), upper right (2,
-# 2).
+# Shares of the leftover space, in halves: (0, 0) is the lower left corner, (1, 1) the centre and
+# (2, 2) the upper right corner.
 NAMED = {
     "lower-left": (0, 0),
     "bottom": (1, 0),
@@ -31,15 +31,20 @@ NAMED = {
 }
 DRAWN = ("way", "anywhere")
 
-_BLIND = 32  # places drawn before all that there are are listed
+# Random places to try before listing every possible one.
+_BLIND = 32
 
 Corner = tuple[int, int]
 
 
 def named_corner(word: str, host: tuple[int, int], piece: tuple[int, int], margin: int) -> Corner:
-    """First cell of a piece at a named place of its host, ``margin`` cells in from the sides.
+    """Return the first cell of a piece at a named place of its host.
 
-    Sizes are (x, y).
+    Args:
+        word: A key of ``NAMED``.
+        host: Columns and rows of the host.
+        piece: Columns and rows of the piece.
+        margin: Cells to keep between the piece and the host's sides.
     """
     corner = []
     for half, of_host, of_piece in zip(NAMED[word], host, piece, strict=True):
@@ -58,16 +63,18 @@ def draw_corner(
     way: Witness | None = None,
     cell_size: float = 1.0,
 ) -> Corner:
-    """A drawn first cell, such that the piece lies inside and covers neither start nor target.
+    """Draw the first cell of a piece so that it is inside the host and avoids some discs.
 
     Args:
-        rng: The source of chance.
-        host: Columns and rows.
-        piece: Columns and rows.
+        rng: The only source of randomness.
+        host: Columns and rows of the host.
+        piece: Columns and rows of the piece.
         margin: Least cells between the piece and the host's sides.
-        keep_free: Discs that the piece must not touch: their middles, and radii in cells.
-        way: The piece's middle lies on it, or as near to it as the sides allow, if it is given.
-        cell_size: Of the way's metres.
+        keep_free: Discs that the piece must not touch, usually around start and target: centres,
+            and radii in cells.
+        way: Path to centre the piece on, as closely as the sides allow; if omitted, the piece may
+            go anywhere.
+        cell_size: Side of a cell, m; converts the path's metres to cells.
 
     Raises:
         InvalidParameter: If there is no such place.
@@ -81,12 +88,13 @@ def draw_corner(
 
     corners = np.zeros((0, 2), np.int64)
     if min(most) >= margin and way is not None:
-        along = _along(way, cell_size, piece).clip(
-            margin, most
-        )  # near a side the way still crosses the piece
+        # Near a side the piece cannot be centred, but the path still crosses it.
+        along = _along(way, cell_size, piece).clip(margin, most)
         corners = clear(np.array(list(dict.fromkeys(map(tuple, along.tolist()))), np.int64))
     elif min(most) >= margin:
-        for _ in range(_BLIND):  # nearly all places do, and a large host has millions
+        # Nearly every place is suitable, and a large host has millions of them: draw a few blindly
+        # before listing all.
+        for _ in range(_BLIND):
             corner = clear(np.array([[rng.between(margin, last) for last in most]]))
             if len(corner):
                 return int(corner[0, 0]), int(corner[0, 1])
@@ -112,10 +120,11 @@ def draw_corner(
 
 
 def _along(way: Witness, cell_size: float, piece: tuple[int, int]) -> npt.NDArray[np.int64]:
-    """First cells of a piece whose middle lies on the way, in order."""
+    """Return the first cells that centre a piece on a path, in the path's order."""
     found: list[npt.NDArray[np.float64]] = []
     points = np.stack([way.x, way.y], axis=1) / cell_size
     for begin, end in pairwise(points):
+        # Two samples per cell, so that no cell along the path is skipped.
         steps = max(1, int(np.ceil(2 * np.abs(end - begin).max())))
         for k in range(steps + 1):
             middle = begin + (end - begin) * (k / steps)
@@ -126,7 +135,7 @@ def _along(way: Witness, cell_size: float, piece: tuple[int, int]) -> npt.NDArra
 def _touches(
     corners: npt.NDArray[np.int64], piece: tuple[int, int], mark: Mark, radius: Fraction
 ) -> npt.NDArray[np.bool_]:
-    """Whether the piece's box comes nearer to the mark than the radius."""
+    """Return for each corner whether the piece's box is nearer to the mark than the radius."""
     apart = []
     for axis, at in enumerate((mark.x, mark.y)):
         low = corners[:, axis]

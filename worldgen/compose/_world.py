@@ -1,4 +1,4 @@
-"""From cells and marks to a world, and its proof."""
+"""Turn cells and marks into a world, and prove that it can be solved."""
 
 from __future__ import annotations
 
@@ -22,14 +22,23 @@ Robot = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
 
 
 def usual(value: float | None, otherwise: float) -> float:
-    """The value, or the usual one where there is none."""
+    """Return the value, or the default if it is ``None``."""
     return otherwise if value is None else value
 
 
 def world_of(
     walls: npt.NDArray[np.bool_], marks: Marks, timeline: Timeline, robot: Robot, seed: int
 ) -> World:
-    """The world, without proof; start and target as marked, or placed far apart.
+    """Build a world without proving it.
+
+    A start or a target that is not marked is placed far from the other one.
+
+    Args:
+        walls: (height, width) bool, True is solid.
+        marks: Named places; only ``start`` and ``target`` are used.
+        timeline: Changes of cells.
+        robot: Cell size and robot radius, m, and top speed, m/s.
+        seed: Seed of the search for places that are far apart.
 
     Raises:
         InvalidWorld: If there is no room for the robot.
@@ -63,10 +72,10 @@ def _mark(point: tuple[float, float], cell_size: float) -> Mark:
 
 
 def witness_path_of(world: World) -> Witness:
-    """A way from start to target through a world as it is at the beginning.
+    """Find a path from start to target through a world as it is at time 0.
 
     Raises:
-        InvalidWorld: If there is none.
+        InvalidWorld: If there is no path.
     """
     decision = decide(replace(world, timeline=Timeline()))
     if not isinstance(decision.certificate, Witness):
@@ -80,10 +89,10 @@ def witness_path_of(world: World) -> Witness:
 
 
 def proved(world: World, margin: float = 0.0) -> World:
-    """The world with its witness, which may be begun ``margin`` seconds later.
+    """Return the world with a witness that the robot may start up to ``margin`` seconds late.
 
     Raises:
-        GenerationFailed: If there is none; with the reason.
+        GenerationFailed: If there is no witness; the error carries the reason.
     """
     decision = decide(world, margin=margin)
     if decision.result != REACHABLE:
