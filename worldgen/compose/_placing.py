@@ -203,8 +203,8 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
         says &= host.mask
     mask = host.mask | says
 
-    # Combine the events before the cells, because both need the host's state at time 0.
-    # A flat index over the host's width is not the part's own, hence the shift.
+    # Combine the events, which needs both pieces' cells at time 0, and then the cells themselves.
+    # The events' flat indices already use the host's width, so a constant shift moves them.
     events = Events.of(part.timeline, host.width)
     events = events._replace(cells=events.cells + low_y * host.width + low_x)
     both = put_together(

@@ -1,4 +1,4 @@
-"""Running a recipe: its parts are made one after the other, each with draws of its own."""
+"""Run a recipe: build its parts in order, each from a random stream that only it uses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["RecipeCells", "RecipeRun"]
 
-MOST_WORK = 64_000_000  # cells of all pieces that a recipe makes on the way to its world
+# Limit on the cells of all intermediate pieces together, so that a small file cannot keep the
+# machine busy for hours.
+MOST_WORK = 64_000_000
 MOST_TIMES = 100  # repetitions of one step
 
 Options: TypeAlias = dict[str, Any]
@@ -27,15 +29,15 @@ Options: TypeAlias = dict[str, Any]
 
 @dataclass
 class RecipeCells:
-    """Cells made so far."""
+    """Count the cells that a recipe has made so far, and enforce ``MOST_WORK``."""
 
     cells: int = 0
 
     def check(self, cells: int) -> None:
-        """Asks for so many more, before there are any.
+        """Check that ``cells`` more are allowed, before building them.
 
         Raises:
-            TooLarge: If that is more than a recipe may make.
+            TooLarge: If the total would exceed ``MOST_WORK``.
         """
         if self.cells + cells > MOST_WORK:
             raise TooLarge(
@@ -46,24 +48,24 @@ class RecipeCells:
             )
 
     def spend(self, cells: int) -> None:
-        """Counts so many more.
+        """Add ``cells`` to the count.
 
         Raises:
-            TooLarge: If that is more than a recipe may make.
+            TooLarge: If the total would exceed ``MOST_WORK``.
         """
         self.check(cells)
         self.cells += cells
 
 
 class RecipeRun:
-    """One layout of a recipe.
+    """Build one layout of a recipe.
 
     Args:
-        recipe: What to make.
-        ready: The pieces of its drawings and files, by the names of their parts.
-        params: Its parameters.
-        rng: The only source of chance.
-        work: Cells made so far, for this layout and for those that did not fit before it.
+        recipe: The recipe to run.
+        ready: Pieces of its drawings and files, by part name.
+        params: Values of its parameters.
+        rng: The only source of randomness.
+        work: Cells made so far, including those of earlier attempts whose parts did not fit.
     """
 
     def __init__(
@@ -82,12 +84,12 @@ class RecipeRun:
         self._made: dict[str, Piece] = {}
 
     def piece(self) -> Piece:
-        """The part that becomes the world, for the recipe's robot.
+        """Build the part that becomes the world, and give it the recipe's robot.
 
         Raises:
-            InvalidParameter: If something does not fit; with its place.
+            InvalidParameter: If a value or a part does not fit; the message names its place.
             InvalidWorld: If there is no room for the robot.
-            GenerationFailed: If a part of a given seed cannot be made.
+            GenerationFailed: If a part with a fixed seed cannot be generated.
         """
         made = self._part(self._recipe.world)
         cell_size, radius, speed = (float(self._params[name]) for name in ROBOT)
@@ -138,7 +140,8 @@ class RecipeRun:
         upwards = part.source == "above"
         pieces = [self._part(name) for name in value]
         width, height = row_size(pieces, options.get("gap", 0), upwards=upwards)
-        self._work.spend(width * height * (len(pieces) - 1))  # each is put on the whole row
+        # Placing each piece creates a copy of the whole row.
+        self._work.spend(width * height * (len(pieces) - 1))
         return (above if upwards else beside)(pieces, **options)
 
     def _family(self, name: str, part: Part, seed: Any, rng: RandomStream) -> Piece:
@@ -147,10 +150,14 @@ class RecipeRun:
         params = {key: self._params[key] for key in ROBOT if key in known}
         for key, spec in part.params.items():
             value = self._value(spec, rng.child("params"), key)
+            # TOML has separate integers and floats; accept 2 where a family wants 2.0.
             params[key] = (
                 float(value) if type(known.get(key)) is float and type(value) is int else value
             )
-        side = params.get("size", known.get("size"))  # cells a side, in every family that has it
+
+        # ``size`` means cells per side in every family that has it, so a layout that is too large
+        # can be refused before it is generated.
+        side = params.get("size", known.get("size"))
         if type(side) is int and side > 0:
             check_size(f"{name} of size={side}", side, side)
             self._work.check(side * side)
@@ -171,6 +178,8 @@ class RecipeRun:
         times = 1
         if "times" in step.options:
             times = whole("times", self._value(step.options["times"], rng, "times"), 0, MOST_TIMES)
+
+        # Evaluate the options again for each repetition, so that each one is drawn independently.
         for time in range(times):
             draw = rng.child(time)
             options = {
@@ -191,7 +200,11 @@ class RecipeRun:
 
 @contextmanager
 def _at(place: str) -> Iterator[None]:
-    """Faults inside get their place, once: an inner part's is the nearer."""
+    """Prefix errors with the place in the recipe where they occur.
+
+    Parts nest, so an error may pass several of these. Only the innermost adds its place, because it
+    is the most precise.
+    """
     try:
         yield
     except _Placed:
@@ -205,11 +218,11 @@ def _at(place: str) -> Iterator[None]:
 
 
 class _Placed(InvalidParameter):
-    """A fault with its place."""
+    """Carry an error whose message already names its place."""
 
 
 class _PlacedTooLarge(_Placed, TooLarge):
-    """Likewise, of too many cells."""
+    """Carry a ``TooLarge`` error whose message already names its place."""
 
 
 def _numbers(value: Any, count: int, name: str) -> list[int]:

@@ -1,4 +1,4 @@
-"""Reading a recipe: strictly, every fault one message with its place."""
+"""Read a recipe strictly: report the first error in one message that names its place."""
 
 from __future__ import annotations
 
@@ -27,8 +27,9 @@ __all__ = [
     "words_of",
 ]
 
-MAX_BYTES = 64 << 10  # of a recipe; it travels in the header of every world that it makes
-# the last for all parts together
+# Limit per recipe, whose text is stored in the header of every world that it makes.
+MAX_BYTES = 64 << 10
+# MAX_STEPS is the limit for all parts together.
 MAX_PARAMETERS = 50
 MAX_PARTS = 64
 MAX_STEPS = 256
@@ -40,7 +41,8 @@ ROBOT: dict[str, tuple[float, str]] = {
     "robot_radius": (DEFAULT_ROBOT_RADIUS, "Radius of the robot, m."),
     "robot_speed": (DEFAULT_ROBOT_SPEED, "Top speed of the robot, m/s."),
 }
-_RESERVED = ("recipe", "files", "made_with")  # what provenance keeps beside the parameters
+# Names that provenance already uses next to the parameters.
+_RESERVED = ("recipe", "files", "made_with")
 _NOTES = {
     MARGIN: "Time by which the robot may set out on its witness later, s.",
     **{name: note for name, (_, note) in ROBOT.items()},
@@ -48,7 +50,7 @@ _NOTES = {
 _TOP = ("recipe", "version", "about", "world", "parameters", "part")
 _DECLARED = ("default", "least", "most", "choices", "help")
 
-# What a part is made of, with what may stand beside it.
+# Sources of a part, each with the other keys that it allows in the part's table.
 SOURCES: dict[str, tuple[str, ...]] = {
     "family": ("params", "seed"),
     "rows": (),
@@ -58,7 +60,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "beside": ("gap", "align", "join"),
     "above": ("gap", "align", "join"),
 }
-# What a step does, with what may stand beside it.
+# Verbs of a step, each with the other keys that it allows in the step's table.
 VERBS: dict[str, tuple[str, ...]] = {
     "place": ("at", "anchor", "how", "outside", "start", "target", "margin", "times"),
     "mirror": (),
@@ -80,12 +82,13 @@ VERBS: dict[str, tuple[str, ...]] = {
     "mark": ("at", "degrees"),
     "forget": (),
 }
-NAMING_PARTS = ("place", "mask")  # verbs whose value is the name of a part
+# Verbs whose value is the name of a part.
+NAMING_PARTS = ("place", "mask")
 
 
 @dataclass(frozen=True)
 class Declared:
-    """A parameter of the recipe."""
+    """Describe one parameter that the recipe declares."""
 
     default: Scalar
     least: float | None = None
@@ -96,7 +99,7 @@ class Declared:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a part: what it does, to what, and how."""
+    """Describe one step of a part: its verb, the verb's value and its options."""
 
     verb: str
     value: Spec
@@ -106,7 +109,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Part:
-    """A part: where it comes from, and what is done to it."""
+    """Describe a part: its source, and the steps that are applied to it."""
 
     name: str
     source: str
@@ -118,7 +121,7 @@ class Part:
     line: int
 
     def uses(self) -> Iterator[str]:
-        """Names of the parts that it is made of."""
+        """Return the names of the parts that this part is made of."""
         named = [step.value for step in self.steps if step.verb in NAMING_PARTS]
         if self.source in ("part", "beside", "above"):
             named.append(self.value)
@@ -127,10 +130,12 @@ class Part:
 
 
 def words_of(value: Spec) -> tuple[str, ...]:
-    """All words that a value may turn out to be: itself, those of a list, those drawn from.
+    """Return every word that a value can evaluate to.
+
+    These are the word itself, the items of a list, or the options of a choice.
 
     Raises:
-        InvalidParameter: If it may be no word.
+        InvalidParameter: If the value can be something other than a word.
     """
     items = (
         value.options
@@ -148,7 +153,7 @@ def words_of(value: Spec) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class RecipeText:
-    """A recipe as it stands there."""
+    """Hold a recipe as its author wrote it, parsed but with nothing built yet."""
 
     name: str
     version: int
@@ -159,7 +164,7 @@ class RecipeText:
 
 
 class _RecipeReader:
-    """The text with the places of its tables, for messages."""
+    """Read a recipe's TOML, and find the line of a key for error messages."""
 
     def __init__(self, text: str, source: str | None) -> None:
         self.header = Header(text, 1, source, noun="the recipe")
@@ -167,11 +172,12 @@ class _RecipeReader:
         self._statements = self.header.statements()
 
     def line(self, part: int | None, *path: str) -> int:
-        """Line of a key, of the n-th ``[[part]]`` if it is in one."""
+        """Return the line of a key, which is in the n-th ``[[part]]`` unless ``part`` is None."""
         if part is None:
             return self.header.line_of(*path)
         begins = [k for k, (_, found) in enumerate(self._statements) if found == ("part",)]
-        if part >= len(begins):  # parts written as one list
+        # The parts may be written as one inline list, which has no [[part]] lines.
+        if part >= len(begins):
             return self.header.line_of("part")
         until = begins[part + 1] if part + 1 < len(begins) else len(self._statements)
         for line, found in self._statements[begins[part] : until]:
@@ -181,7 +187,7 @@ class _RecipeReader:
 
     @contextmanager
     def at(self, place: str, part: int | None, *path: str) -> Iterator[None]:
-        """Faults inside get their place."""
+        """Turn a wrong value inside into a ``FormatError`` with its place and line."""
         try:
             yield
         except InvalidParameter as error:
@@ -211,15 +217,16 @@ def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
 
 
 def read_recipe(text: str, source: str | None = None) -> RecipeText:
-    """A recipe's text, read and checked as far as it can be without making anything.
+    """Read a recipe, and check everything that can be checked without building a part.
 
     Args:
-        text: TOML.
-        source: The file's name for messages.
+        text: The recipe, as TOML.
+        source: File name for error messages.
 
     Raises:
-        FormatError: With the line and the place of the first fault.
+        FormatError: If the recipe breaks a rule; it has the line and place of the first error.
     """
+    # Check the size before parsing, so that a huge file costs no time.
     if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
         raise FormatError(
             "too-large",
@@ -252,6 +259,8 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
                 most=MAX_PARTS,
             ),
         )
+
+    # Check the recipe's own keys. Parts come later because their formulas may use any parameter.
     name = data.get("recipe")
     about = data.get("about", "A world made by a recipe.")
     with reader.at("recipe", None, "recipe"):
@@ -271,6 +280,8 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
             isinstance(about, str),
             Message("wrong-type", "{about!q} is no text", "give a sentence in quotes", about=about),
         )
+
+    # Read parameters and parts, then the name of the part that becomes the world.
     parameters = _read_parameters(reader, data.get("parameters", {}))
     parts = _read_parts(reader, data["part"], tuple(parameters))
     world = data.get("world", next(reversed(parts)))
@@ -341,6 +352,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
                 ),
             )
             own[name] = _declared(raw)
+            # Families read the robot and the margin as floats, and have help texts for them.
             if name in ROBOT or name == MARGIN:
                 default = own[name].default
                 if isinstance(default, bool | str):
@@ -358,6 +370,7 @@ def _read_parameters(reader: _RecipeReader, table: Any) -> dict[str, Declared]:
 
 
 def _declared(raw: Any) -> Declared:
+    # ``size = 20`` is short for ``size = { default = 20 }``.
     if not isinstance(raw, Mapping):
         raw = {"default": raw}
     _known_keys(raw, _DECLARED)
@@ -390,6 +403,9 @@ def _declared(raw: Any) -> Declared:
             default=default,
         ),
     )
+
+    # Bounds need numbers, and the default must satisfy them. A bool is an int in Python, so it is
+    # excluded by its exact type.
     for name, value in (("least", least), ("most", most)):
         if value is not None:
             numeric = type(value) in (int, float) and type(default) in (int, float)
@@ -472,6 +488,7 @@ def _read_parts(reader: _RecipeReader, raw: list[Any], names: Sequence[str]) -> 
 def _read_part(
     reader: _RecipeReader, number: int, name: str, table: Mapping[str, Any], names: Sequence[str]
 ) -> Part:
+    # Check the table's shape: exactly one source, and no key that the source does not allow.
     place = f"part {name!r}"
     with reader.at(place, number):
         sources = [key for key in SOURCES if key in table]
@@ -501,6 +518,9 @@ def _read_part(
             isinstance(table.get("steps", []), list),
             Message("wrong-type", "steps are a list", "write steps = [ {{ rotate = 1 }} ]"),
         )
+
+    # Parse the source's value. Names of families and parts are checked for being words here;
+    # whether they exist is for the caller to check, which knows the parts before this one.
     with reader.at(f"{place}, {source}", number, source):
         value = spec_of(table[source], names)
         if source in ("beside", "above"):
@@ -531,6 +551,8 @@ def _read_part(
                     "wrong-type", "{value!q} is no text", "give one in quotes", value=table[source]
                 ),
             )
+
+    # Parse options, family parameters and steps, each under its own place.
     options = {}
     chosen = {}
     for key in SOURCES[source]:
@@ -555,7 +577,8 @@ def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
             "wrong-type", "{value!q} is no table", "write {{ rotate = 1 }}", value=raw
         )
     verbs = [key for key in raw if key in VERBS]
-    if len(verbs) > 1:  # start and target of a place are its options
+    # ``start`` and ``target`` are verbs, but next to ``place`` they are its options.
+    if len(verbs) > 1:
         verbs = [
             verb
             for verb in verbs

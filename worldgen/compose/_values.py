@@ -268,7 +268,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
 
 
 def is_drawn(spec: Spec) -> bool:
-    """Return True if the value contains a range or a choice at the level of lists."""
+    """Return True if evaluating the value draws a random number."""
     if isinstance(spec, tuple):
         return any(is_drawn(item) for item in spec)
     return isinstance(spec, Range | Choice)

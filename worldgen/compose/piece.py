@@ -1,4 +1,4 @@
-"""Pieces: rectangles of cells that can be mirrored, turned, cut, repeated and put on each other."""
+"""Pieces: rectangles of cells to mirror, turn, cut, repeat and place on each other."""
 
 from __future__ import annotations
 
@@ -32,29 +32,32 @@ from worldgen.world import (
 
 __all__ = ["Piece"]
 
-_FINE = 64  # units a cell, where a piece is turned by any angle
-_THICKER = (
-    14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted wall of one cell then has no hole
-)
+# Units per cell when a piece is turned by an arbitrary angle.
+_FINE = 64
+# Units by which turned walls are thickened. It exceeds (sqrt(2) - 1) / 2 cells, so a slanted wall
+# of one cell has no holes.
+_THICKER = 14
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A rectangle of cells with marks; immutable: every operation gives a new piece.
+    """Hold a rectangle of cells with marks and a timeline.
 
-    Coordinates are in cells, x right, y up, from the piece's lower left corner.
+    A piece is immutable: every operation returns a new one. Coordinates are in cells, x to the
+    right and y up, from the piece's lower left corner.
 
     Args:
         solid: (height, width) bool, True is solid; row 0 is the lowest y.
-        mask: (height, width) bool, the cells of which the piece says anything.
-        marks: Named places; ``start`` and ``target`` become those of the world.
-        timeline: Changes of its cells.
-        cell_size: Side of a cell, m; ``None`` where the piece fits any.
-        robot_radius: Of the robot that the piece was made for, m; ``None`` for any.
-        robot_speed: Its top speed, m/s; ``None`` for any.
+        mask: (height, width) bool, True where the piece defines a cell. Other cells are left
+            undefined, and whatever the piece is placed on shows through.
+        marks: Named places; ``start`` and ``target`` become the world's.
+        timeline: Changes of the piece's cells.
+        cell_size: Side of a cell, m; ``None`` if the piece fits any size.
+        robot_radius: Radius of the robot that the piece was made for, m; ``None`` for any.
+        robot_speed: Top speed of that robot, m/s; ``None`` for any.
 
     Raises:
-        InvalidParameter: If sizes do not fit, or there are too many cells.
+        InvalidParameter: If the shapes differ, there are too many cells, or an event is outside.
     """
 
     solid: Bools
@@ -66,6 +69,7 @@ class Piece:
     robot_speed: float | None = None
 
     def __post_init__(self) -> None:
+        # Copy the arrays before making them read-only, because the caller may still use its own.
         solid = np.array(self.solid, dtype=np.bool_)
         mask = np.array(self.mask, dtype=np.bool_)
         if solid.ndim != 2 or mask.shape != solid.shape:
@@ -77,6 +81,7 @@ class Piece:
                 mask_shape=mask.shape,
             )
         check_size("a piece", solid.shape[1], solid.shape[0])
+        # Equal pieces must have equal arrays, so cells outside the mask are always free.
         solid &= mask
         for name, array in (("solid", solid), ("mask", mask)):
             array.setflags(write=False)
@@ -115,12 +120,15 @@ class Piece:
 
     __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is an array
 
-    # Moving and cutting: each new cell is taken from an old one.
+    # Move and cut: each new cell is copied from an old one.
 
     def _taken(self, source: npt.NDArray[np.int64], marks: Marks) -> Piece:
-        """A piece each of whose cells is one of this one's.
+        """Return a piece whose cells are copied from this one's.
 
-        (height, width) flat cells, -1 for none.
+        Args:
+            source: (height, width) int64, the flat cell that each new cell is copied from; -1
+                leaves the new cell undefined.
+            marks: Marks of the new piece.
         """
         flat = source.ravel()
         mask = np.asarray((source >= 0) & self.mask.ravel()[source])
@@ -133,10 +141,10 @@ class Piece:
         return np.arange(self.solid.size, dtype=np.int64).reshape(self.solid.shape)
 
     def mirror(self, axis: str) -> Piece:
-        """Left and right (``x``), or up and down (``y``), change places.
+        """Swap left and right (``x``), or top and bottom (``y``).
 
         Raises:
-            InvalidParameter: If the axis is neither.
+            InvalidParameter: If ``axis`` is neither.
         """
         width = self.width
         height = self.height
@@ -154,7 +162,7 @@ class Piece:
         )
 
     def rotate(self, quarters: int) -> Piece:
-        """Turned counter-clockwise by quarter turns, exactly."""
+        """Turn the piece counter-clockwise by quarter turns, without loss."""
         piece = self
         for _ in range(whole("rotate", quarters, -1_000_000, 1_000_000) % 4):
             piece = piece._quarter()
@@ -163,29 +171,32 @@ class Piece:
     def _quarter(self) -> Piece:
         height = self.height
         marks = moved(self.marks, lambda x, y: (height - y, x), height, self.width, TURN // 4)
-        return self._taken(self._numbers().T[:, ::-1], marks)  # (x, y) goes to (height - y, x)
+        # A quarter turn moves (x, y) to (height - y, x).
+        return self._taken(self._numbers().T[:, ::-1], marks)
 
     def turn(self, degrees: int) -> Piece:
-        """Turned counter-clockwise by whole degrees; quarter turns are exact.
+        """Turn the piece counter-clockwise by whole degrees; quarter turns are exact.
 
-        At any other angle walls are rastered and made a little thicker, so that they have no holes:
-            passages
-        get up to two cells narrower, and of two walls a cell apart one may touch the other. What
-        lies between the turned sides and the new rectangle says nothing. Marks go to the nearest
-        half cell.
+        At any other angle the walls are rasterised and slightly thickened, so that they have no
+        holes. Passages therefore become up to two cells narrower, and two walls that are one cell
+        apart may touch. Cells between the turned sides and the new rectangle are undefined. Marks
+        move to the nearest half cell.
         """
         whole("turn", degrees, -1_000_000, 1_000_000)
         if degrees % 90 == 0:
             return self.rotate(degrees // 90 % 4)
+
+        # The bounding box of the turned rectangle, rounded up, plus one cell for the raster.
         cos, sin = direction(degrees)
         width, height = (
             -(-(self.width * abs(across) + self.height * abs(along)) // SCALE) + 1
             for across, along in ((cos, sin), (sin, cos))
         )
         check_size(f"turn={degrees}", width, height)
-        x, y = (
-            2 * np.arange(n, dtype=np.int64) + 1 - n for n in (width, height)
-        )  # half cells from the middle
+
+        # Turn each new cell's centre back to find the old cell it falls in. Only whole numbers are
+        # used, so that every platform gives the same piece. First, half cells from the middle:
+        x, y = (2 * np.arange(n, dtype=np.int64) + 1 - n for n in (width, height))
         x = x[np.newaxis, :] * (_FINE // 2)
         y = y[:, np.newaxis] * (_FINE // 2)
         u = (x * cos + y * sin) // SCALE + self.width * _FINE // 2
@@ -200,6 +211,8 @@ class Piece:
 
         marks = moved(self.marks, place, width, height, half_turn)
         turned = self._taken(self._cell_at(u, v), marks)
+
+        # Thicken the walls: add copies that are sampled a little towards each of four corners.
         walls = self.walls()
         for du in (-_THICKER, _THICKER):
             for dv in (-_THICKER, _THICKER):
@@ -208,17 +221,23 @@ class Piece:
         return turned
 
     def _cell_at(self, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """Flat cells that hold points, in fine units; -1 outside."""
+        """Return the flat cells that contain points given in fine units; -1 if outside."""
         ix = u // _FINE
         iy = v // _FINE
         inside = (ix >= 0) & (ix < self.width) & (iy >= 0) & (iy < self.height)
         return np.where(inside, iy * self.width + ix, -1)
 
     def crop(self, x: int, y: int, width: int, height: int) -> Piece:
-        """The cells of a box that lies inside.
+        """Cut out a box of cells.
+
+        Args:
+            x: First column.
+            y: First row.
+            width: Number of columns.
+            height: Number of rows.
 
         Raises:
-            InvalidParameter: If it does not.
+            InvalidParameter: If the box is not entirely inside the piece.
         """
         numbers = [
             whole(f"crop {name}", value, 0, MAX_SIDE) for name, value in (("x", x), ("y", y))
@@ -244,13 +263,14 @@ class Piece:
         return self._taken(self._numbers()[y : y + height, x : x + width], marks)
 
     def inside(self, rim: int = 1) -> Piece:
-        """Without the outermost cells: a family's world without its solid border."""
+        """Cut off the outermost ``rim`` cells, such as the solid border of a family's world."""
         rim = whole("inside", rim, 0, MAX_SIDE)
         return self.crop(rim, rim, self.width - 2 * rim, self.height - 2 * rim)
 
     def trim(self) -> Piece:
-        """The smallest box that holds all of which the piece says anything."""
+        """Cut the piece to the smallest box that contains all its defined cells."""
         rows, columns = (np.flatnonzero(self.mask.any(axis=axis)) for axis in (1, 0))
+        # A piece without defined cells has no such box.
         if not len(rows):
             return self
         x = int(columns[0])
@@ -258,10 +278,17 @@ class Piece:
         return self.crop(x, y, int(columns[-1]) - x + 1, int(rows[-1]) - y + 1)
 
     def pad(self, left: int, right: int, bottom: int, top: int, *, fill: str = "nothing") -> Piece:
-        """With more cells round it: ``solid``, ``free``, or ``nothing``, of which it says nothing.
+        """Add cells around the piece.
+
+        Args:
+            left: Columns to add on the left.
+            right: Columns to add on the right.
+            bottom: Rows to add below.
+            top: Rows to add above.
+            fill: ``solid``, ``free``, or ``nothing`` to leave the new cells undefined.
 
         Raises:
-            InvalidParameter: If a number is below 0, or the filling is none of the three.
+            InvalidParameter: If a number is below 0, or ``fill`` is not one of the three.
         """
         for name, value in (("left", left), ("right", right), ("bottom", bottom), ("top", top)):
             whole(f"pad {name}", value, 0, MAX_SIDE)
@@ -288,11 +315,11 @@ class Piece:
         )
 
     def border(self, cells: int = 1) -> Piece:
-        """With a solid border round it."""
+        """Add a solid border around the piece."""
         return self.pad(cells, cells, cells, cells, fill="solid")
 
     def tile(self, columns: int, rows: int) -> Piece:
-        """Repeated, side by side; marks stay in the lower left one."""
+        """Repeat the piece in a grid; only the lower left copy keeps its marks."""
         columns, rows = (
             whole(f"tile {n}", v, 1, MAX_SIDE) for n, v in (("columns", columns), ("rows", rows))
         )
@@ -300,7 +327,7 @@ class Piece:
         return self._taken(np.tile(self._numbers(), (rows, columns)), self.marks)
 
     def scale(self, factor: int) -> Piece:
-        """Each cell becomes ``factor`` x ``factor`` of them; the size of a cell, in m, stays."""
+        """Replace each cell by ``factor`` x ``factor`` cells; ``cell_size`` does not change."""
         factor = whole("scale", factor, 1, MAX_SIDE)
         check_size("scale", self.width * factor, self.height * factor)
         numbers = self._numbers().repeat(factor, axis=0).repeat(factor, axis=1)
@@ -310,15 +337,16 @@ class Piece:
             numbers, moved(self.marks, lambda x, y: (x * factor, y * factor), width, height)
         )
 
-    # What the piece speaks of.
+    # Choose which cells the piece defines.
 
     def masked(self, mask: Bools | Piece) -> Piece:
-        """Says nothing any more outside a mask.
+        """Leave the cells outside a mask undefined.
 
-        (height, width) bool, or a piece, whose solid cells count.
+        Args:
+            mask: (height, width) bool, or a piece whose solid cells are the mask.
 
         Raises:
-            InvalidParameter: If it has another size.
+            InvalidParameter: If the mask has another size.
         """
         kept = mask.solid if isinstance(mask, Piece) else np.asarray(mask, dtype=np.bool_)
         if kept.shape != self.solid.shape:
@@ -333,15 +361,15 @@ class Piece:
         return replace(self, mask=self.mask & kept)
 
     def walls(self) -> Piece:
-        """Its walls alone: it says nothing of cells that are free and stay so."""
+        """Keep only the walls: leave cells undefined that are always free."""
         return self.masked(self.solid | self.timeline.cells_that_become(shape=self.solid.shape))
 
     def floor(self) -> Piece:
-        """Its floor alone: it says nothing of cells that are solid and stay so."""
+        """Keep only the floor: leave cells undefined that are always solid."""
         return self.masked(~self.solid | self.timeline.cells_that_become(shape=self.solid.shape))
 
     def filled(self, fill: str) -> Piece:
-        """What it said nothing of is ``solid`` or ``free``."""
+        """Define the undefined cells as ``solid`` or ``free``."""
         if fill not in ("solid", "free"):
             raise InvalidParameter(
                 "unknown-name",
@@ -356,15 +384,17 @@ class Piece:
     def dig(
         self, begin: str | tuple[float, float], end: str | tuple[float, float], *, width: int = 2
     ) -> Piece:
-        """With a passage, first along x, then along y, whatever was there; it stays free for ever.
+        """Dig a passage, first along x and then along y, through whatever is there.
+
+        The passage also removes the events of its cells, so it stays free forever.
 
         Args:
-            begin: A mark, or a place in cells.
-            end: Likewise.
-            width: Cells.
+            begin: A mark's name, or a place in cells.
+            end: A mark's name, or a place in cells.
+            width: Width of the passage, cells.
 
         Raises:
-            InvalidParameter: If a mark is unknown, or a place lies outside.
+            InvalidParameter: If a mark is unknown, or a place is outside the piece.
         """
         width = whole("dig width", width, 1, MAX_SIDE)
         (x0, y0), (x1, y1) = (self._brush(point, width) for point in (begin, end))
@@ -376,7 +406,7 @@ class Piece:
         return overlaid(self, Piece(np.zeros_like(dug), dug), 0, 0, "over")
 
     def _brush(self, point: str | tuple[float, float], width: int) -> tuple[int, int]:
-        """First cell of a square round a point."""
+        """Return the first cell of a square of ``width`` cells around a point."""
         if isinstance(point, str):
             if point not in self.marks:
                 raise InvalidParameter(
@@ -393,24 +423,28 @@ class Piece:
         x, y = (math.floor(at - Fraction(width, 2) + HALF) for at in (mark.x, mark.y))
         return x, y
 
-    # Marks and robot.
+    # Change the marks and the robot.
 
     def with_mark(self, name: str, x: float, y: float, *, degrees: float | None = None) -> Piece:
-        """With a named place, in cells.
+        """Add a named place, or move it.
 
-        ``degrees`` is where the robot looks, from +x counter-clockwise.
+        Args:
+            name: Name of the mark.
+            x: Cells from the piece's left side.
+            y: Cells from its lower side.
+            degrees: Direction that the robot faces, counter-clockwise from +x.
 
         Raises:
-            InvalidParameter: If the place lies outside.
+            InvalidParameter: If the place is outside the piece.
         """
         return self._marked(name, mark_at(x, y, degrees))
 
     def with_start(self, x: float, y: float, *, degrees: float | None = None) -> Piece:
-        """With a start, in cells: (3.5, 2.5) is the middle of cell (3, 2)."""
+        """Set the start, in cells: (3.5, 2.5) is the centre of cell (3, 2)."""
         return self._marked(START, mark_at(x, y, degrees))
 
     def with_target(self, x: float, y: float, *, radius: float = 0.5) -> Piece:
-        """With a target, all in cells."""
+        """Set the target; its place and radius are in cells."""
         return self._marked(TARGET, mark_at(x, y, radius=radius))
 
     def _marked(self, name: str, mark: Mark) -> Piece:
@@ -431,7 +465,7 @@ class Piece:
             )
 
     def without_marks(self, *names: str) -> Piece:
-        """Without some marks; without all, if none is named."""
+        """Remove some marks, or all of them if no name is given."""
         return replace(
             self,
             marks={name: mark for name, mark in self.marks.items() if names and name not in names},
@@ -444,7 +478,13 @@ class Piece:
         speed: float | None = None,
         cell_size: float | None = None,
     ) -> Piece:
-        """For another robot, or cells of another size, in m and m/s; what is left out stays.
+        """Set the robot or the size of a cell; omitted values do not change.
+
+        Args:
+            radius: Radius of the robot, m.
+            speed: Top speed of the robot, m/s.
+            cell_size: Side of a cell, m. The number of cells does not change, so the piece grows
+                or shrinks in metres.
 
         Raises:
             InvalidParameter: If a number is out of range.
@@ -461,7 +501,7 @@ class Piece:
             cell_size=self.cell_size if cell_size is None else cell_size,
         )
 
-    # Two pieces.
+    # Combine two pieces.
 
     def place(
         self,
@@ -476,34 +516,33 @@ class Piece:
         margin: int = 1,
         seed: int | RandomStream | None = None,
     ) -> Piece:
-        """This piece, the host, with another on it.
+        """Place another piece on this one, the host.
 
         Args:
-            piece: What to put down. Its marks come along where the host has none of their names.
-            at: Where its lower left cell goes, in cells; or a word: ``centre``, a side (``left``,
-                ``top``, ...) or a corner (``lower-left``, ...) inside the host; or a mark of the
-                host, on which the piece's middle goes; or drawn: ``way``, its middle on the way
-                from the host's start to its target, or ``anywhere``, both clear of start and
-                target.
-            anchor: What of the piece goes to the place or mark instead: its ``centre``, a side, a
-                corner, or a mark of its own; to the nearest whole cell.
-            how: ``over``: what the piece says replaces what was there. ``union``: walls of both.
-                ``intersection``: walls where both have them, so that the piece's floor is dug out.
-                    ``carve``: the piece's walls are
-                cut out. Where the host says nothing, the piece alone counts; nothing is carved
-                there.
-            outside: What becomes of what sticks out of the host: ``refuse`` it, ``clip`` it off, or
-                ``grow`` the host, which says nothing of the new cells.
-            start: Whose start counts, ``host`` or ``piece``, where both have one.
-            target: Likewise.
-            margin: Cells between the piece and the host's sides, where ``at`` is a word; 1 keeps a
-                border.
-            seed: Of the place, where that is drawn.
+            piece: The piece to place. A mark of it is kept unless the host has one of that name.
+            at: Host cell of the piece's lower left cell, or one of these words. ``centre``, a side
+                (``left``, ``top``, ...) or a corner (``lower-left``, ...) of the host. The name of
+                a mark of the host, which the piece is centred on. ``way`` draws a place on the path
+                from the host's start to its target, and ``anywhere`` draws any place; both avoid
+                start and target.
+            anchor: Point of the piece that goes to the place or mark instead: its ``centre``, a
+                side, a corner, or one of its marks; rounded to the nearest whole cell.
+            how: ``over`` replaces the host's cells. ``union`` keeps the walls of both.
+                ``intersection`` keeps walls that both have, which digs out the piece's floor.
+                ``carve`` cuts out the piece's walls. Where the host is undefined the piece decides
+                alone, and nothing is carved.
+            outside: What to do if the piece sticks out of the host: ``refuse`` raises, ``clip``
+                cuts it off, and ``grow`` enlarges the host by undefined cells.
+            start: Whose start to keep if both have one, ``host`` or ``piece``.
+            target: Whose target to keep if both have one, ``host`` or ``piece``.
+            margin: Cells between the piece and the host's sides if ``at`` names or draws a place;
+                1 preserves a border.
+            seed: Seed of a drawn place.
 
         Raises:
-            InvalidParameter: If a word is unknown, the piece fits nowhere, or the cells have
-                different sizes.
-            InvalidWorld: If it is to go on the way, and the host has no place for the robot.
+            InvalidParameter: If a word is unknown, the piece fits nowhere, or the cell sizes
+                differ.
+            InvalidWorld: If ``at`` is ``way`` and the host has no room for the robot.
         """
         check_choice("how", how, tuple(HOW))
         check_choice("outside", outside, ("refuse", "clip", "grow"))
@@ -511,27 +550,29 @@ class Piece:
         return put_down(self, piece, corner, how, outside, {START: start, TARGET: target})
 
     def union(self, other: Piece) -> Piece:
-        """Walls of either; the lower left corners lie on each other, and the larger sides count."""
+        """Keep the walls of either piece.
+
+        The lower left corners are aligned, and the result is as large as the larger sides.
+        """
         return self.place(other, how="union", outside="grow")
 
     def intersect(self, other: Piece) -> Piece:
-        """Walls of both, where both speak; the lower left corners lie on each other."""
+        """Keep walls that both pieces have, where both are defined; align lower left corners."""
         return self.place(other, how="intersection", outside="grow")
 
     def subtract(self, other: Piece) -> Piece:
-        """Without the other's walls; the lower left corners lie on each other."""
+        """Cut out the other piece's walls; align the lower left corners."""
         return self.place(other, how="carve", outside="clip")
 
-    # The world.
+    # Make a world.
 
     def layout(self, *, seed: int = 0) -> World:
-        """The world, without proof; what no piece spoke of is solid.
+        """Return the world without proving it; undefined cells become solid.
 
-        A start or a target that is missing is placed far from the other, as ``worldgen import``
-        does.
+        A missing start or target is placed far from the other one, as ``worldgen import`` does.
 
         Args:
-            seed: Where the search for far places begins.
+            seed: Seed of the search for places that are far apart.
 
         Raises:
             InvalidWorld: If there is no room for the robot.
@@ -543,14 +584,17 @@ class Piece:
         return world_of(walls, self.marks, self.timeline, (cell_size, radius, speed), seed)
 
     def world(self, *, seed: int = 0, margin: float = 0.0) -> World:
-        """The world with a witness, proved like every generated world; like :meth:`layout` else.
+        """Return the world with a witness, proved like every generated world.
+
+        Apart from the proof this is :meth:`layout`.
 
         Args:
-            seed: Where the search for far places begins.
-            margin: Seconds by which the robot may begin the witness later, where something changes.
+            seed: Seed of the search for places that are far apart.
+            margin: Seconds by which the robot may start late on its witness in a changing world.
 
         Raises:
             InvalidWorld: If there is no room for the robot.
-            GenerationFailed: If the target cannot be reached, or was not proved to be; it says why.
+            GenerationFailed: If the target cannot be reached, or no proof was found; the error
+                carries the reason.
         """
         return proved(self.layout(seed=seed), margin)

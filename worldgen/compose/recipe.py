@@ -1,8 +1,8 @@
 """Recipes: small TOML files that become families.
 
-A recipe's whole text travels in the provenance of every world that it makes, with the ``.grid``
-files that it reads; so a world is made again from its file alone. Larger maps, and those of other
-formats, travel as their SHA-256 of their cells: when they are read again they must be the same.
+The provenance of every world holds the recipe's whole text and the ``.grid`` files that it reads,
+so the world can be rebuilt from its own file. For larger maps and other formats, provenance holds
+only the SHA-256 of their cells: the same file must be present to rebuild the world.
 """
 
 from __future__ import annotations
@@ -34,24 +34,28 @@ from worldgen.world import Value, World
 
 __all__ = ["family_from_recipe"]
 
-VERSION = 1  # goes up whenever some recipe makes another world than before
+# Bump this whenever an existing recipe would make a different world.
+VERSION = 1
 _PLAIN = re.compile(r"[A-Za-z0-9_-]{1,60}\Z")
-_MOST_CARRIED = 256 << 10  # bytes of .grid files that travel in provenance
+# Limit on the bytes of .grid files in provenance, which is part of every world's file.
+_MOST_CARRIED = 256 << 10
 _DIGEST = "sha256:"
 
 
 def family_from_recipe(
     recipe: str | Path, *, folder: Path | None = None, files: Mapping[str, str] | None = None
 ) -> Family:
-    """The family that a recipe describes; its parameters are those that the recipe declares.
+    """Create the family that a recipe describes, with the parameters that the recipe declares.
 
     Args:
-        recipe: A path; or the text itself, which has a line end.
-        folder: Where its ``file`` parts lie; the recipe's own, or of a text the working directory.
-        files: Its files as provenance has them: their text, or ``sha256:`` and their digest.
+        recipe: A path, or the text itself, which is recognised by its line breaks.
+        folder: Folder of its ``file`` parts; defaults to the recipe's own folder, or to the
+            working directory if ``recipe`` is text.
+        files: Files stored in a world's provenance, by name: their text, or ``sha256:`` and their
+            digest.
 
     Raises:
-        FormatError: If it cannot be read, or breaks a rule; with its line.
+        FormatError: If the recipe cannot be read or breaks a rule; the error has the line.
     """
     source = None
     if isinstance(recipe, Path) or "\n" not in recipe:
@@ -70,6 +74,8 @@ def family_from_recipe(
             ) from error
     else:
         text = recipe
+
+    # Line endings must not matter, because the text becomes part of each world's provenance.
     text = text.replace("\r\n", "\n")
     read_text = read_recipe(text, source)
     _check_families(read_text, source)
@@ -81,13 +87,14 @@ def family_from_recipe(
         made = family(f"recipe:{read_text.name}", version=read_text.version)(
             _builder(read_text, pieces)
         )
-    except InvalidParameter as error:  # a parameter called like an option of every family
+    # A parameter may have the name of an option that every family has.
+    except InvalidParameter as error:
         raise FormatError.of(error.message, source=source) from error
     return replace(made, constants=constants, changes=_changes(read_text, pieces))
 
 
 def _versions(recipe: RecipeText) -> dict[str, Value]:
-    """Versions of all that a recipe's worlds depend on beside its text and files."""
+    """Return the versions of the code that a recipe's worlds depend on, for provenance."""
     found: dict[str, Value] = {"compose": VERSION}
     for part in recipe.parts.values():
         if part.source == "family":
@@ -96,7 +103,7 @@ def _versions(recipe: RecipeText) -> dict[str, Value]:
 
 
 def _changes(recipe: RecipeText, pieces: Mapping[str, Piece]) -> bool:
-    """Whether a recipe's worlds may change with time."""
+    """Return True if a recipe's worlds may change over time."""
     families = [
         name
         for part in recipe.parts.values()
@@ -109,15 +116,15 @@ def _changes(recipe: RecipeText, pieces: Mapping[str, Piece]) -> bool:
 
 
 def _check_families(recipe: RecipeText, source: str | None) -> None:
-    """Refuses unknown families, parameters that they do not have, and values of another type."""
+    """Reject unknown families, parameters they do not have, and values of the wrong type."""
     for part in recipe.parts.values():
         if part.source != "family":
             continue
         for name in words_of(part.value):
             try:
-                if not _PLAIN.match(
-                    name
-                ):  # a file from elsewhere must not load code when it is made again
+                # Other forms of a family's name load a Python file. A world from a stranger must
+                # not run code when it is rebuilt.
+                if not _PLAIN.match(name):
                     raise InvalidParameter(
                         "unknown-name",
                         "family={name!r} is no registered family",
@@ -136,7 +143,11 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
 def _read_pieces(
     recipe: RecipeText, folder: Path, given: dict[str, str], source: str | None
 ) -> tuple[dict[str, Piece], dict[str, str]]:
-    """The pieces of a recipe's drawings and files by part, and what provenance keeps of each file."""
+    """Read a recipe's drawings and files.
+
+    Returns:
+        The pieces by part name, and the text or digest of each file for provenance.
+    """
     pieces: dict[str, Piece] = {}
     kept: dict[str, str] = {}
     for part in recipe.parts.values():
@@ -145,6 +156,7 @@ def _read_pieces(
             if part.source == "rows":
                 pieces[part.name] = drawn(text)
             elif part.source == "file":
+                # A recipe may come from a stranger, so it must not read files outside its folder.
                 pure = PurePosixPath(text)
                 if pure.is_absolute() or ".." in pure.parts or "\\" in text or "\0" in text:
                     raise InvalidParameter(
@@ -183,7 +195,10 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
 
 
 def _digest(piece: Piece) -> str:
-    """SHA-256 of all that a map's file gives; some formats have their cells in another file yet."""
+    """Return the SHA-256 of a map's contents.
+
+    Hashing the file itself would not do, because some formats keep their cells in a second file.
+    """
     line = piece.timeline
     events = b"".join(
         np.ascontiguousarray(part).tobytes() for part in (line.times, line.ix, line.iy, line.states)
@@ -193,7 +208,7 @@ def _digest(piece: Piece) -> str:
 
 
 def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
-    """The function that lays out a world of the recipe, with the recipe's parameters as its own."""
+    """Return a function that lays out a world, with the recipe's parameters as its own."""
     by_chance = _is_drawn(recipe)
 
     def build(rng: RandomStream, **values: Any) -> World:
@@ -208,6 +223,8 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
             lambda stream: RecipeRun(recipe, pieces, params, stream, work).piece().layout(), rng
         )
 
+    # ``family`` reads parameters from a function's signature, annotations and docstring, so give
+    # it those that a handwritten family would have.
     listed = recipe.parameters.items()
     rng = inspect.Parameter("rng", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     own = [
@@ -227,12 +244,13 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
 
 
 def _only(name: str, world: World, margin: Scalar) -> World:
-    """The one world of a recipe in which nothing is drawn.
+    """Check the only world of a recipe that draws nothing.
 
-    Where it cannot be solved, no other seed helps.
+    If this world cannot be solved, no other seed helps, so fail at once with a message that says
+    so.
 
     Raises:
-        GenerationFailed: If it cannot be solved, with the reason.
+        GenerationFailed: If the world cannot be solved; the error carries the reason.
     """
     decision = decide(world, margin=float(margin))
     if decision.result != REACHABLE:
@@ -248,7 +266,7 @@ def _only(name: str, world: World, margin: Scalar) -> World:
 
 
 def _is_drawn(recipe: RecipeText) -> bool:
-    """Whether chance has a say in a recipe's worlds."""
+    """Return True if a recipe's worlds differ between seeds."""
     for part in recipe.parts.values():
         if part.source == "family" and "seed" not in part.options:
             return True

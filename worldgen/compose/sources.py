@@ -1,4 +1,4 @@
-"""Where pieces come from: families, worlds, files, drawings, rectangles, other pieces in a row."""
+"""Create pieces from families, worlds, files, drawings, rectangles and rows of other pieces."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ __all__ = [
 
 _SIGNS = {"#": True, ".": False, "S": False, "G": False}
 _NOTHING = "_"
-MOST_REFUSALS = 16  # compositions drawn until one fits together
+MOST_REFUSALS = 16  # compositions to draw before giving up on parts that do not fit
 _HALF = Fraction(1, 2)
 
 
 def of_world(world: World) -> Piece:
-    """A world's cells, with its start, target, timeline and robot."""
+    """Create a piece from a world's cells, start, target, timeline and robot."""
     return Piece(
         world.walls,
         np.ones_like(world.walls),
@@ -61,23 +61,30 @@ def of_world(world: World) -> Piece:
 
 
 def of_cells(solid: npt.ArrayLike) -> Piece:
-    """Cells as they are: (height, width) bool, True is solid, row 0 the lowest y.
+    """Create a piece from an array of cells.
+
+    Args:
+        solid: (height, width) bool, True is solid; row 0 is the lowest y.
 
     Raises:
-        InvalidParameter: If they have another shape, or are too many.
+        InvalidParameter: If the array has another shape, or too many cells.
     """
     cells = np.array(solid, dtype=np.bool_)
     return Piece(cells, np.ones_like(cells))
 
 
 def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value) -> Piece:
-    """A world of any family: of a seed, the one that ``generate`` gives.
+    """Create a piece from a family's world.
 
-    Of a stream, a layout that is drawn from it.
+    Args:
+        name: A family, or its name.
+        seed: A seed gives the world that ``generate`` returns for it. A stream gives a layout that
+            is drawn from the stream, without a proof.
+        **params: Parameters of the family.
 
     Raises:
-        InvalidParameter: If family or a parameter is unknown, or out of range.
-        GenerationFailed: If the family makes no solvable world of this seed.
+        InvalidParameter: If the family or a parameter is unknown, or a value is out of range.
+        GenerationFailed: If the family finds no solvable world for this seed.
     """
     if isinstance(seed, RandomStream):
         made_by = name if isinstance(name, Family) else FAMILIES.get(name)
@@ -86,10 +93,12 @@ def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value)
 
 
 def read(path: str | PathLike[str]) -> Piece:
-    """A map file of any format that ``worldgen import`` reads, with what it has of marks, timeline and robot.
+    """Read a map file of any format that ``worldgen import`` accepts.
+
+    The piece also has the file's marks, timeline and robot, if the format stores them.
 
     Raises:
-        FormatError: If it cannot be read, or breaks its format's rules.
+        FormatError: If the file cannot be read, or breaks its format's rules.
     """
     found = read_map(Path(path))
     if found.world is not None:
@@ -102,15 +111,16 @@ def read(path: str | PathLike[str]) -> Piece:
 
 
 def drawn(rows: str | Sequence[str]) -> Piece:
-    """A drawing, top row first.
+    """Create a piece from a drawing made of characters, top row first.
 
     Args:
-        rows: Lines, or one text of them: ``#`` solid, ``.`` free, ``_`` nothing said; ``S`` and
-            ``G`` mark start and target, small letters other marks, in the middle of their free
-            cells. All lines are equally long.
+        rows: Lines of equal length, or one text that contains them. ``#`` is solid, ``.`` is free
+            and ``_`` is undefined. ``S`` and ``G`` mark start and target, small letters other
+            marks; each is the centre of a free cell.
 
     Raises:
-        InvalidParameter: If a line has another length or another sign, or a mark stands twice.
+        InvalidParameter: If the lines differ in length, a character is unknown, or a mark occurs
+            twice.
     """
     lines = rows.strip("\n").split("\n") if isinstance(rows, str) else list(rows)
     lines = [line.rstrip("\r") for line in lines]
@@ -139,7 +149,7 @@ def drawn(rows: str | Sequence[str]) -> Piece:
 
 
 def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -> None:
-    """Keeps a mark of a drawing."""
+    """Add the mark that a character of a drawing stands for."""
     if sign not in _SIGNS and not ("a" <= sign <= "z"):
         raise InvalidParameter(
             "unknown-sign",
@@ -161,10 +171,10 @@ def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -
 
 
 def rectangle(width: int, height: int, *, solid: bool = False) -> Piece:
-    """A box of cells, all free or all solid.
+    """Create a rectangle of cells that are all free or all solid.
 
     Raises:
-        InvalidParameter: If it has no cells, or too many.
+        InvalidParameter: If the rectangle has no cells, or too many.
     """
     width, height = (whole(n, v, 1, MAX_SIDE) for n, v in (("width", width), ("height", height)))
     check_size("a rectangle", width, height)
@@ -175,32 +185,33 @@ _ALIGNED = ("low", "centre", "high")
 
 
 def beside(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
-    """Pieces from left to right; the start is the first one's, the target the last one's.
+    """Put pieces in a row from left to right.
+
+    The row has the first piece's start and the last piece's target.
 
     Args:
-        pieces: At least one.
-        gap: Cells between two, of which nothing is said.
-        align: ``low``, ``centre`` or ``high``: where shorter pieces stand.
-        join: Width, in cells, of a passage that is dug from each piece's target to the next one's
-            start; 0: none.
+        pieces: At least one piece.
+        gap: Undefined cells between neighbours.
+        align: Where to put shorter pieces across the row: ``low``, ``centre`` or ``high``.
+        join: Width, in cells, of a passage to dig from each piece's target to the next piece's
+            start; 0 digs none.
 
     Raises:
-        InvalidParameter: If there is no piece, or one that is to be joined has no start or no
-            target.
+        InvalidParameter: If there is no piece, or a piece to join has no start or no target.
     """
     return _chain(pieces, gap, align, join, upwards=False)
 
 
 def above(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
-    """Pieces from bottom to top; else as :func:`beside`."""
+    """Put pieces in a column from bottom to top; otherwise the same as :func:`beside`."""
     return _chain(pieces, gap, align, join, upwards=True)
 
 
 def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, int]:
-    """Width and height of pieces in a row, in cells.
+    """Return the width and height of a row of pieces, in cells.
 
     Raises:
-        InvalidParameter: If there is no piece, or they give too many cells.
+        InvalidParameter: If there is no piece, or the row has too many cells.
     """
     if not pieces:
         raise InvalidParameter("empty", "there is no piece to put in a row", "give at least one")
@@ -220,6 +231,9 @@ def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards:
     width, height = row_size(pieces, gap, upwards=upwards)
     size = (height, width)
     breadth = max(breadths)
+
+    # Place the pieces on an undefined background. Inner starts and targets get numbered names, so
+    # that they survive next to each other until the passages are dug.
     scene = Piece(np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_))
     at = 0
     last = len(pieces) - 1
@@ -229,6 +243,8 @@ def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards:
         kept = kept if number == last else _renamed(kept, TARGET, number, join)
         scene = scene.place(kept, at=(off, at) if upwards else (at, off))
         at += own + gap
+
+    # Dig the passages between neighbours, then drop the numbered marks.
     for number in range(last if join else 0):
         scene = scene.dig(f"target {number}", f"start {number + 1}", width=join)
     joints = [f"{end} {number}" for end in (START, TARGET) for number in range(len(pieces))]
@@ -236,7 +252,7 @@ def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards:
 
 
 def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
-    """A piece of a row with its number behind the name of a mark that is not the row's."""
+    """Append a piece's number to the name of its start or target, which is not the row's own."""
     marks = dict(piece.marks)
     mark = marks.pop(end, None)
     if mark is not None:
@@ -253,34 +269,36 @@ def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
 
 
 def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> World:
-    """The first of a function's compositions that the robot can get through, proved.
+    """Call a function until it draws a composition that can be solved, and return its proved world.
 
-    Up to 64 are tried.
+    At most 64 compositions are tried.
 
     Args:
-        build: Draws a piece from a stream, and from nothing else.
-        seed: Equal seed, equal world.
+        build: Draws a piece from a stream, which must be its only source of randomness.
+        seed: Equal seeds give equal worlds.
 
     Raises:
-        GenerationFailed: If none is solvable.
-        InvalidParameter: If the function refuses what it has drawn, again and again.
+        GenerationFailed: If no composition can be solved.
+        InvalidParameter: If ``build`` raises it for every composition.
     """
 
     @family("composition", version=1)
     def composition(rng: RandomStream) -> World:
         return first_possible(lambda drawing: build(drawing).layout(), rng)
 
-    return replace(generate(composition, seed), provenance=None)  # its name would not make it again
+    # Drop the provenance: nobody could rebuild the world from this local family's name.
+    return replace(generate(composition, seed), provenance=None)
 
 
 def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
-    """The first of a function's compositions whose parts fit.
+    """Call a function until it draws a composition whose parts fit, and return that one.
 
-    What was drawn may be too large for its place.
+    Drawn parts may be too large for their places, which another draw can solve.
 
     Raises:
-        WorldgenError: What the function raised first, if it raises every time.
-        TooLarge: If the function makes too many cells; that is not drawn again.
+        WorldgenError: The first error, if ``build`` raises every time.
+        TooLarge: If ``build`` makes too many cells. This is not retried, because each attempt costs
+            time and memory.
     """
     refusals: list[WorldgenError] = []
     for attempt in range(MOST_REFUSALS):
