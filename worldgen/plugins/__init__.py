@@ -1,1 +1,1 @@
-"""Named things that users' code and other packages add: the registry, and how it loads them."""
+"""Find and load what users' code and other packages add by name, such as families."""

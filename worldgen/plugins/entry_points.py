@@ -1,6 +1,6 @@
-"""Entry points of installed packages, read once.
+"""Read the entry points of installed packages, and cache them.
 
-To read them takes as long as to import a large library.
+Reading them takes as long as importing a large library.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["points_of"]
 def points_of(group: str) -> tuple[EntryPoint, ...]:
     """Return the entry points of a group, such as ``worldgen.families``.
 
-    As they are for the present ``sys.path``.
+    The cache is per ``sys.path``, so a changed path is read again.
     """
     return _points(group, tuple(sys.path))
 

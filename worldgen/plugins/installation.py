@@ -1,4 +1,4 @@
-"""Where this copy of worldgen was installed from, so that messages and CI files can name it."""
+"""Find where this copy of worldgen was installed from, for messages and CI files."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _GITHUB = re.compile(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?")
 
 @dataclass(frozen=True)
 class Origin:
-    """Where an installed distribution came from.
+    """Describe where an installed distribution came from.
 
     Args:
-        url: Of a repository, an archive or a folder; empty for a package index.
-        commit: Of the repository; empty for anything else.
-        folder: The folder, if it was installed from one that still exists.
-        editable: Whether the folder itself is what runs (``pip install -e``).
+        url: URL of a repository, an archive or a folder; empty for a package index.
+        commit: Commit of the repository; empty for anything else.
+        folder: The folder it was installed from, if that still exists.
+        editable: True if Python runs the code in the folder itself (``pip install -e``).
     """
 
     url: str = ""
@@ -33,7 +33,7 @@ class Origin:
 
     @property
     def github(self) -> str:
-        """``owner/name`` of a repository on GitHub; empty for anything else."""
+        """Return ``owner/name`` of a repository on GitHub, or an empty string."""
         found = _GITHUB.fullmatch(self.url) if self.commit else None
         return found[1] if found else ""
 
@@ -44,8 +44,8 @@ def origin() -> Origin:
     Source: PEP 610, "Recording the Direct URL Origin of installed distributions".
     """
     try:
-        # A checkout on the path may hold metadata of its own, which says nothing about the
-        # installation.
+        # A checkout on the path may have its own metadata, which lacks this record. Take the first
+        # distribution that has one.
         texts = [found.read_text("direct_url.json") for found in distributions(name="worldgen")]
         record = json.loads(next(filter(None, texts), "{}"))
         url = str(record.get("url", ""))
@@ -61,13 +61,13 @@ def origin() -> Origin:
 
 
 def requirement(extra: str = "") -> str:
-    """Return what pip must be given to install this worldgen again.
+    """Return the requirement that makes pip install this worldgen again.
 
-    worldgen may come from a package index, a repository or a checkout. ``worldgen[studio]`` alone
-    would look only in the index, which may not have it.
+    worldgen may come from a package index, a repository or a checkout. A plain ``worldgen[studio]``
+    would make pip look only in the index, which may not have it.
 
     Args:
-        extra: Name of an extra, such as ``studio``; none if omitted.
+        extra: Name of an extra, such as ``studio``; no extra if omitted.
     """
     extras = f"[{extra}]" if extra else ""
     found = origin()

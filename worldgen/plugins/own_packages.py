@@ -1,8 +1,8 @@
-"""Our packages ``sim`` and ``fuzz`` next to a user's folder or file of the same name.
+"""Keep a user's folder or file named ``sim`` or ``fuzz`` from hiding our packages.
 
-As robot projects have one. In the program ours are imported, wherever the user's are: call
-:func:`prefer_own_packages` first. A process of the user's, such as a test run, imports what comes
-first on Python's path; :func:`check_hidden` says what that hides.
+Many robot projects have such a folder. Our own program calls :func:`prefer_own_packages` first, so
+it always imports ours. A user's process, such as a test run, imports whatever comes first on
+Python's path; there, :func:`check_hidden` reports a hidden package.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _ROOT = Path(worldgen.__file__).resolve().parent.parent
 
 
 def prefer_own_packages() -> None:
-    """Have this process, and those that it starts, import our packages rather than others of the same name.
+    """Make this process and its children prefer our packages to others of the same name.
 
-    The folders on Python's path that hide ours are searched last: what else is in them can still be
-    imported.
+    Folders on Python's path that hide ours are moved to its end, so that their other modules can
+    still be imported.
     """
     hiding = [entry for entry in sys.path if _hides(entry)]
     if not hiding:
@@ -44,7 +44,10 @@ def _hides(entry: str) -> bool:
 
 
 def hidden_package() -> tuple[str, Path] | None:
-    """Return the first of our packages that Python would import from elsewhere, and where it would; else ``None``."""
+    """Return the first of our packages that another one hides, and the other one's path.
+
+    Returns ``None`` if Python would import all of our packages.
+    """
     for name in _PACKAGES:
         ours = _ROOT / name
         if not (ours / "__init__.py").is_file():
@@ -56,10 +59,10 @@ def hidden_package() -> tuple[str, Path] | None:
 
 
 def check_hidden() -> None:
-    """Refuse to continue with another package in the place of ours.
+    """Raise an error if another package hides one of ours.
 
     Raises:
-        InvalidParameter: If one is hidden.
+        InvalidParameter: If one of our packages is hidden.
     """
     hidden = hidden_package()
     if hidden is None:

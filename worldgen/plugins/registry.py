@@ -1,4 +1,4 @@
-"""Named things that plug-ins can add: families, controllers, motion models."""
+"""Load families, controllers and motion models by name, including those of plug-ins."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
-# s: ten times what the largest frameworks take to load.
+# Default time limit for loading a module, s: ten times as long as the largest frameworks take.
 _LOADS_IN = 60.0
-# s: what every system can wait for.
+# Upper bound on that limit, s; every operating system's timers support it.
 _LONGEST_LOAD = 1e6
 LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
-"""The variable that gives modules another time to load, s."""
+"""Environment variable that overrides the time limit for loading a module, s."""
 ONLY_CODE = "WORLDGEN_ONLY_CODE"
-"""The variable that holds, as a JSON list, what :func:`only_code` was given.
+"""Environment variable with the names given to :func:`only_code`, as a JSON list.
 
-Processes inherit it.
+An environment variable is used because child processes inherit it.
 """
 
 
 def only_code(names: Iterable[str]) -> None:
-    """From now on no code is run but the registered and this, here and in processes that this one starts.
+    """Allow only registered code and these names to run, in this process and its children.
 
-    Files from elsewhere may name any code, as their controller, motion model or oracle; reading one
-    then runs nothing.
+    A file from a stranger may name any code as its controller, motion model or oracle. After this
+    call, reading such a file cannot run that code.
 
     Args:
         names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
@@ -50,10 +50,10 @@ def only_code(names: Iterable[str]) -> None:
 
 
 def check_code(name: str) -> None:
-    """Refuses code that :func:`only_code` was not given.
+    """Raise an error for code that :func:`only_code` does not allow.
 
     Raises:
-        InvalidParameter: If it is none of that.
+        InvalidParameter: If :func:`only_code` was called without this name.
     """
     said = os.environ.get(ONLY_CODE)
     if said is not None and _identity(name) not in json.loads(said):
@@ -66,7 +66,7 @@ def check_code(name: str) -> None:
 
 
 def lend(place: str, copy: Path) -> None:
-    """From now on the file that is called ``place`` is this copy of it, from another machine."""
+    """Use a copy from another machine whenever the file ``place`` is named from now on."""
     _LENT[place] = copy
 
 
@@ -76,15 +76,15 @@ def _file(place: str) -> Path:
 
 @contextlib.contextmanager
 def user_code(doing: str) -> Iterator[None]:
-    """Code of a user's, run inside, may raise anything, its exit from Python included.
+    """Turn any error of a user's code, even an attempt to exit Python, into ``InvalidParameter``.
 
-    Only Ctrl-C is let through.
+    Only Ctrl-C passes through.
 
     Args:
-        doing: What failed if it raises, to begin the message with.
+        doing: What the code is doing; the error message begins with it.
 
     Raises:
-        InvalidParameter: If it raises.
+        InvalidParameter: If the code raises anything but ``KeyboardInterrupt``.
     """
     try:
         yield
@@ -110,7 +110,7 @@ def user_code(doing: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _loading(doing: str) -> Iterator[None]:
-    """Run code like :func:`user_code`, but end it if it takes too long."""
+    """Run code like :func:`user_code`, but stop it if it takes too long."""
     seconds = _load_seconds()
     try:
         with user_code(doing), time_limit(seconds):
@@ -148,15 +148,16 @@ def _load_seconds() -> float:
 
 
 class Registry(Generic[T]):
-    """Finds a thing by its entry-point name, as ``package.module:name``, or as ``./file.py:name``.
+    """Look up objects by entry-point name, ``package.module:name`` or ``./file.py:name``.
 
-    Nothing is imported before it is asked for, so listing names costs no start-up time.
+    Modules are imported only when one of their objects is requested, so listing names costs no
+    start-up time.
 
     Args:
         group: Entry-point group, for example ``worldgen.families``.
-        noun: What the things are called in messages.
-        accept: Turns what the entry point names into a ``T``; raises :class:`InvalidParameter` if
-            it can't.
+        noun: Name of such an object in messages, for example ``family``.
+        accept: Converts the object that a name refers to into a ``T``; raises
+            :class:`InvalidParameter` if it can't.
     """
 
     def __init__(self, group: str, noun: str, accept: Callable[[str, Any], T]) -> None:
@@ -166,7 +167,11 @@ class Registry(Generic[T]):
         self._loaded: dict[str, T] = {}
 
     def entry_points(self) -> dict[str, EntryPoint]:
-        """All entry points of the group by name; a name that two packages claim is refused."""
+        """Return all entry points of the group by name.
+
+        Raises:
+            InvalidParameter: If two packages claim the same name.
+        """
         found: dict[str, EntryPoint] = {}
         for point in points_of(self.group):
             other = found.get(point.name)
@@ -184,17 +189,17 @@ class Registry(Generic[T]):
         return found
 
     def names(self) -> list[str]:
-        """Registered names, sorted."""
+        """Return the registered names, sorted."""
         return sorted(self.entry_points())
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.names())
 
     def get(self, name: str) -> T:
-        """The thing called ``name``.
+        """Return the object with this name, and load it if necessary.
 
         Raises:
-            InvalidParameter: If nothing is called so, or what is found is no such thing.
+            InvalidParameter: If nothing has this name, loading it fails, or it has the wrong type.
         """
         key = _identity(name)
         if key not in self._loaded:
@@ -211,7 +216,7 @@ class Registry(Generic[T]):
         return self._loaded[key]
 
     def forget(self, place: str) -> None:
-        """Load what is in this file, and the files next to it, again when it is next asked for."""
+        """Forget a file and the files next to it, so that the next request loads them again."""
         file = _identity(f"{place}:").rpartition(":")[0]
         for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
             del self._loaded[key]
@@ -219,7 +224,7 @@ class Registry(Generic[T]):
             forget_folder(Path(file).parent)
 
     def source(self, name: str) -> Path | None:
-        """The file that defines what is called so; ``None`` where none does, or a whole package."""
+        """Return the file that defines the object with this name, or ``None`` if no file does."""
         point = self.entry_points().get(name)
         if point is None and ":" in name:
             check_code(name)
@@ -281,9 +286,9 @@ class Registry(Generic[T]):
 
 
 def _identity(name: str) -> str:
-    """The name, with the whole path of a file.
+    """Return the name with a file's path made absolute.
 
-    What ``./mine.py:Robot`` is hangs on the folder that one is in.
+    ``./mine.py:Robot`` means something else in every working directory, so it cannot be a key.
     """
     place, colon, attribute = name.rpartition(":")
     return (
@@ -303,6 +308,8 @@ def _load_file(path: Path) -> Any:
         raise ImportError(f"{path} is no Python file")
     module = importlib.util.module_from_spec(spec)
     import_in(module, package_of(path.parent))
+    # Register the module before running it, as the import system does: dataclasses and pickles look
+    # it up there.
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)

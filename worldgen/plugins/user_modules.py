@@ -1,9 +1,9 @@
-"""The files next to a user's file: ``import geometry`` in ``./mine.py`` finds ``./geometry.py``.
+"""Import the files next to a user's file: ``import geometry`` in ``./mine.py``.
 
 As with ``python mine.py``, files in the folder come before installed packages. Unlike there, the
-folder is not put on ``sys.path``, where it would be searched for everybody's imports: each folder
-is a package of its own with a private name, and only imports written in files of that folder look
-there. So two folders may each have a ``geometry.py``, and a folder named ``sim`` hides nothing of
+folder is not added to ``sys.path``, which would affect every import in the process. Instead, each
+folder becomes a package with a private name, and only imports in files of that folder look there.
+Two folders may therefore each have a ``geometry.py``, and a folder named ``sim`` hides nothing of
 ours.
 """
 
@@ -30,7 +30,7 @@ _FOLDERS: dict[str, Path] = {}  # by the private name of the package
 
 
 def package_of(folder: Path) -> str:
-    """Return the private name of the package that a folder is, and make it."""
+    """Return the private name of a folder's package, and create the package on the first call."""
     folder = folder.resolve()
     name = f"_worldgen_user_folder_{hashlib.sha256(str(folder).encode()).hexdigest()[:16]}"
     if name not in sys.modules:
@@ -46,19 +46,21 @@ def package_of(folder: Path) -> str:
 
 
 def import_in(module: ModuleType, package: str) -> None:
-    """Have the imports that are written in a module look in its folder first.
+    """Make the imports in a module's source look in its folder first.
 
     Args:
         module: A module that has not been executed yet.
-        package: Of its folder, from :func:`package_of`.
+        package: Name of its folder's package, from :func:`package_of`.
     """
+    # CPython looks up ``__import__`` in the module's own builtins, so replacing it there affects no
+    # other module.
     module.__dict__["__builtins__"] = {**vars(builtins), "__import__": _Importer(package)}
 
 
 def neighbours_of(module: ModuleType) -> list[ModuleType]:
-    """Return the files of a module's folder that have been imported so far.
+    """Return the modules imported so far from a module's folder.
 
-    None if it was not loaded from a file.
+    The list is empty if the module was not loaded from a user's file.
     """
     its_builtins = module.__dict__.get("__builtins__")
     importer = its_builtins.get("__import__") if isinstance(its_builtins, dict) else None
@@ -85,7 +87,7 @@ def forget_folder(folder: Path) -> None:
 def _forget_bare_names(folder: Path) -> None:
     """Drop the bare names that a new folder makes ambiguous.
 
-    So that whoever asks for one by name is told.
+    The next import by such a name then reports the ambiguity.
     """
     for alias, module in list(sys.modules.items()):
         named = str(getattr(module, "__name__", ""))
@@ -98,7 +100,7 @@ def _forget_bare_names(folder: Path) -> None:
 
 
 class _Importer:
-    """What ``import`` calls in the files of one folder."""
+    """Replace ``__import__`` in the files of one folder, so that they find each other."""
 
     def __init__(self, package: str) -> None:
         self.package = package
@@ -122,7 +124,7 @@ class _Importer:
 
 
 def _is_in(folder: Path, name: str) -> bool:
-    """Return whether ``import name`` means a file of the folder."""
+    """Return True if ``import name`` should find a file of the folder."""
     if name in _OURS or name in sys.builtin_module_names:
         return False
     spec = importlib.machinery.PathFinder.find_spec(name, [str(folder)])
@@ -134,7 +136,7 @@ def _is_in(folder: Path, name: str) -> bool:
 
 
 class _OfFolders(importlib.abc.MetaPathFinder):
-    """Finds the modules of folders, which then import as the file next to them does."""
+    """Find the modules of users' folders, and make them find each other in turn."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -155,10 +157,10 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _ByBareName(importlib.abc.MetaPathFinder):
-    """Finds a folder's module by its bare name where nothing else has that name.
+    """Find a folder's module by its bare name if nothing else has that name.
 
-    As pickles and ``import_module`` ask. It is the same module, and it is refused if two folders
-    have one.
+    Pickles and ``import_module`` need this. They get the same module object as the folder's own
+    imports. A name that two folders have is an error.
     """
 
     def find_spec(
@@ -195,4 +197,5 @@ class _Alias(importlib.abc.Loader):
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__spec__ = self._spec  # which the import system has just replaced
+        # The import system has just replaced the module's spec by the alias's; restore it.
+        module.__spec__ = self._spec

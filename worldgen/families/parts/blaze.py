@@ -1,6 +1,6 @@
-"""How fire goes over a ground: where it breaks out, when each cell catches.
+"""Spread fire over a ground: where it breaks out, and when each cell catches.
 
-It ways it has to leave open.
+Also decide whether the fire leaves a path open, and hold it back from one if it does not.
 """
 
 from __future__ import annotations
@@ -36,11 +36,15 @@ __all__ = [
     "weak_walls",
 ]
 
-FIREBREAK = 2  # cells round the robot at its start that never burn: there it can wait
-THICKEST = 6  # cells of wall that fire eats through
-# Cells farther from the border than the floor nearest to it, up to which floor counts as the rim.
+# Cells around the robot's start that never burn, so that it can wait there.
+FIREBREAK = 2
+# Thickest wall, in cells, that fire can burn through.
+THICKEST = 6
+# Floor counts as the rim if it is at most this many cells farther from the border than the floor
+# that is nearest to it.
 RIM = 2
-SLACK = 4  # cells that the robot may be behind a square as wide as it that goes from cell to cell
+# Cells by which the robot may lag behind a square of its width that moves from cell to cell.
+SLACK = 4
 
 NEVER = 2**60  # ms
 Times: TypeAlias = dict[int, int]  # flat cell: ms
@@ -48,15 +52,17 @@ Times: TypeAlias = dict[int, int]  # flat cell: ms
 
 @dataclass(frozen=True)
 class Plan:
-    """The ground as flat cells.
+    """Describe the ground by flat cell indices.
+
+    A window is a square of ``side`` cells that stands for the robot; its index is its first cell.
 
     Args:
-        walls: (height, width) bool; the rim counts as solid, whatever the ground says.
-        side: Cells of the narrowest passage, and of the square that stands for the robot.
-        flammable: Cells of floor that can burn.
+        walls: (height, width) bool; the rim is always solid, whatever the ground has there.
+        side: Side of a window, which is the width of the narrowest passage, cells.
+        flammable: (height * width,) bool, floor that can burn.
         start: Window at the start.
         goal: Window at the target.
-        step: ms in which the robot goes one cell, rounded up.
+        step: Time in which the robot moves by one cell, ms, rounded up.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -68,13 +74,16 @@ class Plan:
 
     @classmethod
     def of(cls, ground: World) -> Plan:
-        """Takes a ground apart."""
+        """Create a plan of a ground."""
+        # The rim is solid, so that every other cell has four neighbours.
         walls = ground.walls.copy()
         walls[[0, -1]] = walls[:, [0, -1]] = True
         radius = radius_in_cells(ground)
         side = max(1, math.ceil(2 * radius))
         x = ground.start.x / ground.cell_size
         y = ground.start.y / ground.cell_size
+
+        # Keep the cells around the start from burning.
         reach = float(radius) + FIREBREAK
         dx, dy = (
             np.maximum(np.maximum(index - centre, centre - index - 1), 0.0)
@@ -88,11 +97,14 @@ class Plan:
 
     @property
     def stride(self) -> int:
-        """Cells a row."""
+        """Return the number of cells per row."""
         return int(self.walls.shape[1])
 
     def with_fuel(self, rng: RandomStream, share: float, grain: int) -> Plan:
-        """The plan with fuel on a share of the floor alone, the rest in patches of ``grain`` cells or so."""
+        """Return a plan with fuel on only a share of the floor.
+
+        Floor without fuel forms patches about ``grain`` cells wide.
+        """
         if share == 1.0:
             return self
         floor = np.flatnonzero(self.flammable)
@@ -103,36 +115,41 @@ class Plan:
         return replace(self, flammable=flammable)
 
     def noise(self, rng: RandomStream, pitch: int) -> npt.NDArray[np.int64]:
-        """Smooth heights of all cells, flat."""
+        """Return smooth random heights of all cells, flat."""
         height, width = self.walls.shape
         return smooth_noise(rng, max(height, width), pitch)[:height, :width].ravel()
 
     def way(self, opened: Iterable[int] = (), shut: Iterable[int] = ()) -> list[int]:
-        """Windows of a shortest way from start to target, some cells opened, some shut."""
+        """Return the windows of a shortest path from start to target.
+
+        Args:
+            opened: Solid cells to treat as free.
+            shut: Free cells to treat as solid.
+        """
         walls = self.walls.copy()
         walls.ravel()[list(opened)] = False
         walls.ravel()[list(shut)] = True
         return shortest_path(free_windows(walls, self.side, self.side), self.start, self.goal)
 
     def kept(self, way: Iterable[int]) -> set[int]:
-        """Cells of the windows of a way, and of those round the target.
+        """Return the cells of a path's windows, and of the windows around the target.
 
-        It may lie between two.
+        The target may be between two windows, so the goal's window alone is not enough.
         """
         goal = self.goal
         round_target = (goal + 1, goal + self.stride, goal + self.stride + 1)
         return {cell for first in (*way, *round_target) for cell in self.window(first)}
 
     def burns(self, cell: int) -> bool:
-        """Whether the cell is floor that can burn."""
+        """Return True if the cell is floor that can burn."""
         return bool(self.flammable[cell])
 
     def neighbours(self, cell: int) -> tuple[int, int, int, int]:
-        """The four cells beside a cell that is not on the rim, by quarter turns from +x."""
+        """Return the four neighbours of a cell that is not on the rim, counter-clockwise from +x."""
         return cell + 1, cell + self.stride, cell - 1, cell - self.stride
 
     def window(self, first: int) -> list[int]:
-        """Cells of the window at ``first`` that lie in the grid."""
+        """Return the cells of the window at ``first`` that are inside the grid."""
         cells = [
             first + dy * self.stride + dx for dy in range(self.side) for dx in range(self.side)
         ]
@@ -140,7 +157,17 @@ class Plan:
 
 
 def _window(walls: npt.NDArray[np.bool_], side: int, x: float, y: float, ground: World) -> int:
-    """The free window nearest to a place in m: the one round it, where start and target stand on halves of cells."""
+    """Return a free window around a place, or next to it.
+
+    Args:
+        walls: (height, width) bool.
+        side: Cells per side of the window.
+        x: Metres from the left side.
+        y: Metres from the lower side.
+        ground: World that the place is in.
+    """
+    # Rounding may put the window one cell off if the place is not on a half cell, so the windows
+    # next to it are candidates too.
     height = ground.height
     width = ground.width
     first = [
@@ -156,7 +183,13 @@ def _window(walls: npt.NDArray[np.bool_], side: int, x: float, y: float, ground:
 
 
 def delay(rng: RandomStream, mean: float, scatter: float = 0.5) -> int:
-    """A time in ms that differs from the mean, in s, by up to ``scatter`` of it; at least 1."""
+    """Draw a time in ms, at least 1.
+
+    Args:
+        rng: The only source of randomness.
+        mean: Mean time, s.
+        scatter: Largest difference from the mean, as a share of it.
+    """
     return max(
         1, rng.between(round(1000 * (1 - scatter) * mean), round(1000 * (1 + scatter) * mean))
     )
@@ -165,16 +198,17 @@ def delay(rng: RandomStream, mean: float, scatter: float = 0.5) -> int:
 def ignite(
     rng: RandomStream, plan: Plan, count: int, place: str, apart: float, scatter: float
 ) -> Times:
-    """Cells where fire breaks out, and when, as the word ``place`` has it.
+    """Draw the cells where fire breaks out, and the times.
 
     Args:
-        rng: The only source of chance.
+        rng: The only source of randomness.
         plan: The ground.
-        count: How many.
-        place: ``way``: in the middle part of the shortest way; ``rim``: near the border;
-            ``anywhere``; ``mixed``: the first on the way, the others anywhere.
-        apart: Mean time from one to the next, s.
-        scatter: Share by which that differs.
+        count: Number of fires.
+        place: ``way`` is the middle part of a shortest path, ``rim`` is near the border,
+            ``anywhere`` is any floor that burns, and ``mixed`` puts the first fire on the path and
+            the others anywhere.
+        apart: Mean time between two fires, s.
+        scatter: Largest difference from that mean, as a share of it.
     """
     way = plan.way()
     middle = way[len(way) // 3 : 1 + 3 * len(way) // 4]
@@ -191,7 +225,14 @@ def ignite(
 
 
 def in_turn(rng: RandomStream, embers: list[int], apart: float, scatter: float) -> Times:
-    """When each of some fires breaks out: the first at time 0, each other a while after the one before."""
+    """Draw when each fire breaks out: the first at time 0, every other some time after the last.
+
+    Args:
+        rng: The only source of randomness.
+        embers: Cells of the fires, in order.
+        apart: Mean time between two fires, s; 0 lets all begin at once.
+        scatter: Largest difference from that mean, as a share of it.
+    """
     times: Times = {}
     now = 0
     for cell in embers:
@@ -202,7 +243,7 @@ def in_turn(rng: RandomStream, embers: list[int], apart: float, scatter: float) 
 
 
 def _rim(plan: Plan, cells: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
-    """Those of the cells that are nearest to the border, or hardly farther."""
+    """Return the cells nearest to the border, or at most ``RIM`` cells farther from it."""
     iy, ix = np.divmod(cells, plan.stride)
     height, width = plan.walls.shape
     depth = np.minimum(np.minimum(ix, width - 1 - ix), np.minimum(iy, height - 1 - iy))
@@ -222,22 +263,26 @@ def burn_over(
     held: Mapping[int, int] | None = None,
     settled: bool = False,
 ) -> Times:
-    """When each cell catches, for the earliest ``limit`` of them: Dijkstra's algorithm over random delays.
+    """Return when each cell catches, for the first ``limit`` cells that do.
 
-    A cell's delay is its own, whatever side the fire comes from; wind makes it longer or shorter.
+    Each cell has one random delay, no matter which side the fire comes from. Wind makes the delay
+    longer or shorter.
 
     Args:
-        rng: The only source of chance.
+        rng: The only source of randomness.
         plan: The ground.
         embers: Where and when fire breaks out, ms.
-        can_burn: Whether a cell can.
-        mean: Of the delays, s.
-        limit: Cells at most.
-        scatter: Share by which delays differ from the mean.
-        factors: Of the delay of fire that goes to +x, +y, -x, -y.
-        held: Cells that catch no earlier than at some time, ms.
-        settled: Whether embers catch at their own time, even if fire gets there earlier.
+        can_burn: Returns True for a cell that can burn.
+        mean: Mean delay, s.
+        limit: Most cells that catch.
+        scatter: Largest difference of a delay from the mean, as a share of it.
+        factors: Factors of the delay of fire that moves to +x, +y, -x and -y.
+        held: Earliest times at which some cells may catch, ms.
+        settled: If True, embers catch at their own time even if fire reaches them earlier.
+
+    Source: Dijkstra, "A note on two problems in connexion with graphs", 1959; over random delays.
     """
+    # The queue holds (time, cell); ties are broken by cell, so the order never depends on chance.
     held = held or {}
     burning: Times = {}
     best = {cell: max(time, held.get(cell, 0)) for cell, time in embers.items()}
@@ -246,13 +291,17 @@ def burn_over(
     own: Times = {}
     while front and len(burning) < limit:
         time, cell = heapq.heappop(front)
+        # An older, slower entry of a cell that caught in the meantime.
         if cell in burning:
             continue
         burning[cell] = time
+
+        # Try to spread to each neighbour.
         for there, factor in zip(plan.neighbours(cell), factors, strict=True):
             known = best.get(there, NEVER)
             if known <= time or (settled and there in embers) or not can_burn(there):
                 continue
+            # Draw a cell's delay only when fire first reaches it.
             if there not in own:
                 own[there] = delay(rng, mean, scatter)
             takes = own[there] if factor == 1.0 else max(1, round(own[there] * factor))
@@ -264,7 +313,15 @@ def burn_over(
 
 
 def weak_walls(rng: RandomStream, plan: Plan, floor: Times, count: int) -> set[int]:
-    """Cells of up to ``count`` slots through walls that burning floor touches, apart from each other."""
+    """Draw up to ``count`` separate slots through walls next to burning floor; return their cells.
+
+    Args:
+        rng: The only source of randomness.
+        plan: The ground.
+        floor: Times at which floor catches, ms.
+        count: Most slots to draw.
+    """
+    # List every possible slot, through vertical walls and, transposed, through horizontal ones.
     burnt = np.zeros(plan.walls.shape, dtype=np.bool_)
     burnt.ravel()[list(floor)] = True
     slots = [
@@ -275,6 +332,8 @@ def weak_walls(rng: RandomStream, plan: Plan, floor: Times, count: int) -> set[i
             *_slots(plan.walls.T, burnt.T, plan.side, thickness, (plan.stride, 1)),
         )
     ]
+
+    # Take slots in random order, skipping those that touch one already taken.
     chosen: set[int] = set()
     taken: set[int] = set()
     left = count
@@ -296,19 +355,24 @@ def _slots(
     thickness: int,
     strides: tuple[int, int],
 ) -> Iterator[list[int]]:
-    """Flat cells of every slot, in +x, whose removal joins a free square to another and that fire touches.
+    """Yield the flat cells of every slot in +x that fire touches.
+
+    A slot is a block of wall between two free squares; without it the robot could pass from one to
+    the other.
 
     Args:
         walls: (rows, columns) bool.
         burnt: (rows, columns) bool.
-        side: Cells of the squares, and of the slot in y.
-        thickness: Cells of the slot in x.
-        strides: Step between flat cells in x and y.
+        side: Side of the squares, and the slot's extent in y, cells.
+        thickness: The slot's extent in x, cells.
+        strides: Steps between flat cells in x and y.
     """
     reach = side + thickness
     columns = walls.shape[1] - reach
     if columns < 1:
         return
+
+    # At each place: a free square, solid cells to its right, and fire at either end of these.
     free = free_windows(walls, side, side)
     solid = free_windows(~walls, thickness, side)[:, side:][:, :columns]
     touched = ~free_windows(burnt, 1, side)
@@ -321,7 +385,7 @@ def _slots(
 
 
 def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mean: float) -> Times:
-    """When the cells of the slots catch from the floor beside them, and from each other."""
+    """Return when the slots' cells catch from the floor next to them, and from each other."""
     embers = {
         cell: min(floor[there] for there in plan.neighbours(cell) if there in floor)
         + delay(rng, mean)
@@ -332,11 +396,12 @@ def burn_walls(rng: RandomStream, plan: Plan, floor: Times, slots: set[int], mea
 
 
 def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
-    """Whether a square as wide as the robot, ``margin`` seconds late, gets to the target ahead of the fire.
+    """Return True if a square of the robot's width, ``margin`` seconds late, can outrun the fire.
 
-    What burns stays shut for ever here, so to be earlier is never worse, and a breadth-first search
-    decides.
+    Burning cells stay closed forever here, so arriving earlier is never worse, and a breadth-first
+    search gives the exact answer.
     """
+    # A window closes when the first of its cells catches.
     catches = np.full(plan.walls.shape, NEVER, np.int64)
     catches.ravel()[list(floor)] = list(floor.values())
     rows, columns = plan.walls.shape
@@ -347,11 +412,16 @@ def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
             np.minimum(
                 inner, catches[dy : dy + inner.shape[0], dx : dx + inner.shape[1]], out=inner
             )
+
+    # Convert closing times to numbers of steps; -1 marks windows that are never free.
     late = math.ceil(1000 * exact(margin)) + SLACK * plan.step
     latest = np.where(
         free_windows(plan.walls, plan.side, plan.side), (first - late) // plan.step, -1
     ).ravel()
-    number: list[int] = latest.tolist()  # of steps after which the window is still free
+    number: list[int] = latest.tolist()
+
+    # Search windows that are still free on arrival. At the goal, the cells around the target must
+    # be free too.
     steps = {plan.start: 0}
     queue = deque([plan.start])
     while queue:
@@ -368,10 +438,18 @@ def leaves_a_way(plan: Plan, floor: Times, margin: float) -> bool:
 
 
 def hold_back(plan: Plan, embers: Iterable[int], margin: float) -> Times:
-    """When, at the earliest, the cells of one way may catch if a robot ``margin`` seconds late is to get by.
+    """Return the earliest times at which a path's cells may catch, so that the robot still passes.
 
-    It is the shortest way round the places where fire breaks out, or through them if there is none
-    round.
+    The path is a shortest one around the places where fire breaks out, or through them if there is
+    no path around.
+
+    Args:
+        plan: The ground.
+        embers: Cells where fire breaks out.
+        margin: Seconds by which the robot may start late.
+
+    Returns:
+        Earliest time for each cell of the path, ms.
     """
     way = plan.way(shut=embers) or plan.way()
     late = math.ceil(1000 * exact(margin))

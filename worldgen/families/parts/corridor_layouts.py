@@ -1,4 +1,4 @@
-"""Corridors with a plan: serpentines, T junctions, crossings; and narrow places in any corridor."""
+"""Lay out serpentines, T junctions and crossings, and put narrow places into any corridor."""
 
 from __future__ import annotations
 
@@ -22,25 +22,33 @@ __all__ = [
     "turned_at_random",
 ]
 
-Node: TypeAlias = tuple[
-    int, int
-]  # column and row of a coarse lattice whose lines can hold a corridor each
+# Column and row of a coarse lattice, each line of which has room for one corridor.
+Node: TypeAlias = tuple[int, int]
 Edge: TypeAlias = tuple[Node, Node]
-Slot: TypeAlias = tuple[
-    int, int, int
-]  # axis along the corridor, first cell along it, first cell across
+# Axis along the corridor, first cell along it, first cell across.
+Slot: TypeAlias = tuple[int, int, int]
 
 
 def serpentine(bends: int) -> tuple[list[Node], list[Edge]]:
-    """A way to and fro over two columns, with so many bends, all to the same side two by two."""
+    """Return a path that zigzags over two columns, and no side corridors.
+
+    The turns alternate in pairs: two to the left, then two to the right.
+
+    Args:
+        bends: Number of bends.
+    """
     sides = (0, 1, 1, 0)
     return [(sides[k % 4], k // 2) for k in range(bends + 2)], []
 
 
 def tees(count: int) -> tuple[list[Node], list[Edge]]:
-    """A way through so many T junctions: in by the stem, out by one arm, the other blind.
+    """Return a path through T junctions, and their blind arms.
 
-    Or the other way round.
+    The path enters each junction by the stem and leaves by one arm, or, if it is reversed, enters
+    by an arm and leaves by the stem.
+
+    Args:
+        count: Number of junctions.
     """
     way: list[Node] = [(0, 0)]
     blind: list[Edge] = []
@@ -55,9 +63,12 @@ def tees(count: int) -> tuple[list[Node], list[Edge]]:
 
 
 def crossings(count: int) -> tuple[list[Node], list[Edge]]:
-    """So many corridors across as many others, all blind at their ends.
+    """Return a path through a grid of corridors that cross, and the grid's edges.
 
-    A way from one end to a far one.
+    All corridors are blind at their ends. The path leads from one end to a far one.
+
+    Args:
+        count: Number of corridors in each direction.
     """
     streets = range(1, count + 1)
     edges = [
@@ -73,7 +84,7 @@ def crossings(count: int) -> tuple[list[Node], list[Edge]]:
 def turned_at_random(
     rng: RandomStream, way: list[Node], edges: list[Edge]
 ) -> tuple[list[Node], list[Edge]]:
-    """Way and edges mirrored and turned by one of the eight symmetries, the way from either end."""
+    """Apply one of a square's eight symmetries, and perhaps reverse the path."""
     flip_x, flip_y, swap = (1 - 2 * rng.below(2) for _ in range(3))
 
     def moved(node: Node) -> Node:
@@ -95,15 +106,15 @@ def neck_slots(
     width: int,
     length: int,
 ) -> list[Slot]:
-    """Where narrow places can be: on straight runs of the way, a corridor's width from one to the next.
+    """Return the slots for narrow places: on straight runs, a corridor's width apart.
 
     Args:
         way: The corridor from start to target.
-        corners: Nodes at which anything ends, turns or branches.
+        corners: Nodes at which any corridor ends, turns or branches.
         columns: First cell of each line in x.
         rows: First cell of each line in y.
-        width: Of the corridor, cells.
-        length: Of a narrow place, along the corridor, cells.
+        width: Width of the corridor, cells.
+        length: Length of a narrow place along the corridor, cells.
     """
     stops = [node for k, node in enumerate(way) if node in corners or k in (0, len(way) - 1)]
     slots: list[Slot] = []
@@ -129,7 +140,7 @@ def place_necks(
     length: int,
     neck: int,
 ) -> None:
-    """Narrows the corridor to ``neck`` cells at each slot, in place; where across, is drawn."""
+    """Narrow the corridor to ``neck`` cells at each slot, in place, at a random side position."""
     for axis, along, across in slots:
         block = np.ones((width, length), dtype=np.bool_)
         at = rng.between(0, width - neck)

@@ -1,4 +1,4 @@
-"""Disjoint sets, and the tree that they make of pairs."""
+"""Disjoint sets, and Kruskal's spanning tree built with them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ __all__ = ["joining"]
 
 
 class _Sets:
-    """Disjoint sets of whole numbers, joined two by two."""
+    """Keep disjoint sets of whole numbers, and join two of them at a time."""
 
     def __init__(self, count: int) -> None:
         self._above = list(range(count))
@@ -19,7 +19,7 @@ class _Sets:
         return one
 
     def join(self, one: int, other: int) -> bool:
-        """Whether they were apart."""
+        """Join the sets of two numbers; return True if these were different sets."""
         one = self.find(one)
         other = self.find(other)
         self._above[one] = other
@@ -27,6 +27,15 @@ class _Sets:
 
 
 def joining(pairs: list[tuple[int, int]], count: int) -> list[int]:
-    """Numbers of the pairs that join what those before them left apart: Kruskal's tree, in the order given."""
+    """Return the positions of the pairs that form a spanning tree.
+
+    Each returned pair joins two sets that the pairs before it left apart.
+
+    Args:
+        pairs: Pairs of numbers below ``count``, the preferred ones first.
+        count: Number of elements.
+
+    Source: Kruskal, "On the shortest spanning subtree of a graph", 1956.
+    """
     sets = _Sets(count)
     return [number for number, (one, other) in enumerate(pairs) if sets.join(one, other)]

@@ -1,4 +1,4 @@
-"""Doors of a floor plan: a tree of them joins all boxes, some more close loops."""
+"""Doors of a floor plan: a tree of doors joins all boxes, and extra doors close loops."""
 
 from __future__ import annotations
 
@@ -16,13 +16,12 @@ __all__ = ["Doors", "hang_doors", "shut_doors"]
 
 @dataclass(frozen=True)
 class Doors:
-    """Openings in the walls of a plan.
+    """Hold the openings in the walls of a plan.
 
     Args:
-        walls: (size, size) bool, doors open.
-        joints: Where each opening is, a number of the plan's joints; junctions of corridors are
-            among them.
-        openings: Rows and columns of each.
+        walls: (size, size) bool, with the openings free.
+        joints: Index of each opening in the plan's joints; includes junctions of corridors.
+        openings: Rows and columns of each opening.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -31,24 +30,34 @@ class Doors:
 
 
 def _shuffled(rng: RandomStream, rank: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Positions in order of their rank, in random order within one."""
+    """Return positions sorted by rank, in random order within each rank."""
     return np.lexsort((rng.bits(len(rank)), rank))
 
 
 def hang_doors(
     rng: RandomStream, plan: FloorPlan, joints: Joints, sizes: Sizes, shared: float
 ) -> Doors:
-    """Opens doors until all boxes are joined, then a share of the other walls between two of them.
+    """Open doors until all boxes are joined, then a share of the remaining walls.
 
-    Corridors are joined first, over their whole width, then rooms to corridors, rooms to rooms
-    where they must be.
+    Corridors are joined first and over their whole width, then rooms to corridors. Two rooms are
+    joined only if nothing else connects them.
+
+    Args:
+        rng: The only source of randomness.
+        plan: The floor plan.
+        joints: Stretches of wall that a door fits into.
+        sizes: Widths of doors and walls.
+        shared: Probability of a door where none is needed.
     """
-    ranks = (joints.pairs >= plan.corridors).sum(axis=1)  # 0: two corridors, 2: two rooms
+    # Rank 0 is between two corridors, 1 between a room and a corridor, 2 between two rooms.
+    ranks = (joints.pairs >= plan.corridors).sum(axis=1)
     order = _shuffled(rng.child("order"), ranks)
     tree = order[joining([(int(a), int(b)) for a, b in joints.pairs[order]], len(plan.boxes))]
     chosen = ranks == 0
     chosen[tree] = True
     chosen |= rng.child("shared").floats(len(ranks)) < shared
+
+    # Open each chosen joint at a random position along it.
     walls = plan.owner < 0
     opened: list[int] = np.flatnonzero(chosen).tolist()
     openings = []
@@ -68,15 +77,29 @@ def shut_doors(
     share: float,
     ends: tuple[int, int],
 ) -> int:
-    """Shuts a share of the doors, in place, but none on one way between two boxes; how many.
+    """Shut a share of the doors, in place, but keep one path between two boxes open.
 
-    The way is the one in a random spanning tree, rarely the shortest. Junctions of corridors are no
-    doors.
+    The path is taken from a random spanning tree, so it is rarely the shortest. Junctions of
+    corridors are not doors and stay open.
+
+    Args:
+        rng: The only source of randomness.
+        plan: The floor plan.
+        joints: Stretches of wall of the plan.
+        doors: The plan's doors; its walls are changed.
+        share: Share of the doors to shut.
+        ends: The two boxes that stay connected.
+
+    Returns:
+        Number of doors that were shut.
     """
+    # Find the doors to keep.
     pairs = [(int(a), int(b)) for a, b in joints.pairs[doors.joints]]
     order = _shuffled(rng.child("way"), np.zeros(len(pairs), dtype=np.int64)).tolist()
     tree = [order[k] for k in joining([pairs[number] for number in order], len(plan.boxes))]
     kept = set(_way(pairs, tree, *ends))
+
+    # Shut a random selection of the others.
     movable = [number for number, pair in enumerate(pairs) if max(pair) >= plan.corridors]
     loose = [number for number in movable if number not in kept]
     rng.shuffle(loose)
@@ -87,7 +110,7 @@ def shut_doors(
 
 
 def _way(pairs: list[tuple[int, int]], tree: list[int], start: int, target: int) -> list[int]:
-    """The tree's edges between two boxes."""
+    """Return the tree's edges on the path between two boxes."""
     around: dict[int, list[tuple[int, int]]] = {}
     for number in tree:
         one, other = pairs[number]

@@ -1,4 +1,4 @@
-"""Floor plans: a square divided into corridors and rooms, and the walls between neighbours."""
+"""Floor plans: divide a square into corridors and rooms, and list the walls between them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,24 @@ __all__ = ["FloorPlan", "Joints", "Sizes", "Style", "divide", "fit_sizes", "join
 Style: TypeAlias = Literal["wings", "spine", "suite"]
 Box: TypeAlias = tuple[int, int, int, int]
 
-LARGEST = 4  # least sides of a room; a larger box is always divided
-ROOMY = 3  # a room is at most so many times as large as the least as a rule
-_STOP = (1, 3)  # share of the boxes that stay whole though they could be divided
+# Largest side to draw for a room, as a multiple of the least possible side.
+LARGEST = 4
+# Boxes whose sides exceed this multiple of a room's least side are always divided.
+ROOMY = 3
+# Probability, as a fraction, that a smaller box stays whole although it could be divided.
+_STOP = (1, 3)
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """Lengths in cells: the least inner side of a room, the width of corridors and doors, the walls' thickness."""
+    """Hold the lengths of a floor plan.
+
+    Args:
+        room: Least inner side of a room, cells.
+        corridor: Width of corridors, cells.
+        door: Width of doors, cells.
+        wall: Thickness of walls, cells.
+    """
 
     room: int
     corridor: int
@@ -34,12 +44,12 @@ class Sizes:
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """Boxes (x0, y0, x1, y1) in cells, the corridors first, one wall's thickness apart.
+    """Hold the boxes of a plan, which are one wall's thickness apart.
 
     Args:
-        boxes: (n, 4) int.
-        corridors: How many of them are corridors.
-        owner: (size, size) int32: the box that a cell is in, -1 for walls.
+        boxes: (n, 4) int64, x0, y0, x1, y1 in cells; corridors come first.
+        corridors: Number of boxes that are corridors.
+        owner: (size, size) int32, the box that each cell is in; -1 for walls.
     """
 
     boxes: npt.NDArray[np.int64]
@@ -49,14 +59,14 @@ class FloorPlan:
 
 @dataclass(frozen=True)
 class Joints:
-    """Stretches of wall between two boxes, where a door can be: one row each.
+    """Hold the stretches of wall between two boxes, where a door can be; one row each.
 
     Args:
-        pairs: (n, 2) the boxes.
-        across: (n,) 0 where the boxes lie side by side in x, 1 in y.
-        place: (n,) first cell of the wall across.
+        pairs: (n, 2) the boxes on both sides.
+        across: (n,) axis across the wall: 0 if the boxes are neighbours in x, 1 in y.
+        place: (n,) first cell of the wall along that axis.
         low: (n,) first cell of the stretch along the wall.
-        length: (n,) its cells.
+        length: (n,) length of the stretch, cells.
     """
 
     pairs: npt.NDArray[np.int64]
@@ -66,7 +76,14 @@ class Joints:
     length: npt.NDArray[np.int64]
 
     def opening(self, joint: int, first: int, width: int, wall: int) -> tuple[slice, slice]:
-        """Rows and columns of an opening of ``width`` cells, from the stretch's cell ``first`` on."""
+        """Return the rows and columns of an opening.
+
+        Args:
+            joint: Index of the stretch.
+            first: First cell of the opening, counted from the stretch's first cell.
+            width: Width of the opening, cells.
+            wall: Thickness of the wall, cells.
+        """
         along = slice(int(self.low[joint]) + first, int(self.low[joint]) + first + width)
         through = slice(int(self.place[joint]), int(self.place[joint]) + wall)
         return (through, along) if self.across[joint] else (along, through)
@@ -75,19 +92,19 @@ class Joints:
 def fit_sizes(
     rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, spacious: int = 0
 ) -> Sizes:
-    """The sizes, a room's drawn if it is to be, such that two rooms and their corridor fit.
+    """Check that two rooms and a corridor fit into the square, and draw the rooms' side if needed.
 
     Args:
-        rng: The only source of chance.
+        rng: The only source of randomness.
         arena: The square.
-        style: Whether there are corridors.
-        sizes: What is asked for; a room's side may be ``CHOSEN``.
-        spacious: Cells by which a drawn side is at least larger than it must be, where there is
-            room.
+        style: Style of the plan; ``suite`` has no corridors.
+        sizes: The requested sizes; the rooms' side may be ``CHOSEN``.
+        spacious: Cells to add to the least side before drawing, if there is room.
 
     Raises:
-        InvalidParameter: If they do not, or a door is wider than a room.
+        InvalidParameter: If the sizes do not fit, or a door is wider than a room.
     """
+    # Limits of a room's side: doors and the robot from below, the square from above.
     beside = sizes.wall if style == "suite" else sizes.corridor + 2 * sizes.wall
     most = (arena.inside - beside) // 2
     least = max(arena.narrowest, sizes.door)
@@ -121,11 +138,17 @@ def fit_sizes(
 
 
 def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> FloorPlan:
-    """Cuts the square into corridors and rooms.
+    """Divide the square into corridors and rooms.
 
-    ``wings``: corridors branch off corridors until every room is near one; ``spine``: one corridor
-    across; ``suite``: none. Two boxes on both sides of a cut begin at the same line, so that they
-    share at least a room's least side: every box can be joined to the rest.
+    The boxes on both sides of a cut begin at the same line, so they share at least a room's least
+    side. Every box can therefore be joined to the rest.
+
+    Args:
+        rng: The only source of randomness.
+        arena: The square.
+        style: ``wings`` lets corridors branch off corridors until every room is near one,
+            ``spine`` has one corridor across the square, and ``suite`` has none.
+        sizes: Lengths from :func:`fit_sizes`.
     """
     whole = (1, 1, arena.size - 1, arena.size - 1)
     corridors: list[Box] = []
@@ -145,7 +168,12 @@ def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> Floor
 def _corridors(
     rng: RandomStream, whole: Box, sizes: Sizes, most: int | None
 ) -> tuple[list[Box], list[Box]]:
-    """Blocks, and the corridors between them, each of which ends at another."""
+    """Return blocks for rooms, and the corridors between them.
+
+    Every corridor but the first ends at another one.
+    """
+    # The first cut needs only room for two rooms; later ones leave blocks alone that are small
+    # enough, and how small is drawn.
     least = sizes.corridor + 2 * sizes.wall + 2 * sizes.room
     enough = max(least, sizes.corridor + 2 * sizes.wall + rng.between(2, 2 * ROOMY) * sizes.room)
     first_axis = rng.below(2)
@@ -155,14 +183,15 @@ def _corridors(
     while pending:
         box, level = pending.pop()
         sides = (box[2] - box[0], box[3] - box[1])
-        axis = (
-            (first_axis + level) % 2 if level < 2 else int(sides[1] > sides[0])
-        )  # the first two cross
+        # The first two corridors cross; later ones divide the longer side.
+        axis = (first_axis + level) % 2 if level < 2 else int(sides[1] > sides[0])
         if sides[axis] < (least if not corridors else enough) or (
             most is not None and len(corridors) >= most
         ):
             blocks.append(box)
             continue
+
+        # Cut in the middle half of the spare length, so that the blocks are not too uneven.
         spare = sides[axis] - least
         at = box[axis] + sizes.room + spare // 4 + rng.between(0, spare - 2 * (spare // 4))
         near, corridor, far = _split(box, axis, at, at + 2 * sizes.wall + sizes.corridor)
@@ -172,7 +201,7 @@ def _corridors(
 
 
 def _split(box: Box, axis: int, low: int, high: int) -> tuple[Box, Box, Box]:
-    """The box before ``low``, between, and from ``high`` on."""
+    """Split a box along an axis into the parts before ``low``, up to ``high`` and after it."""
     x0, y0, x1, y1 = box
     if axis == 0:
         return (x0, y0, low, y1), (low, y0, high, y1), (high, y0, x1, y1)
@@ -185,7 +214,7 @@ def _inner(box: Box, axis: int, wall: int) -> Box:
 
 
 def _rooms(rng: RandomStream, blocks: list[Box], sizes: Sizes) -> list[Box]:
-    """Blocks cut in two again and again, until they are rooms."""
+    """Cut blocks in two repeatedly until they are rooms."""
     least = 2 * sizes.room + sizes.wall
     pending = blocks[::-1]
     rooms: list[Box] = []
@@ -199,6 +228,7 @@ def _rooms(rng: RandomStream, blocks: list[Box], sizes: Sizes) -> list[Box]:
         ):
             rooms.append(box)
             continue
+        # Cut the longer side, or either one if the box is nearly square.
         axis = int(sides[1] > sides[0])
         if min(sides) >= least and 2 * max(sides) < 3 * min(sides):
             axis = rng.below(2)
@@ -209,7 +239,7 @@ def _rooms(rng: RandomStream, blocks: list[Box], sizes: Sizes) -> list[Box]:
 
 
 def joined(plan: FloorPlan, sizes: Sizes) -> Joints:
-    """Every stretch of wall between two boxes that a door fits into."""
+    """Return every stretch of wall between two boxes that a door fits into."""
     found = [_side_by_side(plan.owner, sizes.wall), _side_by_side(plan.owner.T, sizes.wall)]
     across = np.repeat([0, 1], [len(rows) for rows in found])
     table = np.concatenate(found)
@@ -220,12 +250,20 @@ def joined(plan: FloorPlan, sizes: Sizes) -> Joints:
 
 
 def _side_by_side(owner: npt.NDArray[np.int32], wall: int) -> npt.NDArray[np.int64]:
-    """Rows (box, box, first column of the wall, first row shared, rows shared), the left box first."""
+    """List the boxes that are neighbours in x.
+
+    Args:
+        owner: (rows, columns) the box that each cell is in; -1 for walls.
+        wall: Thickness of walls, cells.
+
+    Returns:
+        (n, 5) rows: left box, right box, first column of the wall, first shared row, number of
+        shared rows.
+    """
     left = owner[:, : -wall - 1].astype(np.int64)
     right = owner[:, wall + 1 :].astype(np.int64)
-    rows, columns = np.nonzero(
-        (left >= 0) & (right >= 0) & (left != right)
-    )  # a box's rows in ascending order
+    # ``nonzero`` lists rows in ascending order, so the first hit of a pair is its lowest row.
+    rows, columns = np.nonzero((left >= 0) & (right >= 0) & (left != right))
     a = left[rows, columns]
     b = right[rows, columns]
     _, first, count = np.unique(a * (owner.max() + 1) + b, return_index=True, return_counts=True)

@@ -1,4 +1,4 @@
-"""The ground of a world that changes: a world of another family, its shape drawn."""
+"""Build the ground of a changing world: a static world of another family."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from worldgen.world import Value, World
 
 __all__ = ["lay_ground"]
 
-MAZE_BRAID = 0.3  # in a maze without loops, a change could only delay
+# Share of dead ends to open in a maze; without loops, a change could only delay the robot.
+MAZE_BRAID = 0.3
 
-# Words that are drawn, where not all are: those that came later would move every seed to another
-# world.
+# Choices to draw from, for parameters that gained choices later. Drawing from the new ones too
+# would give every seed another world.
 DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "maze": {"algorithm": ("wilson", "backtracker"), "mask": ("square",)},
     "corridor": {"shape": ("bends", "dead-ends", "junctions")},
@@ -25,19 +26,19 @@ DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
 
 
 def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
-    """A world of the family that ``over`` names, its words drawn from those that fit.
+    """Build a world of the family that ``over`` names, with its choices drawn from those that fit.
 
     Args:
-        rng: The only source of chance.
-        over: Name of a family whose worlds stand still, then ``+parameter=value`` as often as
-            wanted.
-        arena: What both families share; a family that lacks one of these parameters keeps its own
-            way.
+        rng: The only source of randomness.
+        over: Name of a family of static worlds, followed by any number of ``+parameter=value``.
+        arena: Size, cells and robot, which both families share. A family that lacks one of these
+            parameters ignores it.
 
     Raises:
-        InvalidParameter: If there is no such family, it changes by itself, a setting is wrong, or
-            no word fits.
+        InvalidParameter: If the family is unknown or not static, a parameter is wrong, or no
+            combination of choices fits.
     """
+    # Combine the shared parameters with the given ones.
     below, given = _parse(over)
     shared: dict[str, Value] = {
         "size": arena.size,
@@ -57,6 +58,9 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     if below.name == "maze":
         given.setdefault("braid", MAZE_BRAID)
     params = {name: value for name, value in shared.items() if name in below.defaults()} | given
+
+    # Try all combinations of the choices that are not given, in random order. Some of them may need
+    # more room than there is.
     drawn = DRAWN.get(below.name, {})
     words_of = {
         known.name: drawn.get(known.name, known.choices)
@@ -87,7 +91,7 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
 
 
 def _parse(over: str) -> tuple[Family, dict[str, Value]]:
-    """The family and its parameters as given."""
+    """Return the family and the parameters that ``over`` gives."""
     name, words = split_options(over, "maze+algorithm=eller")
     below = FAMILIES.get(name)
     if below.changes:
@@ -103,7 +107,7 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
 
 
 def _still(ground: World, over: str) -> World:
-    """The ground, if it stands still."""
+    """Return the ground, after checking that it does not change."""
     if ground.is_dynamic:
         raise InvalidParameter(
             "world-changes",

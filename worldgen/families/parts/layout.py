@@ -1,4 +1,4 @@
-"""Steps that every family shares: the checked arena, passages that fit the robot, spreading spare cells."""
+"""Steps that every family shares: check the arena, fit passages, distribute spare cells."""
 
 from __future__ import annotations
 
@@ -39,11 +39,13 @@ __all__ = [
     "without_effect",
 ]
 
-# cells a side
+# Limits on the cells per side.
 MIN_SIZE = 10
 MAX_SIZE = 2000
-CHOSEN = -1  # how files write ``None``, which has the family choose
-STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))  # (dx, dy) of a heading in quarter turns
+# Files write ``None`` as this number; it makes the family choose a value.
+CHOSEN = -1
+# (dx, dy) of a heading in quarter turns.
+STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 SIZE = Bounds(MIN_SIZE, MAX_SIZE, "cells")
 _CELL_SIZE = Bounds(0.001, 1000.0, "m")
@@ -64,14 +66,14 @@ _HALF = UNIT // 2
 
 @dataclass(frozen=True)
 class Arena:
-    """A square of cells inside a solid ring, and the robot that must get through it.
+    """Hold a checked square of cells inside a solid ring, and the robot that must cross it.
 
     Args:
-        size: Cells a side, the ring of one cell included.
-        cell_size: m.
-        robot_radius: m.
-        robot_speed: m/s.
-        most: Cells a side at most.
+        size: Cells per side, including the ring of one cell.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+        most: Most cells per side.
 
     Raises:
         InvalidParameter: If a number is out of range, or the robot does not fit between the walls.
@@ -103,21 +105,25 @@ class Arena:
 
     @property
     def inside(self) -> int:
-        """Cells a side within the ring."""
+        """Return the cells per side inside the ring."""
         return self.size - 2
 
     @property
     def radius(self) -> Fraction:
-        """The robot's radius in cells, exactly."""
+        """Return the robot's exact radius in cells."""
         return in_cells(self.robot_radius, self.cell_size)
 
     @property
     def narrowest(self) -> int:
-        """Width, in cells, of the narrowest passage that lets the robot through."""
+        """Return the width, in cells, of the narrowest passage that the robot fits through."""
         return max(1, math.ceil(2 * self.radius))
 
     def passage(self, name: str, width: int) -> int:
-        """A passage's width in cells; -1 stands for the narrowest.
+        """Check a passage's width, and return it in cells; -1 stands for the narrowest.
+
+        Args:
+            name: Name of the parameter, for the error message.
+            width: The requested width, cells, or ``CHOSEN``.
 
         Raises:
             InvalidParameter: If the robot does not fit through.
@@ -137,18 +143,23 @@ class Arena:
         return width
 
     def solid(self) -> npt.NDArray[np.bool_]:
-        """(size, size) bool, all solid."""
+        """Return a (size, size) bool array that is all solid."""
         return np.ones((self.size, self.size), dtype=np.bool_)
 
     def spot(self, rng: RandomStream, low: int, high: int) -> int:
-        """A coordinate, in half cells, at which the robot is clear of walls below ``low`` and from ``high`` on.
+        """Draw a coordinate, in half cells, at which the robot is clear of the walls around it.
 
         There is one whenever ``high - low`` is at least :attr:`narrowest`.
+
+        Args:
+            rng: The only source of randomness.
+            low: First free cell.
+            high: First cell of the wall beyond.
         """
         return rng.between(math.ceil(2 * (low + self.radius)), math.floor(2 * (high - self.radius)))
 
     def metres(self, halves: int) -> float:
-        """Half cells to m, with the shortest decimal."""
+        """Convert half cells to metres, as the float with the shortest decimal."""
         return lattice_to_metres(halves * _HALF, self.cell_size)
 
     def world(
@@ -159,9 +170,14 @@ class Arena:
         quarter: int,
         timeline: Timeline | None = None,
     ) -> World:
-        """The world, without proof: start and target in half cells, the heading in quarter turns.
+        """Build the world, without a proof.
 
-        The walls are handed over: nobody may write to them any more.
+        Args:
+            walls: (size, size) bool. The world takes the array over and makes it read-only.
+            start: Start in half cells.
+            target: Target in half cells.
+            quarter: Heading in quarter turns.
+            timeline: Changes of cells, if any.
         """
         heading = heading_from_lattice(quarter * TURN // 4)
         return World(
@@ -176,10 +192,15 @@ class Arena:
 
 
 def without_effect(name: str, value: int, setting: str) -> int:
-    """0, for a number that a setting makes void.
+    """Return 0 for a parameter that another setting disables.
+
+    Args:
+        name: Name of the parameter.
+        value: Its value; ``CHOSEN`` unless the user gave one.
+        setting: The setting that disables it, as ``name=value``.
 
     Raises:
-        InvalidParameter: If it was given all the same.
+        InvalidParameter: If the user gave a value, which would be ignored silently.
     """
     if value != CHOSEN:
         raise InvalidParameter(
@@ -194,7 +215,7 @@ def without_effect(name: str, value: int, setting: str) -> int:
 
 
 def spread_evenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
-    """Spare cells over slots, no slot more than one ahead of another, which ones by chance."""
+    """Distribute spare cells over slots as evenly as possible; chance decides who gets the rest."""
     each, rest = divmod(spare, slots)
     shares = [each + 1] * rest + [each] * (slots - rest)
     rng.shuffle(shares)
@@ -202,6 +223,6 @@ def spread_evenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
 
 
 def spread_unevenly(rng: RandomStream, spare: int, slots: int) -> list[int]:
-    """Spare cells over slots as random cuts of a line fall: some slots get much, some nothing."""
+    """Distribute spare cells over slots by random cuts: some slots get many, some none."""
     cuts = [0, *sorted(rng.between(0, spare) for _ in range(slots - 1)), spare]
     return [high - low for low, high in pairwise(cuts)]
