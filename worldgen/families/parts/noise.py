@@ -1,4 +1,4 @@
-"""Smooth noise of whole numbers, the same on every machine."""
+"""Smooth noise in whole numbers, so that every machine gives the same."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["smooth_noise"]
 
-_LEVELS = 1024  # heights at the lattice's points
+_LEVELS = 1024  # number of different heights at lattice points
 
 
 def smooth_noise(rng: RandomStream, size: int, pitch: int) -> npt.NDArray[np.int64]:
-    """(size, size) heights: random ones at the points of a lattice, between them as bilinear interpolation has it.
+    """Return (size, size) heights that vary smoothly.
+
+    Heights are random at the points of a lattice, and interpolated bilinearly between them. The
+    result is not divided by ``pitch ** 2``: only sums and products of whole numbers are exact.
 
     Args:
-        rng: The only source of chance.
-        size: Cells a side.
-        pitch: Cells from one point of the lattice to the next.
+        rng: The only source of randomness.
+        size: Cells per side.
+        pitch: Cells between neighbouring lattice points.
 
-    Source: value noise; only sums and products of whole numbers, so no rounding.
+    Source: value noise.
     """
     points = size // pitch + 2
     heights = (

@@ -1,8 +1,8 @@
-"""Open ground: which places hang together, which lie far apart, and what must be dug to join them.
+"""Find places on open ground that are connected or far apart, and tunnels that join the rest.
 
-A place is the first cell of a square window that holds the robot; a step moves the window by one
-cell. It is coarse, but where the window fits, the disc does. The searches are in C
-(worldgen/core/making/ground.c).
+A place is the first cell of a square window that contains the robot; a step moves the window by one
+cell. This is coarse but safe: where the window fits, the robot's disc fits too. The searches are in
+C (worldgen/core/making/ground.c).
 """
 
 from __future__ import annotations
@@ -34,20 +34,22 @@ __all__ = [
 Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 
-# start and target are at least this share of the longest way from the start apart
+# Least distance from start to target, as a fraction of the longest path from the start. The second
+# one is used if the first gives no target out of sight.
 FAR = (4, 5)
 LESS_FAR = (1, 2)
-_TRIES = 24  # targets drawn until one is out of sight, then as many less far
+# Targets to draw until one is out of sight; then this many again, less far away.
+_TRIES = 24
 
 
 @dataclass(frozen=True)
 class Dug:
-    """What :func:`dig_from` found, flat.
+    """Hold the result of :func:`dig_from`, one entry per place.
 
     Args:
-        owner: Whose a place is; -1 where nobody came.
-        came: The place from which each was reached.
-        depth: Rounds in which each was reached.
+        owner: (n,) owner of each place; -1 if none reached it.
+        came: (n,) the place that each was reached from; a starting place has itself.
+        depth: (n,) number of rounds until each was reached.
     """
 
     owner: Numbers
@@ -55,7 +57,7 @@ class Dug:
     depth: Numbers
 
     def way_back(self, place: int) -> list[int]:
-        """From a place to the beginning from which it was reached, both included."""
+        """Return the path from a place back to the starting place it was reached from."""
         way = [place]
         while self.came[way[-1]] != way[-1]:
             way.append(int(self.came[way[-1]]))
@@ -63,11 +65,12 @@ class Dug:
 
 
 def dig_from(owner: Numbers, hard: npt.NDArray[np.uint8]) -> Dug:
-    """Grows owned places over the rest, as fast as it can be dug.
+    """Grow all owners' areas over the remaining places, at the speed at which these can be dug.
 
     Args:
-        owner: (n,) whose a place is, -1 for nobody's.
-        hard: Rounds that a place takes, shaped like the grid; 0 where none may be, as on the rim.
+        owner: (n,) owner of each place; -1 if it has none.
+        hard: (rows, columns) rounds that it takes to dig a place; 0 where digging is forbidden, as
+            on the rim.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -82,7 +85,14 @@ def dig_from(owner: Numbers, hard: npt.NDArray[np.uint8]) -> Dug:
 
 
 def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
-    """Neighbouring places, one pair for each joint of a tree of least digging between all owners."""
+    """Return the pairs of neighbouring places where tunnels join all owners with least digging.
+
+    Args:
+        dug: Result of :func:`dig_from`.
+        stride: Places per row.
+        owners: Number of owners.
+    """
+    # List all neighbours with different owners, those that took the least digging first.
     pairs = []
     for step in (1, stride):
         one = np.arange(dug.owner.size - step)
@@ -92,6 +102,8 @@ def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
         pairs.append(np.stack([one[met], one[met] + step], axis=1))
     table = np.concatenate(pairs)
     table = table[np.argsort(dug.depth[table].sum(axis=1), kind="stable")]
+
+    # Keep the easiest meeting of each two owners, then a minimum spanning tree of these.
     met_by = np.sort(dug.owner[table].astype(np.int64), axis=1)
     _, first = np.unique(met_by[:, 0] * owners + met_by[:, 1], return_index=True)
     first.sort()
@@ -100,7 +112,12 @@ def easiest_joints(dug: Dug, stride: int, owners: int) -> list[tuple[int, int]]:
 
 
 def covered(windows: Grid, side: int) -> Grid:
-    """The cells of all windows: bool, shaped like ``windows``."""
+    """Return the cells that any window covers: bool, shaped like ``windows``.
+
+    Args:
+        windows: (rows, columns) bool, True at the first cell of each window.
+        side: Cells per side of a window.
+    """
     rows, columns = windows.shape
     padded = np.zeros((rows + side - 1, columns + side - 1), dtype=np.bool_)
     padded[side - 1 :, side - 1 :] = windows
@@ -109,7 +126,7 @@ def covered(windows: Grid, side: int) -> Grid:
 
 @dataclass(frozen=True)
 class Poses:
-    """Start and target, in half cells, with the heading in quarter turns."""
+    """Hold start and target, in half cells, and the start's heading in quarter turns."""
 
     start: tuple[int, int]
     target: tuple[int, int]
@@ -125,16 +142,19 @@ def far_poses(
     start_in: Grid | None = None,
     target_in: Grid | None = None,
 ) -> Poses:
-    """Two places of one component with a long way between them, and no wall-less line if that can be had.
+    """Draw a start and a target with a long path between them.
+
+    If possible, a wall hides the target from the start.
 
     Args:
-        rng: The only source of chance.
-        walls: Solid cells.
-        side: Cells a side of the robot's window.
-        begin: Any place of the component, flat.
-        start_in: Where the start's window may be, at its first cell; anywhere where left out.
-        target_in: Likewise the target's.
+        rng: The only source of randomness.
+        walls: (rows, columns) bool, True is solid.
+        side: Cells per side of the robot's window.
+        begin: Any place of the component to use, flat.
+        start_in: (rows, columns) bool, allowed places of the start's window; all if omitted.
+        target_in: (rows, columns) bool, allowed places of the target's window; all if omitted.
     """
+    # A place far from an arbitrary one is near the component's edge, which makes a good start.
     windows = free_windows(walls, side, side)
     columns = windows.shape[1]
     start = _far(rng, windows, begin, start_in, [FAR])[0]
@@ -144,6 +164,8 @@ def far_poses(
         place for place in candidates if not in_sight(walls, middle, _middle(place, columns, side))
     )
     target = next(hidden, candidates[0])
+
+    # Face a direction that the robot can move in, if there is one.
     ways = [way for way, (dx, dy) in enumerate(STEPS) if windows.ravel()[start + dx + dy * columns]]
     return Poses(middle, _middle(target, columns, side), rng.choice(ways or [0, 1, 2, 3]))
 
@@ -151,7 +173,15 @@ def far_poses(
 def _far(
     rng: RandomStream, windows: Grid, begin: int, within: Grid | None, shares: list[tuple[int, int]]
 ) -> list[int]:
-    """Places drawn from those at least a share of the longest way from one, a place for each share."""
+    """Draw one place per share from those that are far enough from a given one.
+
+    Args:
+        rng: The only source of randomness.
+        windows: (rows, columns) bool, free places.
+        begin: The place to measure from, flat.
+        within: (rows, columns) bool, allowed places; ignored if none can be reached.
+        shares: Least distances, as fractions of the longest path from ``begin``.
+    """
     steps, order = steps_from(windows, begin)
     if within is not None:
         allowed = order[within.ravel()[order]]
@@ -166,10 +196,17 @@ def _middle(place: int, columns: int, side: int) -> tuple[int, int]:
 
 
 def in_sight(walls: Grid, here: tuple[int, int], there: tuple[int, int]) -> bool:
-    """Whether no wall is on the straight line between two points, in half cells; exact.
+    """Return True if no wall is on the straight line between two points.
 
-    A line along walls on one side, or between two cells that touch in a corner only, is free.
+    The test is exact. A line along walls on one side, or between two cells that touch only at a
+    corner, counts as free.
+
+    Args:
+        walls: (rows, columns) bool, True is solid.
+        here: One point, in half cells.
+        there: The other point, in half cells.
     """
+    # Swap the axes if needed, so that the line rises by at most one cell per column.
     if abs(there[1] - here[1]) > abs(there[0] - here[0]):
         return in_sight(walls.T, here[::-1], there[::-1])
     (ax, ay), (bx, by) = sorted((here, there))
@@ -177,15 +214,17 @@ def in_sight(walls: Grid, here: tuple[int, int], there: tuple[int, int]) -> bool
         return True
     rise = by - ay
     run = bx - ax
+
+    # Check the cells that the line crosses in each column.
     for column in range(ax // 2, -(-bx // 2)):
         left = max(2 * column, ax)
         right = min(2 * column + 2, bx)
-        ends = sorted(
-            ay * run + (x - ax) * rise for x in (left, right)
-        )  # y, times run, in half cells
+        # Heights are multiplied by ``run`` to stay whole numbers.
+        ends = sorted(ay * run + (x - ax) * rise for x in (left, right))
         low = ends[0] // (2 * run)
         high = -(-ends[1] // (2 * run))
-        if low == high:  # along the border of two rows of cells: only both together are in the way
+        # A line along the border of two rows is blocked only if both of its neighbours are solid.
+        if low == high:
             if walls[low - 1 : low + 1, column].all():
                 return False
         elif walls[low:high, column].any():

@@ -1,4 +1,4 @@
-"""Put round things down at random until none fits any more, every two a least gap apart."""
+"""Place discs at random until no more fit, with a least gap between any two."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ __all__ = ["disc_cells", "plant", "put_down"]
 
 
 def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
-    """Return the cells of a disc, rows (dx, dy): those whose centre is in it.
+    """Return the cells whose centres are in a disc, as rows (dx, dy).
 
-    An odd disc's centre is the centre of cell (0, 0), an even one's the lower left corner of it.
+    A disc of odd diameter is centred on the centre of cell (0, 0), one of even diameter on that
+    cell's lower left corner.
     """
     reach = diameter // 2 + 1
     offsets = np.arange(-reach, reach + 1)
@@ -28,24 +29,27 @@ def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
 
 
 def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
-    """Return the cells less than a gap from one of a disc's, those themselves included, rows.
+    """Return the cells less than ``gap`` from a disc, including its own, as rows (dx, dy).
 
-    Dx, dy.
+    Args:
+        cells: (n, 2) rows (dx, dy) of the disc.
+        gap: Least distance to keep, cells.
     """
-    limit = math.ceil(gap * gap) - 1  # squares of whole numbers below gap * gap are at most this
+    # Whole numbers whose squares are below gap * gap have squares of at most this.
+    limit = math.ceil(gap * gap) - 1
     reach = math.isqrt(limit) + 1
     rows = {
         int(dy): (int(dx.min()), int(dx.max()))
         for dy in set(cells[:, 1])
         for dx in [cells[cells[:, 1] == dy, 0]]
     }
+
+    # For each row, join the spans that the disc's rows bar there. They all contain the disc's
+    # middle column, so their union has no gaps.
     pieces = []
     for y in range(min(rows) - reach, max(rows) + reach + 1):
         spans = []
-        for dy, (
-            low,
-            high,
-        ) in rows.items():  # a disc's rows are whole, and all spans hold its middle
+        for dy, (low, high) in rows.items():
             above = max(abs(y - dy) - 1, 0)
             if above * above <= limit:
                 beside = 1 + math.isqrt(limit - above * above)
@@ -62,18 +66,20 @@ def plant(
     diameters: range,
     gap: Fraction,
 ) -> npt.NDArray[np.bool_]:
-    """Return which turns put a disc down: (m,) bool.
+    """Try to place a disc at each place in turn, and return which attempts succeed.
 
     Args:
-        free: Cells that a disc may cover.
-        places: (m, 2) columns and rows of the discs' centres, in the order in which they are tried.
-        kinds: (m,) the disc's diameter, as its index in ``diameters``.
-        diameters: Cells; all are odd or even discs as :func:`disc_cells` says.
-        gap: Least distance between two discs' cells, in cells.
+        free: (rows, columns) bool, cells that a disc may cover.
+        places: (m, 2) columns and rows of the discs' centres, in the order of the attempts.
+        kinds: (m,) diameter of each disc, as an index into ``diameters``.
+        diameters: Diameters, cells; :func:`disc_cells` defines the discs.
+        gap: Least distance between the cells of two discs, cells.
 
-    Source: dart throwing until nothing fits, Cook, "Stochastic sampling in computer graphics",
-        1986; that
-    every place is tried once, in random order, is what makes it stop.
+    Returns:
+        (m,) bool, True where a disc was placed.
+
+    Source: dart throwing, Cook, "Stochastic sampling in computer graphics", 1986. Trying every
+        place once, in random order, makes it stop.
     """
     shapes = [disc_cells(diameter) for diameter in diameters]
     halos = [_halo(shape, gap) for shape in shapes]
@@ -92,17 +98,18 @@ def put_down(
     cells: list[npt.NDArray[np.int64]],
     halos: list[npt.NDArray[np.int64]],
 ) -> npt.NDArray[np.bool_]:
-    """Visit places in turn and put a thing down wherever none of its cells is barred.
+    """Visit places in turn, and place an object wherever none of its cells is barred.
 
     Args:
-        barred: 1 where no cell of a thing may be; grows with every thing put down.
-        places: (m,) where to try, flat.
-        kinds: (m,) what to try there.
-        cells: Offsets of the cells of each kind.
-        halos: Offsets that a thing of each kind bars.
+        barred: (rows, columns) uint8, 1 where no object's cell may be; every placed object adds its
+            halo, in place.
+        places: (m,) flat cells to try, in order.
+        kinds: (m,) kind of the object to try at each place.
+        cells: Flat offsets of the cells of each kind.
+        halos: Flat offsets of the cells that an object of each kind bars.
 
     Returns:
-        (m,) where the thing of that turn stands.
+        (m,) bool, True where an object was placed.
     """
     ffi = _core.ffi
     lib = _core.lib

@@ -1,4 +1,4 @@
-"""Polygons turned by any angle and rastered to cells, in whole numbers: the same on every machine."""
+"""Turn polygons by any angle and rasterise them, in whole numbers that no machine rounds."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ __all__ = ["FINE", "Point", "Polygon", "bounds", "box", "extents", "fill", "to_f
 Point: TypeAlias = tuple[int, int]
 Polygon: TypeAlias = tuple[Point, ...]
 
-FINE = 64  # units a cell
-# units, more than (sqrt(2) - 1) / 2 cells: a slanted strip of one cell then has no hole, corners
-# too.
+FINE = 64  # units per cell
+# Units by which slanted polygons are thickened. It exceeds (sqrt(2) - 1) / 2 cells, so a slanted
+# strip of one cell has no holes, not even at corners.
 _THICKER = 14
 
 
 def box(x0: int, y0: int, x1: int, y1: int) -> Polygon:
-    """A box given in cells, as a polygon in units, counter-clockwise."""
+    """Convert a box in cells to a counter-clockwise polygon in units."""
     return tuple((FINE * x, FINE * y) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
 
 
 def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
-    """A polygon turned counter-clockwise about the origin."""
+    """Turn a polygon counter-clockwise about the origin."""
     cos, sin = direction(degrees)
     half = SCALE // 2
     return tuple(
@@ -40,13 +40,13 @@ def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
 def to_frame(
     x: npt.NDArray[np.int64], y: npt.NDArray[np.int64], degrees: int
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Points, in units, as seen from a frame turned counter-clockwise about the origin."""
+    """Convert points, in units, to a frame that is turned counter-clockwise about the origin."""
     cos, sin = direction(degrees)
     return (x * cos + y * sin) // SCALE, (y * cos - x * sin) // SCALE
 
 
 def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:
-    """First and last cells, x0, y0, x1, y1, that :func:`fill` can touch, the last ones excluded."""
+    """Return the half-open range of cells that :func:`fill` can touch, as x0, y0, x1, y1."""
     thicker = 0 if all(_is_straight(polygon) for polygon in polygons) else _THICKER
     xs, ys = zip(*(point for polygon in polygons for point in polygon), strict=True)
     low = [(value - thicker) // FINE for value in (min(xs), min(ys))]
@@ -55,7 +55,10 @@ def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:
 
 
 def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
-    """Columns and rows that :func:`fill` never exceeds, wherever the polygons lie relative to the cells."""
+    """Return the most columns and rows that :func:`fill` can need.
+
+    The result holds wherever the polygons are relative to the cells.
+    """
     x0, y0, x1, y1 = bounds(polygons)
     if all(_is_straight(polygon) for polygon in polygons):
         return x1 - x0, y1 - y0
@@ -67,9 +70,15 @@ def extents(polygons: Sequence[Polygon]) -> tuple[int, int]:
 
 
 def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
-    """Cells whose centres are in a convex polygon, from the first cells of :func:`bounds` on.
+    """Return the cells whose centres are in any of some convex polygons.
 
-    If any polygon is slanted, all are a little thickened, so that walls of one cell have no holes.
+    If any polygon is slanted, all are slightly thickened, so that walls of one cell have no holes.
+
+    Args:
+        polygons: Convex and counter-clockwise, in units.
+
+    Returns:
+        (rows, columns) bool; the first cell is the first one of :func:`bounds`.
     """
     x0, y0, x1, y1 = bounds(polygons)
     thicker = 0 if all(_is_straight(polygon) for polygon in polygons) else _THICKER
@@ -87,7 +96,7 @@ def fill(polygons: Sequence[Polygon]) -> npt.NDArray[np.bool_]:
 
 
 def _is_straight(polygon: Polygon) -> bool:
-    """Whether all sides are parallel to the axes."""
+    """Return True if all sides are parallel to the axes."""
     return all(
         ax == bx or ay == by
         for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], polygon[0]), strict=True)

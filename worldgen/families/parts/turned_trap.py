@@ -1,4 +1,4 @@
-"""Obstacles of slanted walls: shapes as convex polygons, turned by any angle, placed with a way all round."""
+"""Obstacles with slanted walls: convex polygons, turned by any angle, with a passage around."""
 
 from __future__ import annotations
 
@@ -39,18 +39,20 @@ __all__ = [
 
 @dataclass(frozen=True)
 class TrapShape:
-    """An obstacle, first corner (0, 0), with its mouth to +x; lengths in cells.
+    """Describe an obstacle whose mouth opens to +x and whose first corner is (0, 0).
+
+    Lengths are in cells. Ranges are half open.
 
     Args:
-        pieces: Its walls.
-        width: In x.
-        height: In y.
-        opening: Rows [low, high) of the mouth.
-        backing: Rows [low, high) behind which no line from before the mouth leads straight.
-        flank: Columns [low, high) above and below which no line leads straight to the other side.
-        flank_rows: Rows [low, high) of the walls there.
-        hollows: Convex polygons in which a robot is caught.
-        flipped: Whether above is below, because it was mirrored.
+        pieces: The walls.
+        width: Extent in x.
+        height: Extent in y.
+        opening: Rows of the mouth.
+        backing: Rows behind the obstacle that no straight line from before the mouth reaches.
+        flank: Columns in which no straight line leads from above the obstacle to below it.
+        flank_rows: Rows of the walls in these columns.
+        hollows: Convex polygons that trap a robot.
+        flipped: True if the shape was mirrored, so that above and below are swapped.
     """
 
     pieces: tuple[Polygon, ...]
@@ -64,14 +66,14 @@ class TrapShape:
     flipped: bool = False
 
     def extents(self, degrees: int) -> tuple[int, int]:
-        """Columns and rows that its cells never exceed when it is turned.
+        """Return the most columns and rows that the turned obstacle can need.
 
-        They grow with its lengths.
+        They grow with each of its lengths, so a search for the largest obstacle can use halving.
         """
         return extents([turned(piece, degrees) for piece in self.pieces])
 
     def mirrored(self) -> TrapShape:
-        """The obstacle with y upside down."""
+        """Return the obstacle flipped in y."""
         top = FINE * self.height
         pieces, hollows = (
             tuple(tuple((x, top - y) for x, y in polygon[::-1]) for polygon in polygons)
@@ -103,13 +105,13 @@ def _u(x: int, y: int, depth: int, mouth: int, thickness: int) -> list[Polygon]:
 
 
 def chevron(depth: int, mouth: int, thickness: int) -> TrapShape:
-    """A V: two straight arms from a point to both sides of the mouth."""
+    """Return a V: two straight arms from a point to both sides of the mouth."""
     height = mouth + 2 * thickness
     apex = (FINE * thickness, FINE * height // 2)
     dx = FINE * depth
     dy = FINE * mouth // 2
     length = math.isqrt(dx * dx + dy * dy)
-    # outwards: to -x, and up or down
+    # Offset from an arm's inner side to its outer side: towards -x, and up or down.
     nx = FINE * thickness * dy // length
     ny = FINE * thickness * dx // length
     upper = (apex[0] + dx, apex[1] + dy)
@@ -123,17 +125,18 @@ def chevron(depth: int, mouth: int, thickness: int) -> TrapShape:
     )
     opening = (thickness, thickness + mouth)
     width = thickness + depth
-    flank = (thickness + depth // 4, width - 1)  # not past the tips
+    # Stop short of the tips, past which a straight line could lead to the other side.
+    flank = (thickness + depth // 4, width - 1)
     return TrapShape(
         pieces, width, height, opening, opening, flank, opening, ((apex, lower, upper),)
     )
 
 
 def comb(depth: int, mouth: int, thickness: int, teeth: int) -> TrapShape:
-    """A back wall with teeth.
+    """Return a back wall with teeth.
 
-    The hollows between two of them are closed, the first and last open aside. Where there is one
-    tooth, a robot is caught above it.
+    The hollows between two teeth trap a robot. The first and the last hollow are open at the side;
+    with a single tooth, the one above it counts as the trap.
     """
     height = teeth * thickness + (teeth + 1) * mouth
     width = thickness + depth
@@ -148,11 +151,12 @@ def comb(depth: int, mouth: int, thickness: int, teeth: int) -> TrapShape:
 
 
 def nested(depth: int, mouth: int, thickness: int, levels: int) -> TrapShape:
-    """U's in each other's hollows, all open to +x, ``mouth`` between one and the next."""
+    """Return U shapes inside each other, all open to +x and ``mouth`` cells apart."""
     step = thickness + mouth
     pieces: list[Polygon] = []
     for level in range(levels):
-        around = levels - 1 - level  # the U's that lie outside of this one
+        # Number of U shapes outside this one.
+        around = levels - 1 - level
         pieces += _u(
             around * step, around * step, depth + level * step, mouth + 2 * level * step, thickness
         )
@@ -166,7 +170,10 @@ def nested(depth: int, mouth: int, thickness: int, levels: int) -> TrapShape:
 
 
 def pair(depth: int, mouth: int, thickness: int) -> TrapShape:
-    """A U, and behind it another, set off aside by half of one: the way round the first leads past the second."""
+    """Return a U with another one behind it, offset sideways by half its height.
+
+    The path around the first U leads past the second.
+    """
     width = thickness + depth
     height = mouth + 2 * thickness
     offset = height // 2
@@ -193,7 +200,7 @@ def pair(depth: int, mouth: int, thickness: int) -> TrapShape:
 
 
 def room_for(arena: Arena, figure: TrapShape, degrees: int) -> str | None:
-    """Why a turned figure with a passage all round it finds no room, or ``None``."""
+    """Return why a turned figure with a passage around it does not fit, or ``None`` if it does."""
     for length in figure.extents(degrees):
         if length + 2 * arena.narrowest > arena.inside:
             return (
@@ -204,10 +211,11 @@ def room_for(arena: Arena, figure: TrapShape, degrees: int) -> str | None:
 
 
 def draw_up_to(rng: RandomStream, values: range, fits: Callable[[int], bool]) -> int:
-    """One of the values up to the largest that fits; the first is known to."""
+    """Draw one of the values up to the largest that fits; the first value must fit."""
     low = values[0]
     high = values[-1]
-    while low < high:  # what is larger takes more room, so halving finds the limit
+    # A larger value takes more room, so the limit can be found by halving.
+    while low < high:
         middle = (low + high + 1) // 2
         low, high = (middle, high) if fits(middle) else (low, middle - 1)
     return rng.between(values[0], low)
@@ -215,7 +223,7 @@ def draw_up_to(rng: RandomStream, values: range, fits: Callable[[int], bool]) ->
 
 @dataclass(frozen=True)
 class TurnedLayout:
-    """Walls and, in half cells, start and target; the heading in quarter turns."""
+    """Hold walls, start and target in half cells, and the heading in quarter turns."""
 
     walls: npt.NDArray[np.bool_]
     start: tuple[int, int]
@@ -226,12 +234,21 @@ class TurnedLayout:
 def place_turned(
     rng: RandomStream, arena: Arena, figure: TrapShape, degrees: int, faces: str, *, inside: bool
 ) -> TurnedLayout:
-    """The figure in the arena, and start and target on either side of it, or the start in its hollow.
+    """Place the figure in the arena, with start and target on opposite sides of it.
+
+    Args:
+        rng: The only source of randomness.
+        arena: The square and the robot.
+        figure: The obstacle.
+        degrees: Angle to turn it by, counter-clockwise.
+        faces: What is before the mouth: ``start``, ``target``, or ``side`` for neither.
+        inside: If True, the start is in one of the obstacle's hollows instead.
 
     Raises:
-        InvalidParameter: If the start is to be in a hollow that the robot does not fit into.
-        GenerationFailed: If start or target finds no place; none was seen to.
+        InvalidParameter: If the robot does not fit into the hollow.
+        GenerationFailed: If there is no place for start or target. This has never been observed.
     """
+    # Rasterise the figure, and place it so that the robot can pass on all sides.
     cells = fill([turned(piece, degrees) for piece in figure.pieces])
     x0, y0, _, _ = bounds([turned(piece, degrees) for piece in figure.pieces])
     rows, columns = cells.shape
@@ -242,6 +259,8 @@ def place_turned(
     walls = arena.solid()
     walls[1:-1, 1:-1] = False
     walls[corner[1] : corner[1] + rows, corner[0] : corner[0] + columns] = cells
+
+    # Convert all places of the robot to the figure's frame, and sort them into zones around it.
     side = arena.narrowest
     origin = (corner[0] - x0, corner[1] - y0)  # of the figure's frame, in cells
     free_rows, free_columns = np.nonzero(free_windows(walls, side, side))
@@ -253,6 +272,8 @@ def place_turned(
         "target": ("back", "front"),
         "side": ("above", "below"),
     }[faces]
+
+    # Draw a place for start and target, the start inside a hollow if requested.
     spots = (
         []
         if not inside
@@ -260,7 +281,8 @@ def place_turned(
     )
     for zone in (first, last)[len(spots) :]:
         found = np.flatnonzero(zones[zone])
-        if not len(found):  # between slanted borders of a narrow zone there may be no half cell
+        # A narrow zone with slanted borders may contain no half cell; then widen it a little.
+        if not len(found):
             found = np.flatnonzero(wider[zone])
         if not len(found):
             raise GenerationFailed(
@@ -271,6 +293,8 @@ def place_turned(
             )
         spot = found[rng.below(len(found))]
         spots.append((int(middles[0, spot]), int(middles[1, spot])))
+
+    # Face the obstacle, to the nearest quarter turn.
     looks = {"start": 2, "target": 0, "side": 1 if figure.flipped else 3}[faces] + (
         degrees + 45
     ) // 90
@@ -280,7 +304,7 @@ def place_turned(
 def _seen(
     points: npt.NDArray[np.int64], origin: tuple[int, int], degrees: int
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Points in half cells, (2, n), as the figure's frame has them, in units."""
+    """Convert (2, n) points in half cells to the figure's frame, in units."""
     return to_frame(
         (points[0] - 2 * origin[0]) * (FINE // 2),
         (points[1] - 2 * origin[1]) * (FINE // 2),
@@ -296,11 +320,14 @@ def _spot_inside(
     origin: tuple[int, int],
     degrees: int,
 ) -> tuple[int, int]:
-    """A place in a hollow, in half cells, at which the disc is clear of every wall; exact.
+    """Draw a place in a hollow, in half cells, at which the robot's disc is clear of all walls.
+
+    The test is exact.
 
     Raises:
-        InvalidParameter: If there is none.
+        InvalidParameter: If there is no such place.
     """
+    # List the half cells in the hollow.
     x0, y0, x1, y1 = bounds([turned(hollow, degrees)])
     grid = np.meshgrid(
         np.arange(2 * (x0 + origin[0]), 2 * (x1 + origin[0]) + 1),
@@ -308,6 +335,8 @@ def _spot_inside(
     )
     points = np.stack([axis.ravel() for axis in grid])
     points = points[:, _within(hollow, *_seen(points, origin, degrees))]
+
+    # For each cell that the disc could touch, drop the points where it is solid and too near.
     reach = math.ceil(arena.radius)
     for dy in range(-reach - 1, reach + 1):
         for dx in range(-reach - 1, reach + 1):
@@ -332,10 +361,17 @@ def _spot_inside(
 def _zones(
     figure: TrapShape, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64], side: int, wider: int
 ) -> dict[str, npt.NDArray[np.bool_]]:
-    """Which points, in the figure's frame, lie before its mouth, behind it, above and below."""
-    apart = (
-        FINE * (side - 1) // 2
-    )  # from its hull: half the robot, less what rounding to half cells takes
+    """Return which points are before the figure's mouth, behind it, above it and below it.
+
+    Args:
+        figure: The obstacle.
+        u: (n,) first coordinates in the figure's frame, units.
+        v: (n,) second coordinates, units.
+        side: Cells per side of the robot's window.
+        wider: Units by which to widen the zones.
+    """
+    # Distance to the figure's hull: half the robot, less what rounding to half cells takes away.
+    apart = FINE * (side - 1) // 2
 
     def between(values: npt.NDArray[np.int64], limits: tuple[int, int]) -> npt.NDArray[np.bool_]:
         return np.asarray(

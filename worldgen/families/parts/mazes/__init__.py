@@ -1,11 +1,11 @@
-"""Mazes on a lattice of chambers: how they grow, their shapes, what is opened afterwards, how they become cells.
+"""Grow mazes on a lattice of chambers, open some walls, and convert them to cells.
 
 Contents:
-    board: what the numbers on a growing board and in its links mean.
-    grow: runs the algorithms, which are in C (worldgen/core/making).
-    shapes: masks with a name.
-    openings: second ways out of dead ends, open rooms.
-    cells: links to solid cells.
+    board: the meaning of the numbers on a growing board and in its links.
+    grow: run the algorithms, which are in C (worldgen/core/making).
+    shapes: masks, by name.
+    openings: open second exits of dead ends, and rooms.
+    cells: convert links to solid cells.
 """
 
 from worldgen.families.parts.mazes.board import (

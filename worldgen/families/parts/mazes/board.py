@@ -1,10 +1,11 @@
-"""What the numbers of a grown maze mean.
+"""Define the numbers in a grown maze.
 
-A maze joins the chambers of a lattice. What is grown is ``links``, some bits a chamber, or a tree
-in which each chamber names its parent. A direction is a number of quarter turns from +x. Both
-arrays take one byte a chamber: a quarter byte a cell, where passages and walls are one cell wide.
+A maze joins the chambers of a lattice. It is stored either as ``links``, a few bits per chamber, or
+as a tree in which each chamber names its parent. A direction is a number of quarter turns from +x.
+Both arrays take one byte per chamber: a quarter byte per cell if passages and walls are one cell
+wide.
 
-The numbers are those of ``worldgen/core/wg_making.h``, which also says what a maze grows on.
+The numbers come from ``worldgen/core/wg_making.h``, which also describes the board.
 """
 
 from __future__ import annotations
@@ -36,20 +37,19 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 
 _lib = _core.lib
 
-# directions of a tree, beyond 0 to 3
-ROOT: int = _lib.WG_ROOT  # leads nowhere
+# Directions in a tree are 0 to 3, and this one for a chamber without a parent.
+ROOT: int = _lib.WG_ROOT
 
-# links
+# Bits of a chamber's links.
 EAST: int = _lib.WG_EAST  # open to the neighbour in +x
 NORTH: int = _lib.WG_NORTH  # open to the neighbour in +y
-CORNER: int = (
-    _lib.WG_CORNER
-)  # the pillar between this chamber and the three to its north and east is gone
+# There is no pillar between this chamber and the three to its north and east.
+CORNER: int = _lib.WG_CORNER
 ROCK: int = _lib.WG_ROCK  # no chamber
 
 
 def links_of_parents(tree: npt.NDArray[np.int8]) -> Links:
-    """Return the links of a tree whose chambers name their parents."""
+    """Convert a tree, in which each chamber names its parent, to links."""
     links = np.zeros(tree.shape, dtype=np.int8)
     links[:, :-1] = (tree[:, :-1] == 0) | (tree[:, 1:] == 2)
     links[:-1] |= ((tree[:-1] == 1) | (tree[1:] == 3)).view(np.int8) << 1
@@ -57,7 +57,11 @@ def links_of_parents(tree: npt.NDArray[np.int8]) -> Links:
 
 
 def open_sides(links: Links) -> npt.NDArray[np.bool_]:
-    """Return which neighbours each chamber is open to: (rows, columns, 4), the last axis in quarter turns."""
+    """Return which neighbours each chamber is open to.
+
+    Returns:
+        (rows, columns, 4) bool; the last axis is the direction in quarter turns.
+    """
     sides = np.zeros((*links.shape, 4), dtype=np.bool_)
     sides[:, :-1, 0] = sides[:, 1:, 2] = links[:, :-1] & EAST
     sides[:-1, :, 1] = sides[1:, :, 3] = links[:-1] & NORTH
@@ -65,7 +69,7 @@ def open_sides(links: Links) -> npt.NDArray[np.bool_]:
 
 
 def ways_out(links: Links, column: int, row: int) -> list[int]:
-    """Return the directions that one chamber is open to, rising."""
+    """Return the directions that one chamber is open to, in ascending order."""
     below = row > 0 and links[row - 1, column]
     left = column > 0 and links[row, column - 1]
     here = links[row, column]

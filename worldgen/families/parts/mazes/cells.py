@@ -1,4 +1,4 @@
-"""From links between chambers to solid cells."""
+"""Convert links between chambers to solid cells."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ __all__ = ["cells_of", "pitch"]
 
 
 def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
-    """Return how wide each strip of a plan is, in cells: border, chamber, wall, chamber, ..., chamber, border."""
+    """Return the width of each strip of a plan, in cells.
+
+    The strips are border, chamber, wall, chamber, ..., chamber, border.
+    """
     strips = np.full(2 * len(widths) + 1, wall, dtype=np.int64)
     strips[1::2] = widths
     strips[0] = strips[-1] = 1
@@ -23,12 +26,12 @@ def pitch(widths: list[int], wall: int) -> npt.NDArray[np.int64]:
 def cells_of(
     links: Links, across: npt.NDArray[np.int64], up: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.bool_]:
-    """Return chambers, walls and border as cells.
+    """Return chambers, walls and border as cells, True is solid.
 
     Args:
         links: (rows, columns) links.
-        across: (2 columns + 1,) widths of the strips in x, from :func:`pitch`.
-        up: (2 rows + 1,) their heights.
+        across: (2 columns + 1,) widths of the strips in x, cells, from :func:`pitch`.
+        up: (2 rows + 1,) heights of the strips in y, cells, from :func:`pitch`.
     """
     ffi = _core.ffi
     lib = _core.lib

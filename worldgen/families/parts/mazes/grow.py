@@ -1,4 +1,4 @@
-"""Grow a maze by a named algorithm: hand its board and random words to the C core, take back links."""
+"""Grow a maze by a named algorithm: give the C core a board and random words, and get links."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ Algorithm: TypeAlias = Literal[
     "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", "prim", "growing-tree",
     "eller", "sidewinder", "binary-tree", "recursive-division",
 ]  # fmt: skip
-Size: TypeAlias = Callable[[int, int], int]  # of the columns and rows
+# Computes a number of words from the columns and rows.
+Size: TypeAlias = Callable[[int, int], int]
 
-# Words that the core gets in one call; those of a larger maze stay in the cache, and a call takes
-# some hundredths of a second. A corridor draws on after a tree of up to 999 x 999 chambers, from
-# where the last call's words end.
+# Most random words per call of the core. This many stay in the cache, and a call takes some
+# hundredths of a second. The number must not change: a corridor continues to draw from the stream
+# after a tree of up to 999 x 999 chambers, at the end of the last call's words.
 MOST_WORDS = 1 << 17
-SHARE = 1 << 16  # of the picks of a growing tree
+# The number that stands for all picks of a growing tree; shares are parts of it.
+SHARE = 1 << 16
 
 
 def _few_words(columns: int, rows: int) -> int:
@@ -39,14 +41,15 @@ def _places(columns: int, rows: int) -> int:
 
 @dataclass(frozen=True)
 class Method:
-    """How an algorithm is run.
+    """Describe how to run an algorithm.
 
     Args:
-        code: Its number in the core.
-        words: How many random words each call gets.
-        draws_on: Whether each call gets new words; the others want all their words in every call.
-        parents: Whether it leaves parents on the board, not links.
-        any_shape: Whether chambers may be missing.
+        code: Number of the algorithm in the core.
+        words: Computes the number of random words for a call.
+        draws_on: True if each call needs new words; other algorithms need all their words, the same
+            ones, in every call.
+        parents: True if the board ends up with parents instead of links.
+        any_shape: True if chambers may be missing.
     """
 
     code: int
@@ -82,10 +85,8 @@ METHODS: dict[str, Method] = {
 }
 
 FIT_ANY_SHAPE = tuple(name for name, method in METHODS.items() if method.any_shape)
-_DRAW_FROM_THE_STREAM_ITSELF = (
-    "wilson",
-    "backtracker",
-)  # the first two; each later one has a stream of its own
+# The first two algorithms draw from the caller's stream, and each later one from a child stream.
+_DRAW_FROM_THE_STREAM_ITSELF = ("wilson", "backtracker")
 
 
 def grow(
@@ -94,11 +95,11 @@ def grow(
     """Return a random maze without loops in a connected shape.
 
     Args:
-        rng: The only source of chance.
-        mask: Where there are chambers.
+        rng: The only source of randomness.
+        mask: (rows, columns) bool, True where there is a chamber.
         algorithm: One of ``METHODS``; those outside ``FIT_ANY_SHAPE`` need a full rectangle.
         newest: Share of a growing tree's picks that take the newest chamber.
-        oldest: Share that take the oldest; the rest take any.
+        oldest: Share of its picks that take the oldest chamber; the rest take any.
 
     Returns:
         (rows, columns) links, without ROCK.
@@ -113,10 +114,11 @@ def spanning_tree(
     """Return a random spanning tree of a rectangle of chambers.
 
     Args:
-        rng: The only source of chance; the tree's draws are its own.
+        rng: The only source of randomness; the tree draws directly from it.
         columns: Chambers in x.
         rows: Chambers in y.
-        algorithm: ``wilson``: every tree equally likely. ``backtracker``: long winding passages.
+        algorithm: ``wilson`` makes every tree equally likely, ``backtracker`` makes long winding
+            passages.
 
     Returns:
         (rows, columns): from each chamber, the direction of its parent in quarter turns, or
@@ -128,7 +130,7 @@ def spanning_tree(
 def _grown(
     rng: RandomStream, mask: Mask, algorithm: str, newest: float, oldest: float
 ) -> npt.NDArray[np.int8]:
-    """Return the chambers on the board when all is done: a view of (rows, columns)."""
+    """Run an algorithm to its end, and return the board's chambers as a (rows, columns) view."""
     method = METHODS[algorithm]
     rows, columns = mask.shape
     stream = rng if algorithm in _DRAW_FROM_THE_STREAM_ITSELF else rng.child(algorithm)
@@ -148,7 +150,8 @@ def _grown(
     chambers = pointer(ffi, np.ascontiguousarray(mask), np.bool_)
     check(lib.wg_maze_begin(maze, chambers, stream.below(int(np.count_nonzero(mask))), *buffers))
 
-    # Feed it random words.
+    # Supply random words until every chamber is joined. Python draws them, so that the core needs
+    # no random generator, and Ctrl-C works between calls.
     words = None
     while maze.left > 0:
         if words is None or method.draws_on:
@@ -162,7 +165,7 @@ def _grown(
 def _edge_keys(
     maze: Any, words: npt.NDArray[np.uint64], board: npt.NDArray[np.int8]
 ) -> npt.NDArray[np.uint64]:
-    """Return the keys of all edges between chambers, the lightest first."""
+    """Return the keys of all edges between chambers, in ascending order of their random weights."""
     ffi = _core.ffi
     lib = _core.lib
     keys = np.empty(2 * board.size, np.int64)

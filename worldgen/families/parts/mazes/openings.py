@@ -1,4 +1,4 @@
-"""What is opened in a grown maze: second ways out of dead ends, and open rooms."""
+"""Open walls of a grown maze: second exits of dead ends, and rooms."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["braid_ends", "carve_rooms"]
 
-LEAST_PLOT = 3  # chambers a side: a room of 2 x 2, and one beside it that parts it from the next
+# Chambers per side of a plot: a room of 2 x 2, and one more that separates it from the next room.
+LEAST_PLOT = 3
 
 
 def braid_ends(rng: RandomStream, links: Links, share: float) -> None:
-    """Opens one more side of dead ends, in place, until ``share`` of them is gone.
+    """Open one more side of dead ends, in place, until only ``1 - share`` of them remain.
 
-    One opening can end two dead ends, so one more than asked may go.
+    One opening can remove two dead ends, so the result may exceed the share by one.
     """
     if share == 0.0:
         return
@@ -33,7 +34,8 @@ def braid_ends(rng: RandomStream, links: Links, share: float) -> None:
         if remove <= 0:
             return
         row, column = divmod(end, columns)
-        if sides[row, column].sum() > 1:  # a neighbour was opened to it
+        # An earlier opening may have reached this dead end from its neighbour.
+        if sides[row, column].sum() > 1:
             continue
         way = rng.choice(np.flatnonzero(within[row, column] & ~sides[row, column]).tolist())
         dx, dy = STEPS[way]
@@ -44,7 +46,7 @@ def braid_ends(rng: RandomStream, links: Links, share: float) -> None:
 
 
 def _sides_within(mask: Mask) -> npt.NDArray[np.bool_]:
-    """(rows, columns, 4): which sides of a chamber have another behind them."""
+    """Return which sides of each chamber have a neighbour: (rows, columns, 4) bool."""
     links = np.zeros(mask.shape, dtype=np.int8)
     links[:, :-1] = (mask[:, :-1] & mask[:, 1:]) * EAST
     links[:-1] |= (mask[:-1] & mask[1:]) * np.int8(NORTH)
@@ -52,19 +54,19 @@ def _sides_within(mask: Mask) -> npt.NDArray[np.bool_]:
 
 
 def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None:
-    """Takes the walls out of rectangles of chambers, in place; no two touch.
+    """Remove the walls inside rectangles of chambers, in place; no two rectangles touch.
 
-    The chambers are cut into square plots, as large as lets ``count`` of them lie in the maze; as
-    many plots are drawn, and in each a rectangle of two chambers a side or more.
+    The chambers are divided into square plots, as large as possible if ``count`` of them must be
+    inside the maze. That many plots are drawn, and each gets one rectangle with sides of at least
+    two chambers.
 
     Raises:
-        InvalidParameter: If so many do not fit.
+        InvalidParameter: If that many rooms do not fit.
     """
     if count == 0:
         return
-    side = min(mask.shape) // (
-        math.isqrt(count - 1) + 1
-    )  # with larger ones there are fewer even in a full square
+    # Larger plots than this would be too few even in a full square. Shrink them until enough fit.
+    side = min(mask.shape) // (math.isqrt(count - 1) + 1)
     plots = _plots(mask, side) if side >= LEAST_PLOT else []
     while side > LEAST_PLOT and len(plots) < count:
         side -= 1
@@ -78,6 +80,8 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
             rooms=count,
             most=most,
         )
+
+    # Draw the plots, and a rectangle in each.
     rng.shuffle(plots)
     for row, column in plots[:count]:
         width = rng.between(2, side - 1)
@@ -90,7 +94,7 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
 
 
 def _plots(mask: Mask, side: int) -> list[tuple[int, int]]:
-    """Row and column of the lower left chamber of each plot that lies in the maze."""
+    """Return the row and column of the lower left chamber of each plot inside the maze."""
     rows, columns = (length // side for length in mask.shape)
     whole = (
         mask[: rows * side, : columns * side].reshape(rows, side, columns, side).all(axis=(1, 3))

@@ -1,4 +1,4 @@
-"""Shapes that a maze can have: masks over its chambers, by name."""
+"""Masks over a maze's chambers, by name of their shape."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ __all__ = ["LEAST", "Shape", "shape_mask"]
 
 Shape: TypeAlias = Literal["square", "disc", "ring", "cross", "diamond"]
 
-# Chambers a side from which a shape is what its name says, and in one piece, without a chamber that
-# sticks out alone.
+# Least chambers per side of each shape. From this size on, the shape is recognisable and connected,
+# and no single chamber sticks out.
 LEAST = {"square": 2, "disc": 4, "ring": 6, "cross": 6, "diamond": 4}
 
 
 def shape_mask(shape: str, side: int) -> Mask:
-    """(side, side): where a maze of that shape has chambers.
+    """Return where a maze of a shape has chambers: (side, side) bool.
 
     Raises:
-        InvalidParameter: If the side is below the shape's ``LEAST``.
+        InvalidParameter: If ``side`` is below the shape's ``LEAST``.
     """
     if side < LEAST[shape]:
         raise InvalidParameter(
@@ -33,9 +33,8 @@ def shape_mask(shape: str, side: int) -> Mask:
             least=LEAST[shape],
             side=side,
         )
-    doubled = np.abs(
-        2 * np.arange(side, dtype=np.int64) - (side - 1)
-    )  # twice the distance from the middle
+    # Use twice the distance from the middle, which is a whole number for odd and even sides.
+    doubled = np.abs(2 * np.arange(side, dtype=np.int64) - (side - 1))
     across = doubled[np.newaxis, :]
     up = doubled[:, np.newaxis]
     from_middle_sq = across**2 + up**2
