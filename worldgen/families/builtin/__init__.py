@@ -1,5 +1,5 @@
-"""The families that come with worldgen, one module each.
+"""Define the families that come with worldgen, one module each.
 
-:mod:`worldgen.families` names them. They have a folder of their own because
-``worldgen.families.maze`` is the family that you call, so no module there can have that name.
+:mod:`worldgen.families` lists them. They need a separate folder because ``worldgen.families.maze``
+is the family that you call, so no module in that folder can have the same name.
 """

@@ -19,18 +19,23 @@ __all__ = ["cave"]
 
 Shape: TypeAlias = Literal["caverns", "columns", "galleries"]
 
+# Range from which the share of rock is drawn, percent.
 _ROCK: dict[Shape, tuple[int, int]] = {
     "caverns": (47, 52),
     "columns": (38, 44),
     "galleries": (54, 58),
-}  # percent
-MOST_ROUNDS = 50  # the automaton has come to rest long before
-_ROUNDS = (3, 6)  # rounds drawn
-# Grain from which corners are rounded no further: each round costs as much as the automaton's.
+}
+# The automaton stops changing long before this many rounds.
+MOST_ROUNDS = 50
+_ROUNDS = (3, 6)  # range from which the rounds are drawn
+# Most rounds of rounding off corners of large cells: each costs as much as the automaton's.
 _SMOOTHEST = 10
-_HOLLOW = 2  # a hollow stays from so many widths of the robot a side on; smaller ones are filled in
-_HARDEST = 3  # rounds of digging that a place takes at most; tunnels bend round what is hard
-_OPENED_UP = 3  # rounds in which columns rise in wide halls
+# Hollows with less than the area of a square of this many robot widths per side are filled in.
+_HOLLOW = 2
+# Most rounds of digging that a place takes; tunnels bend around hard places.
+_HARDEST = 3
+# Number of rounds in which columns grow in wide halls.
+_OPENED_UP = 3
 
 
 @family("cave", version=1)
@@ -103,7 +108,18 @@ def cave(
 def _hollowed(
     rng: RandomStream, arena: Arena, rock: int, rounds: int, grain: int, *, pillars: bool
 ) -> npt.NDArray[np.bool_]:
-    """Rock strewn at random, then smoothed: a cell is rock if most of the nine round it are."""
+    """Scatter rock at random and smooth it: a cell becomes rock if most of its 3 x 3 square is.
+
+    Args:
+        rng: The only source of randomness.
+        arena: The square.
+        rock: Share of rock before smoothing, percent.
+        rounds: Rounds of smoothing.
+        grain: Side of the automaton's cells, in cells of the world.
+        pillars: If True, columns grow in wide halls.
+    """
+    # Run the automaton on coarse cells. In wide halls, a cell with hardly any rock within two cells
+    # becomes rock too, but not in the last round, which smooths the columns.
     side = -(-arena.inside // grain)
     walls = np.ones((side + 2, side + 2), dtype=np.bool_)
     walls[1:-1, 1:-1] = (rng.bits(side * side) % np.uint64(100) < rock).reshape(side, side)
@@ -113,16 +129,24 @@ def _hollowed(
         if pillars and done < min(_OPENED_UP, rounds - 1):
             grown |= _rock_within(walls, 2) <= 2
         walls[1:-1, 1:-1] = grown
+
+    # Enlarge the coarse cells to the world's.
     fine = np.ones((arena.size, arena.size), dtype=np.bool_)
     large = walls[1:-1, 1:-1].repeat(grain, axis=0).repeat(grain, axis=1)
     fine[1:-1, 1:-1] = large[: arena.inside, : arena.inside]
-    for _ in range(min(grain, _SMOOTHEST) - 1):  # rounds off the corners of large cells
+
+    # Round off the corners of large cells.
+    for _ in range(min(grain, _SMOOTHEST) - 1):
         fine[1:-1, 1:-1] = _rock_within(fine, 1) >= 5
     return fine
 
 
 def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uint8]:
-    """Rock in the square round each inner cell, itself included; outside all is rock."""
+    """Count the rock in the square around each inner cell, including the cell itself.
+
+    Everything outside the array counts as rock.
+    """
+    # Sum along rows and then along columns, which takes fewer additions than the whole square.
     padded = np.pad(walls, reach - 1, constant_values=True)
     rows, columns = (length - 2 * reach for length in padded.shape)
     lines = np.zeros((len(padded), columns), dtype=np.uint8)
@@ -135,10 +159,7 @@ def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uin
 
 
 def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> None:
-    """Digs one chamber each into two opposite corners, in place.
-
-    So that the cave spans the square.
-    """
+    """Dig a chamber into each of two opposite corners, in place, so that the cave spans the square."""
     side = arena.narrowest
     spare = arena.inside - side
     flip = rng.below(2)
@@ -150,20 +171,23 @@ def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> 
 
 
 def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Where the robot's window is free once the small hollows are filled and the others joined by tunnels."""
+    """Fill small hollows, join the others by tunnels, and return where the robot's window is free."""
+    # Keep large hollows.
     side = arena.narrowest
     windows = free_windows(walls, side, side)
     owner, count = components(windows)
     sizes = np.bincount(owner[owner >= 0], minlength=count)
     kept = sizes >= min((_HOLLOW * side) ** 2, int(sizes.max()))
     free = np.flatnonzero(windows)
-    ends = [
-        int(free[0]),
-        int(free[-1]),
-    ]  # the chambers in the corners lie outermost, or what hangs with them
+
+    # Keep the chambers in the corners too. The first and the last free window are always theirs, or
+    # belong to a hollow that is connected to them.
+    ends = [int(free[0]), int(free[-1])]
     for end in ends:
         kept[int(owner[end])] = True
     owner[~kept[owner] & (owner >= 0)] = -1
+
+    # Dig tunnels through rock of random hardness, along the easiest paths.
     hard = np.zeros(walls.shape, dtype=np.uint8)
     inner = arena.inside - side + 1
     hard[1 : 1 + inner, 1 : 1 + inner] = (

@@ -1,4 +1,4 @@
-"""Corridors cut through solid rock: winding, with blind side ways, or with side ways that lead back."""
+"""Cut corridors through solid rock: winding, with blind side paths, or with loops."""
 
 from __future__ import annotations
 
@@ -45,18 +45,17 @@ __all__ = ["corridor"]
 
 Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
-# Lattices tried until one holds the bends and side ways asked for. Measured with the most that are
-# allowed of one or of both, over 20,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at
-# worst.
+# Lattices to try until one has the requested bends and side paths. With the most that is allowed of
+# one or both, 20,000 drafts on 2 to 200 lines took 1.0 to 1.5 tries on average, and 4 at worst.
 MAX_DRAFTS = 100
-TRIES_PER_ORIGIN = 4  # random side ways tried, per node from which one can start
-BRANCH_STEPS = (
-    2,
-    4,
-)  # lattice steps of a side way where there is room: with two or more, others can branch off
-MOST_TUNNEL = 400  # lines of a tunnel's lattice: its longest way is found in Python, in 2 s
+# Random side paths to try, per node from which one can start.
+TRIES_PER_ORIGIN = 4
+# Lattice steps of a side path if there is room. With two or more, others can branch off it.
+BRANCH_STEPS = (2, 4)
+# Most lines of a tunnel's lattice: Python takes 2 s to find the longest path through this many.
+MOST_TUNNEL = 400
 MOST_WIDE = 1000.0  # widths of the robot
-# beyond, drafts take long and often fail
+# With more bends or branches than these, drafts take long and often fail.
 MOST_BENDS = 1000
 MOST_BRANCHES = 500
 
@@ -130,9 +129,9 @@ def corridor(
     )
 
     centres = [_centre(node, columns, rows, width) for node in way]
-    first = next(
-        k for k, centre in enumerate(centres) if centre != centres[0]
-    )  # a line may have been dropped
+    # Two nodes have the same centre if the line between them was dropped, so look for the first
+    # node that is really elsewhere to find the initial heading.
+    first = next(k for k, centre in enumerate(centres) if centre != centres[0])
     walls = _cut(arena.solid(), edges, columns, rows, width)
     if necks:
         slots = neck_slots(way, _corners(edges), columns, rows, width, neck_length)
@@ -151,7 +150,7 @@ _PLANNED: tuple[Shape, ...] = ("S", "T", "X", "tunnel")
 
 
 def _width(arena: Arena, width: int, robot_widths: float) -> int:
-    """The corridor's width in cells."""
+    """Return the corridor's width in cells."""
     if robot_widths == 0.0:
         return arena.passage("width", width)
     without_effect("width", width, f"robot_widths={robot_widths:g}")
@@ -159,7 +158,7 @@ def _width(arena: Arena, width: int, robot_widths: float) -> int:
 
 
 def _lines(arena: Arena, width: int, wall: int) -> int:
-    """How many stretches have room side by side."""
+    """Return how many stretches of corridor fit side by side."""
     lines = (arena.inside + wall) // (width + wall)
     if lines < 2:
         raise InvalidParameter(
@@ -176,7 +175,7 @@ def _lines(arena: Arena, width: int, wall: int) -> int:
 
 
 def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> int:
-    """The width of narrow places in cells."""
+    """Return the width of narrow places in cells."""
     check_between("neck_length", neck_length, 1, arena.inside, "cells")
     if necks == 0:
         return without_effect("neck", neck, "necks=0")
@@ -193,10 +192,10 @@ def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> 
 
 
 def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot]:
-    """As many slots as asked for, by chance, or all.
+    """Draw the requested number of slots, or return all of them.
 
     Raises:
-        GenerationFailed: If there are fewer.
+        GenerationFailed: If there are fewer slots than requested.
     """
     if necks == CHOSEN:
         return slots
@@ -217,7 +216,7 @@ def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot
 def _wound(
     rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int
 ) -> tuple[list[Node], list[Edge]]:
-    """A winding way and the edges of its side ways."""
+    """Return a winding path, and the edges of its side paths."""
     bends = _count(
         rng.child("bends"), "bends", bends, low=3, high=12, most=min(lines * lines // 4, MOST_BENDS)
     )
@@ -232,15 +231,18 @@ def _wound(
 def _planned(
     rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int
 ) -> tuple[list[Node], list[Edge]]:
-    """A way with a plan and the edges of its side ways.
+    """Return a path with a plan, and the edges of its side paths.
 
     Raises:
         InvalidParameter: If a count is out of range, or has no effect.
     """
+    # Reject counts that the shape ignores.
     if shape != "S":
         without_effect("bends", bends, f"shape={shape}")
     if shape in ("S", "tunnel"):
         without_effect("branches", branches, f"shape={shape}")
+
+    # Lay out the plan with as many bends or junctions as requested and possible.
     if shape == "tunnel":
         return _longest_path(rng, min(lines, MOST_TUNNEL)), []
     if shape == "S":
@@ -271,14 +273,20 @@ def _count(rng: RandomStream, name: str, count: int, *, low: int, high: int, mos
 
 
 def _direction(here: Node, there: Node) -> int:
-    """Quarter turns of the step from one node to a neighbour."""
+    """Return the direction from one node to a neighbour, in quarter turns."""
     return STEPS.index((there[0] - here[0], there[1] - here[1]))
 
 
 def _draft(
     rng: RandomStream, lines: int, bends: int, branches: int, *, leads_back: bool
 ) -> tuple[list[Node], list[Edge]]:
-    """A way with exactly ``bends`` bends and the edges of its side ways, on a lattice that grows as needed."""
+    """Draw a path with exactly ``bends`` bends, and the edges of its side paths.
+
+    The lattice is as small as seems possible, and grows after failed drafts.
+
+    Raises:
+        GenerationFailed: If no draft succeeds.
+    """
     lattice = min(lines, 2 + math.isqrt(3 * (bends + branches)))
     for draft in range(MAX_DRAFTS):
         way = _stretch(rng, _longest_path(rng, lattice), bends, least_steps=2 if branches else 1)
@@ -300,7 +308,8 @@ def _draft(
 
 
 def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
-    """The way from the farthest room of a backtracker's maze to its root."""
+    """Return the path from the farthest chamber of a backtracker's maze to its root."""
+    # List the children of each chamber.
     tree = spanning_tree(rng, lattice, lattice, "backtracker").tolist()
     children: dict[Node, list[Node]] = {}
     node: Node = (0, 0)
@@ -313,10 +322,14 @@ def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
             else:
                 parent = (column + STEPS[direction][0], row + STEPS[direction][1])
                 children.setdefault(parent, []).append((column, row))
+
+    # Search breadth first: the last chamber that leaves the queue is the farthest.
     queue = deque([root])
-    while queue:  # breadth first: the last one out is the farthest
+    while queue:
         node = queue.popleft()
         queue.extend(children.get(node, ()))
+
+    # Walk back to the root.
     way = [node]
     while node != root:
         step = STEPS[tree[node[1]][node[0]]]
@@ -326,7 +339,20 @@ def _longest_path(rng: RandomStream, lattice: int) -> list[Node]:
 
 
 def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -> list[Node] | None:
-    """A stretch of the way with exactly so many bends and whole runs at its ends, if it has as many."""
+    """Draw a stretch of a path with exactly ``bends`` bends.
+
+    The runs at its ends are complete, so no stretch begins in the middle of a straight run.
+
+    Args:
+        rng: The only source of randomness.
+        way: The path.
+        bends: Number of bends.
+        least_steps: Least lattice steps of the stretch.
+
+    Returns:
+        The stretch, or ``None`` if the path has no such stretch.
+    """
+    # The ends and all bends of the path.
     corners = [0]
     corners += [
         k
@@ -334,6 +360,8 @@ def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -
         if _direction(way[k - 1], way[k]) != _direction(way[k], way[k + 1])
     ]
     corners.append(len(way) - 1)
+
+    # Draw one of the stretches between two of these, in either direction.
     runs = bends + 1
     bounds = [
         (low, high)
@@ -350,15 +378,24 @@ def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -
 def _side_ways(
     rng: RandomStream, way: list[Node], branches: int, lattice: int, *, leads_back: bool
 ) -> list[Edge] | None:
-    """Edges of ``branches`` side ways off the way and off each other, if there is room for them.
+    """Draw side paths off a path and off each other.
 
-    Blind ones end at a node of their own; those that lead back close one loop each.
+    Blind ones end at a node that nothing else uses; those that lead back close one loop each.
+
+    Args:
+        rng: The only source of randomness.
+        way: The path.
+        branches: Number of side paths.
+        lattice: Lines of the lattice.
+        leads_back: True for side paths that lead back.
+
+    Returns:
+        Edges of the side paths, or ``None`` if there is no room for all of them.
     """
     used = set(way)
     joined = {frozenset(edge) for edge in pairwise(way)}
-    origins = (
-        list(way) if leads_back else way[1:-1]
-    )  # only a side way that leads back may leave from an end
+    # A blind side path at an end would only make the path look longer.
+    origins = list(way) if leads_back else way[1:-1]
     edges: list[Edge] = []
     for _ in range(branches):
         for _ in range(TRIES_PER_ORIGIN * len(origins)):
@@ -370,7 +407,8 @@ def _side_ways(
         else:
             return None
         used.update(branch)
-        origins += branch[1:-1]  # a blind end stays one
+        # Nothing may branch off a blind end, or it would not be one.
+        origins += branch[1:-1]
         joined.update(frozenset(edge) for edge in pairwise(branch))
         edges += pairwise(branch)
     return edges
@@ -382,7 +420,7 @@ def _neighbours(node: Node, lattice: int) -> list[Node]:
 
 
 def _wander(rng: RandomStream, node: Node, used: set[Node], lattice: int) -> list[Node]:
-    """A few random steps from a node over unused ones."""
+    """Take a few random steps from a node over unused nodes."""
     branch = [node]
     for _ in range(rng.between(*BRANCH_STEPS)):
         free = [
@@ -403,9 +441,10 @@ def _lead_back(
     joined: set[frozenset[Node]],
     lattice: int,
 ) -> list[Node]:
-    """The branch with a last step onto a used node.
+    """Extend a branch by one step onto a used node.
 
-    Nothing if it touches none that it is not joined to.
+    Returns an empty list if there is no such node next to the tip, or only nodes that the tip is
+    already joined to.
     """
     tip = branch[-1]
     back = [
@@ -419,11 +458,12 @@ def _lead_back(
 def _place_lines(
     rng: RandomStream, edges: list[Edge], axis: int, inside: int, width: int, wall: int
 ) -> dict[int, int]:
-    """First cell, in x or y, of each lattice line.
+    """Return the first cell, in x or y, of each lattice line.
 
     Lines on which nothing turns or ends take no room. Dropping such a line and moving the others
-    apart keeps their order, so nothing new touches.
+    apart preserves their order, so no two corridors come to touch.
     """
+    # Keep the lines that something turns or ends on, and distribute the spare cells between them.
     straight = {edge[0][axis] for edge in edges} | {edge[1][axis] for edge in edges}
     kept = sorted({node[axis] for node in _corners(edges)})
     spare = inside - len(kept) * width - (len(kept) - 1) * wall
@@ -434,12 +474,14 @@ def _place_lines(
     firsts: list[int] = []
     for gap in gaps:
         firsts.append((firsts[-1] + width if firsts else 1) + gap)
+
+    # A dropped line gets the place of the kept line below it.
     below = np.searchsorted(kept, sorted(straight), side="right") - 1
     return {line: firsts[k] for line, k in zip(sorted(straight), below.tolist(), strict=True)}
 
 
 def _corners(edges: list[Edge]) -> set[Node]:
-    """Nodes at which the network ends, turns or branches: all that is not passed straight through."""
+    """Return the nodes at which the network ends, turns or branches."""
     ways: dict[Node, set[int]] = {}
     for here, there in edges:
         ways.setdefault(here, set()).add(_direction(here, there))
@@ -464,5 +506,5 @@ def _cut(
 def _centre(
     node: Node, columns: dict[int, int], rows: dict[int, int], width: int
 ) -> tuple[int, int]:
-    """The middle of the corridor at a node, in half cells."""
+    """Return the middle of the corridor at a node, in half cells."""
     return 2 * columns[node[0]] + width, 2 * rows[node[1]] + width

@@ -1,4 +1,4 @@
-"""Fire over another family's world: cells burn, fall shut, and walls burn open."""
+"""Set another family's world on fire: cells burn, debris closes some, and walls burn open."""
 
 from __future__ import annotations
 
@@ -40,9 +40,11 @@ from worldgen.world import World
 
 __all__ = ["fire"]
 
-WALL_FACTOR = 5  # a wall catches so many times slower than the floor
+# Factor by which a wall catches more slowly than the floor.
+WALL_FACTOR = 5
 DRAWN = "drawn"
-LOAD_PITCH = 6  # cells from one place of heavy fuel to the next
+# Cells between places of heavy fuel.
+LOAD_PITCH = 6
 
 
 @family("fire", version=1, changes=True)
@@ -155,7 +157,11 @@ def fire(
 
 
 def _cells(text: str, plan: Plan) -> list[int]:
-    """Flat cells of ``ix:iy,ix:iy``."""
+    """Parse ``ix:iy,ix:iy`` to flat cells.
+
+    Raises:
+        InvalidParameter: If the text has another form, or a cell cannot burn.
+    """
     height, width = plan.walls.shape
     cells = []
     for part in text.split(","):
@@ -168,6 +174,7 @@ def _cells(text: str, plan: Plan) -> list[int]:
                 text=text,
                 part=part,
             )
+        # Nine digits exceed every grid, and keep ``int`` from refusing or crawling on longer ones.
         ix = int(column[:9])
         iy = int(row[:9])
         if not (ix < width and iy < height):
@@ -207,10 +214,21 @@ def _spread(
     limit: int,
     race: float | None,
 ) -> Times:
-    """When each cell of floor catches.
+    """Return when each cell of floor catches, ms.
 
-    ``race`` is the margin of a robot that must get by, if nothing ever opens.
+    Args:
+        rng: The only source of randomness.
+        plan: The ground.
+        embers: Where and when fire breaks out, ms.
+        spread: Mean delay from cell to cell, s.
+        scatter: Largest difference of a delay from the mean, as a share of it.
+        wind: Share by which the wind shortens and lengthens delays.
+        wind_to: Direction of the wind, quarter turns, or ``CHOSEN``.
+        limit: Most cells that catch.
+        race: If nothing ever opens: seconds by which a robot may start late and must still get
+            through. Otherwise ``None``.
     """
+    # Wind makes fire faster in its direction and slower against it.
     factors = [1.0, 1.0, 1.0, 1.0]
     if wind > 0.0:
         to = rng.child("wind").below(4) if wind_to == CHOSEN else wind_to
@@ -232,6 +250,8 @@ def _spread(
             held=held,
         )
 
+    # Let the fire spread freely. If the robot cannot outrun it, run the same fire again and hold it
+    # back along one path.
     floor = spread_over(None)
     if race is None or leaves_a_way(plan, floor, race):
         return floor
@@ -239,7 +259,10 @@ def _spread(
 
 
 def _debris(rng: RandomStream, plan: Plan, floor: Times, walls: Times, share: float) -> set[int]:
-    """Cells that fall shut: a share of the burnt floor off a shortest way over what is open in the end."""
+    """Draw the cells that debris closes.
+
+    They are a share of the burnt floor, except on a shortest path through what is open in the end.
+    """
     kept = plan.kept(plan.way(walls))
     return {cell for cell in floor if cell not in kept and rng.random() < share}
 
@@ -247,7 +270,16 @@ def _debris(rng: RandomStream, plan: Plan, floor: Times, walls: Times, share: fl
 def _lasts(
     rng: RandomStream, plan: Plan, burning: Times, mean: float, uneven: float, scatter: float
 ) -> list[int]:
-    """How long each cell burns, ms."""
+    """Return how long each cell burns, ms.
+
+    Args:
+        rng: The only source of randomness.
+        plan: The ground.
+        burning: Cells that burn, in order.
+        mean: Mean time, s.
+        uneven: Share by which heavy fuel burns longer than the mean, and light fuel shorter.
+        scatter: Largest difference of a cell from its mean, as a share of it.
+    """
     stream = rng.child("burn")
     if uneven == 0.0:
         return [delay(stream, mean, scatter) for _ in burning]
@@ -264,10 +296,11 @@ def _lasts(
 def _timeline(
     rng: RandomStream, plan: Plan, burning: Times, lasts: list[int], closing: set[int], clear: float
 ) -> Timeline:
-    """Every cell burns, then is free, or solid if it falls shut, until that is cleared.
+    """Return all changes, sorted by time and then by cell.
 
-    By time, then by place.
+    Every cell burns and is then free, or, if debris closes it, solid until that is cleared.
     """
+    # Compute the times at which each cell catches, burns out and is cleared, ms.
     shut = [cell for cell in burning if cell in closing] if clear > 0.0 else []
     cells = np.array([*burning, *burning, *shut], dtype=np.int64)
     caught = np.array([*burning.values()], dtype=np.int64)
@@ -275,6 +308,8 @@ def _timeline(
     after = [CellState.SOLID if cell in closing else CellState.FREE for cell in burning]
     fell = dict(zip(burning, out.tolist(), strict=True))
     cleared = np.array([fell[cell] + delay(rng, clear) for cell in shut], dtype=np.int64)
+
+    # Put the three kinds of events into one timeline.
     times = np.concatenate([caught, out, cleared])
     states = np.array(
         [CellState.BURNING] * len(burning) + after + [CellState.FREE] * len(shut), dtype=np.uint8

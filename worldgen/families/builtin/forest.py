@@ -1,4 +1,4 @@
-"""Forests: round obstacles scattered at random, every two a least gap apart."""
+"""Scatter round obstacles at random, with a least gap between any two."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ Growth: TypeAlias = Literal["even", "thickets", "rows"]
 
 MOST_GAP = 100.0  # widths of the robot
 THICKEST = 64  # cells
-_IN_CLEARINGS = (1, 12)  # share of the trees that stand outside thickets
+# Share of the trees outside thickets that remain, as a fraction.
+_IN_CLEARINGS = (1, 12)
+# Range from which the largest diameter is drawn, cells.
 _DRAWN_THICKEST = (2, 6)
 
 
@@ -94,10 +96,10 @@ def forest(
 def _thickest(
     rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinnest: int, thickest: int
 ) -> int:
-    """The largest diameter, drawn if it is to be, of at most ``most`` cells.
+    """Check the largest diameter, or draw it; it is at most ``most`` cells.
 
     Raises:
-        InvalidParameter: If not even the thinnest trunk fits, or this one does not.
+        InvalidParameter: If not even the thinnest trunk fits, or the requested diameter does not.
     """
     if most < thinnest:
         raise InvalidParameter(
@@ -117,7 +119,7 @@ def _thickest(
 
 
 def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
-    """Cells with a gap to the border."""
+    """Return the cells that are at least a gap away from the border."""
     margin = 1 + math.ceil(clear)
     free = np.zeros((arena.size, arena.size), dtype=np.bool_)
     free[margin : max(margin, arena.size - margin), margin : max(margin, arena.size - margin)] = (
@@ -127,10 +129,16 @@ def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
 
 
 def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> npt.NDArray[np.int64]:
-    """Columns and rows at which to try, in order: every cell once, or the rows' places a little out of line."""
+    """Return the columns and rows of the places to try, in order.
+
+    These are all cells in random order, or, for ``rows``, the places of a plantation, each slightly
+    out of line.
+    """
     if growth != "rows":
         order = np.argsort(rng.bits(arena.size * arena.size), kind="stable")
         return np.stack([order % arena.size, order // arena.size], axis=1)
+
+    # Lay out the rows, every other one offset by half a pitch, and shift them all at random.
     shake = 1 + pitch // 4
     columns, rows = np.meshgrid(*[np.arange(pitch // 2, arena.size + pitch, pitch + shake - 1)] * 2)
     columns = (
@@ -138,6 +146,8 @@ def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> npt.
         - (np.arange(len(columns)) % 2 * (pitch // 2))[:, np.newaxis]
         - rng.below(pitch // 2 + 1)
     )
+
+    # Move each place a little, and drop those outside. Rows may also be columns.
     shaken = (rng.bits(2 * columns.size) % np.uint64(shake)).astype(np.int64).reshape(2, -1)
     places = np.stack(
         [columns.ravel() + shaken[0], rows.ravel() + shaken[1] - rng.below(pitch // 2 + 1)], axis=1
@@ -154,7 +164,7 @@ def _felled(
     places: npt.NDArray[np.int64],
     stands: npt.NDArray[np.bool_],
 ) -> npt.NDArray[np.bool_]:
-    """Trunks taken out again, by chance; the first stays."""
+    """Draw the trunks to remove; the first one always stays, so that no forest is empty."""
     felled = rng.floats(len(places)) >= density
     if growth == "thickets":
         noise = smooth_noise(rng.child("clearings"), arena.size, max(4, arena.size // 5))
@@ -177,7 +187,7 @@ def _trunks(
 
 
 def _widest(windows: npt.NDArray[np.bool_]) -> int:
-    """A place of the largest component."""
+    """Return a place of the largest component, flat."""
     owner, count = components(windows)
     largest = int(np.bincount(owner[owner >= 0], minlength=count).argmax())
     return int(np.flatnonzero(owner == largest)[0])

@@ -1,4 +1,4 @@
-"""Mazes of chambers and walls that fill the square, or a shape in it."""
+"""Grow mazes of chambers and walls that fill the square, or a shape inside it."""
 
 from __future__ import annotations
 
@@ -100,6 +100,7 @@ def maze(
 
     Source: each algorithm names its own, in worldgen/families/_mazes.
     """
+    # Check the parameters, and find how many chambers fit.
     arena = Arena(size, cell_size, robot_radius, robot_speed, most=MAX_SIDE)
     passage = arena.passage("passage", passage)
     newest, oldest = _shares(algorithm, newest, oldest)
@@ -121,9 +122,13 @@ def maze(
         links[~inside] = ROCK
     carve_rooms(rng.child("rooms"), links, inside, rooms)
     braid_ends(rng.child("braid"), links, braid)
+
+    # Widen some passages so that the maze fills the square exactly.
     spare = arena.inside - side * passage - (side - 1) * wall
     widths = [passage + extra for extra in spread_evenly(rng, spare, side)]
     heights = [passage + extra for extra in spread_evenly(rng, spare, side)]
+
+    # Start and target are in opposite corners, or as near to them as the shape has chambers.
     corner = (rng.below(2) * (side - 1), rng.below(2) * (side - 1))
     start = _nearest(inside, corner)
     target = _nearest(inside, (side - 1 - corner[0], side - 1 - corner[1]))
@@ -138,10 +143,10 @@ def maze(
 
 
 def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]:
-    """Shares of a growing tree's steps; -1 stands for half, and for none.
+    """Return the shares of a growing tree's steps, with defaults for those that are omitted.
 
     Raises:
-        InvalidParameter: If one is out of range, or given for another algorithm.
+        InvalidParameter: If the sum exceeds 1, or a share is given for another algorithm.
     """
     given = {
         name: share for name, share in (("newest", newest), ("oldest", oldest)) if share != CHOSEN
@@ -170,10 +175,11 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
 
 
 def _mask(shape: str, side: int, algorithm: str) -> Mask:
-    """Where there are chambers.
+    """Return the mask of a shape, after checking that the algorithm can fill it.
 
     Raises:
-        InvalidParameter: If the shape is too small to be one, or the algorithm cannot fill it.
+        InvalidParameter: If there are too few chambers for the shape, or the algorithm needs a full
+            square.
     """
     if shape != "square" and algorithm not in FIT_ANY_SHAPE:
         raise InvalidParameter(
@@ -188,7 +194,10 @@ def _mask(shape: str, side: int, algorithm: str) -> Mask:
 
 
 def _nearest(mask: Mask, corner: tuple[int, int]) -> tuple[int, int]:
-    """Column and row of the chamber nearest to a corner; the lowest, then leftmost, of several."""
+    """Return the column and row of the chamber nearest to a corner.
+
+    Of several, this is the lowest one, and of those the leftmost.
+    """
     column, row = corner
     if mask[row, column]:
         return corner
@@ -198,5 +207,5 @@ def _nearest(mask: Mask, corner: tuple[int, int]) -> tuple[int, int]:
 
 
 def _centre(widths: list[int], chamber: int, wall: int) -> int:
-    """The middle of a chamber, in half cells."""
+    """Return the middle of a chamber, in half cells."""
     return 2 * (1 + sum(widths[:chamber]) + chamber * wall) + widths[chamber]

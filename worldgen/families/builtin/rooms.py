@@ -1,4 +1,4 @@
-"""Office plans: rooms off corridors or off each other, joined by doors."""
+"""Draw office plans: rooms along corridors or next to each other, joined by doors."""
 
 from __future__ import annotations
 
@@ -82,9 +82,8 @@ def rooms(
     floor = divide(rng.child("floor"), arena, plan, sizes)
     joints = joined(floor, sizes)
     doors = hang_doors(rng.child("doors"), floor, joints, sizes, shared)
-    in_rooms = free_windows(
-        floor.owner < floor.corridors, arena.narrowest, arena.narrowest
-    )  # not in a doorway
+    # Start and target are inside rooms: a robot in a doorway would block the only path.
+    in_rooms = free_windows(floor.owner < floor.corridors, arena.narrowest, arena.narrowest)
     begin = int(np.flatnonzero(in_rooms)[0])
     poses = far_poses(
         rng.child("poses"),

@@ -1,4 +1,4 @@
-"""Collapsed buildings: an office plan whose walls have partly fallen, and a survivor in a pocket under debris."""
+"""Collapse an office plan, and bury a survivor in a pocket under debris."""
 
 from __future__ import annotations
 
@@ -35,10 +35,14 @@ __all__ = ["rubble"]
 Collapse: TypeAlias = Literal["quake", "blast", "wing"]
 Grid: TypeAlias = npt.NDArray[np.bool_]
 
-_SHARED = 0.25  # doors beyond those that join all rooms
-_NEAR_WALLS = 3  # debris lies so many times as thick beside fallen walls as elsewhere
-_BREACHED = 0.6  # share of the walls in the ruined part that are down
-_DIGGING = 6  # a window with debris in it counts for so many free ones on the way that is cleared
+# Probability of a door where none is needed to join all rooms.
+_SHARED = 0.25
+# Weight of debris next to fallen walls; elsewhere it is 2.
+_NEAR_WALLS = 3
+# Share of the walls in the ruined part that are down.
+_BREACHED = 0.6
+# Cost of a window with debris, in free windows, when choosing the path to clear.
+_DIGGING = 6
 
 
 @family("rubble", version=1)
@@ -109,7 +113,14 @@ def rubble(
 
 @dataclass(frozen=True)
 class _Ends:
-    """Where the robot starts and the survivor lies: flat places of windows, in rows of ``stride`` cells."""
+    """Hold the windows of the robot's start and of the survivor.
+
+    Args:
+        start: Flat place of the start's window.
+        target: Flat place of the survivor's window.
+        stride: Cells per row.
+        side: Cells per side of a window.
+    """
 
     start: int
     target: int
@@ -117,15 +128,20 @@ class _Ends:
     side: int
 
     def middle(self, place: int) -> tuple[int, int]:
-        """A window's middle in half cells."""
+        """Return a window's middle in half cells."""
         return 2 * (place % self.stride) + self.side, 2 * (place // self.stride) + self.side
 
 
 def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Grid:
-    """The walls as they stood, doors open, of a plan drawn from those that fit."""
+    """Return the walls before the collapse, with doors open, of a random plan that fits.
+
+    Raises:
+        InvalidParameter: If no plan fits.
+    """
     styles: list[Style] = ["wings", "spine", "suite"]
     rng.shuffle(styles)
     width = arena.narrowest
+    # Two times out of three, try the plan without corridors last.
     for style in sorted(styles, key=lambda style: style == "suite" and rng.below(3) > 0):
         asked = Sizes(room, 0 if style == "suite" else width, width, wall)
         try:
@@ -141,7 +157,7 @@ def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Grid:
 
 
 def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
-    """A share of the cells within, those with the largest scores; more where scores are equal."""
+    """Return a share of the cells in ``within``: those with the largest scores, including ties."""
     inside = scores[within]
     count = round(share * len(inside))
     if count == 0:
@@ -151,7 +167,11 @@ def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
 
 
 def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) -> Grid:
-    """The part of the building that is ruined, its edge ragged."""
+    """Return the part of the building that is ruined, with a ragged edge.
+
+    Noise gives the edge its shape. A blast adds the distance from a point, and the collapse of a
+    wing adds the distance along a direction. All are scaled to whole numbers of the same size.
+    """
     size = arena.size
     pitch = max(4, arena.size // 6)
     noise = smooth_noise(rng, size, pitch)
@@ -174,21 +194,28 @@ def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) 
 
 
 def _fallen(rng: RandomStream, arena: Arena) -> Grid:
-    """Where a wall is down if it is in the ruined part: stretches wide enough for the robot, and stumps."""
+    """Return where walls in the ruined part are down.
+
+    Smooth noise gives stretches wide enough for the robot, with stumps between them.
+    """
     everywhere = np.ones((arena.size, arena.size), dtype=np.bool_)
     return _largest(smooth_noise(rng, arena.size, arena.narrowest + 1), everywhere, _BREACHED)
 
 
 def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side: int) -> _Ends:
-    """A survivor in the ruined part, and a start far from there, where the building stands if it does far away.
+    """Draw a survivor in the ruined part, and a start far away from it.
 
-    Both lie where the plan was open. Its open places hang together, and still do with walls down.
+    The start is where the building still stands, if such a place is far enough away. Both places
+    were open before the collapse. Those are all connected, and fallen walls only connect more.
     """
+    # Draw the survivor.
     open_before = free_windows(building, side, side)
     buried = np.flatnonzero(open_before & ruined)
     if not len(buried):
         buried = np.flatnonzero(open_before)
     target = int(buried[rng.below(len(buried))])
+
+    # Draw the start among the farthest places.
     steps, order = steps_from(free_windows(standing, side, side), target)
     order = order[open_before.ravel()[order]]
     far = order[np.searchsorted(steps[order], int(steps[order[-1]]) * FAR[0] // FAR[1]) :]
@@ -199,7 +226,8 @@ def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side:
 
 
 def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Grid:
-    """Debris on a share of the ruined floor, in heaps, most of them where walls stood."""
+    """Scatter debris in heaps over a share of the ruined floor, mostly where walls stood."""
+    # Sums of 3 x 3 random numbers vary smoothly enough to form heaps.
     size = len(building)
     strewn = (rng.bits(size * size) % np.uint64(1 << 20)).astype(np.int64).reshape(size, size)
     near_walls = ~free_windows(np.pad(building, 1, constant_values=True), 3, 3)[:size, :size]
@@ -210,7 +238,7 @@ def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Gri
 
 
 def _bury(heaps: Grid, ends: _Ends, pocket: int, side: int) -> None:
-    """Closes debris round the survivor's pocket, in place."""
+    """Enclose the survivor's pocket in debris, in place."""
     row, column = divmod(ends.target, ends.stride)
     shell = pocket + max(1, side // 2)
     for reach, solid in ((shell, True), (pocket, False)):
@@ -220,7 +248,7 @@ def _bury(heaps: Grid, ends: _Ends, pocket: int, side: int) -> None:
 
 
 def _clear(heaps: Grid, standing: Grid, ends: _Ends, side: int) -> None:
-    """Takes the debris, in place, off the way from start to survivor that goes through least of it."""
+    """Clear the path from start to survivor that goes through the least debris, in place."""
     passable = free_windows(standing, side, side)
     free = free_windows(standing | heaps, side, side)
     hard = np.where(free, 1, np.where(passable, _DIGGING, 0)).astype(np.uint8)

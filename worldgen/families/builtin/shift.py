@@ -1,4 +1,4 @@
-"""The thesis's world shifter over another family's world: now and then two mirrored cells change places."""
+"""Apply the thesis's world shifter to another family's world: mirrored cells change places."""
 
 from __future__ import annotations
 
@@ -88,20 +88,19 @@ def shift(
 def shifted(
     world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0
 ) -> World:
-    """A given world whose cells change places from now on, as in :func:`shift`.
+    """Return a world whose cells change places over time, as in :func:`shift`.
 
-    Without proof, whatever it had.
+    The result has no certificate, even if the given world had one.
 
     Args:
-        world: A square world that stands still.
-        seed: Of the swaps.
+        world: A square world without changes.
+        seed: Seed of the swaps.
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
-        duration: Time after which all stays as it is, s.
+        duration: Time after which nothing changes any more, s.
 
     Raises:
-        InvalidParameter: If the world is not square or changes already, or if nothing comes to
-            change.
+        InvalidParameter: If the world is not square or already changes, or if no swap happens.
     """
     if world.width != world.height:
         raise InvalidParameter(
@@ -131,7 +130,7 @@ def shifted(
 def _swaps(
     rng: RandomStream, ground: World, interval: float, chance: float, duration: float
 ) -> Timeline:
-    """Two changes for every swap of a wall and a free cell."""
+    """Draw the swaps, and return two changes for each swap of a wall and a free cell."""
     walls = ground.walls.copy()
     last = ground.height - 1
     kept = _target_cells(ground)
@@ -139,11 +138,12 @@ def _swaps(
     for draw in range(1, math.floor(exact(duration) / exact(interval)) + 1):
         if rng.random() >= chance:
             continue
-        # the row from the top, as in the thesis
+        # Count the row from the top, as the thesis does.
         column = rng.below(ground.width)
         row = rng.below(ground.height)
         here = (last - row, column)
         there = (last - column, row)
+        # Equal cells have nothing to swap, and the target must stay free.
         if walls[here] == walls[there] or here in kept or there in kept:
             continue
         walls[here], walls[there] = walls[there], walls[here]
@@ -154,7 +154,7 @@ def _swaps(
 
 
 def _target_cells(ground: World) -> set[tuple[int, int]]:
-    """Cells, row and column, that the inside of the target's disc meets."""
+    """Return the cells, as (row, column), that overlap the inside of the target's disc."""
     x, y, radius = (
         float(in_cells(value, ground.cell_size))
         for value in (ground.target.x, ground.target.y, ground.target.radius)

@@ -42,15 +42,14 @@ Faces: TypeAlias = Literal["start", "target", "side"]
 Box: TypeAlias = tuple[int, int, int, int]
 Ranges: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
 
-MOST_TURNS = 8  # quarter turns drawn for a spiral; more can be given
-_LATER: tuple[Shape, ...] = (
-    "V",
-    "comb",
-    "nested",
-    "pair",
-)  # shapes that always have a passage all round
-_COUNTED: dict[Shape, tuple[int, int]] = {"comb": (2, 6), "nested": (2, 4)}  # how many are drawn
-SLANTED_SPARE = 2  # cells by which raster and thickening can narrow what lies between slanted walls
+# Most quarter turns to draw for a spiral; a user may request more.
+MOST_TURNS = 8
+# Shapes that always have a passage on all sides.
+_LATER: tuple[Shape, ...] = ("V", "comb", "nested", "pair")
+# Shapes with a number of parts, and the range from which it is drawn.
+_COUNTED: dict[Shape, tuple[int, int]] = {"comb": (2, 6), "nested": (2, 4)}
+# Cells by which rasterising and thickening can narrow the space between slanted walls.
+SLANTED_SPARE = 2
 
 
 @family("trap", version=1)
@@ -128,7 +127,7 @@ def trap(
 
 @dataclass(frozen=True)
 class _Request:
-    """The obstacle asked for; -1 is to be drawn."""
+    """Hold the requested obstacle; ``CHOSEN`` marks numbers that are still to be drawn."""
 
     shape: Shape
     depth: int
@@ -139,11 +138,12 @@ class _Request:
 
 
 def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _Request:
-    """The request with what has no effect at 0.
+    """Check a request, and set numbers that have no effect to 0.
 
     Raises:
-        InvalidParameter: If a number is out of range.
+        InvalidParameter: If a number is out of range, or was given although it has no effect.
     """
+    # Find the least depth that keeps the obstacle in the robot's path.
     if inside and faces == "target":
         raise InvalidParameter(
             "no-effect",
@@ -151,11 +151,14 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
             "give faces=start or faces=side",
         )
     least_depth = arena.narrowest if inside else 1
-    if faces == "side":  # an arm shorter than the robot would not be in its way
+    # From the side, the robot would pass an arm that is shorter than itself.
+    if faces == "side":
         least_depth = max(least_depth, arena.narrowest - asked.thickness)
     mouth = asked.mouth
     turns = asked.turns
     parts = asked.parts
+
+    # Check each number that was given.
     if asked.depth != CHOSEN:
         check_at_least("depth", asked.depth, least_depth, "cells")
     if mouth != CHOSEN:
@@ -181,10 +184,10 @@ def _slanted(
     *,
     inside: bool,
 ) -> World:
-    """The world with an obstacle that may be slanted, a passage all round it.
+    """Build the world of an obstacle that may be slanted, with a passage on all sides.
 
-    Between slanted walls the plan has two cells more than was asked for: raster and thickening take
-    up to as much, so what is clear is never less.
+    Space between slanted walls is planned two cells wider than requested. Rasterising and
+    thickening take up to that much, so the clear space is never less than requested.
     """
     draw = rng.child("slanted")
     degrees = 90 * (draw.below(4) if turn == CHOSEN else turn) + angle
@@ -196,10 +199,12 @@ def _slanted(
 def _draw_figure(
     rng: RandomStream, arena: Arena, request: _Request, degrees: int, *, inside: bool
 ) -> TrapShape:
-    """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
+    """Draw the missing numbers one after the other, and return the obstacle.
+
+    Each number is drawn such that the least values of the remaining ones still fit.
 
     Raises:
-        InvalidParameter: If nothing fits, or what was given does not.
+        InvalidParameter: If the given numbers do not fit even with the least values of the rest.
     """
     counts = _COUNTED.get(request.shape, (request.turns, request.turns))
     if request.shape == "spiral":
@@ -215,6 +220,7 @@ def _draw_figure(
     def fits(number: int, mouth: int, depth: int) -> bool:
         return room_for(arena, figure(number, mouth, depth), degrees) is None
 
+    # Check that the least obstacle fits.
     asked = request.turns if request.shape == "spiral" else request.parts
     mouth = least if request.mouth == CHOSEN else request.mouth
     depth = least if request.depth == CHOSEN else request.depth
@@ -234,6 +240,8 @@ def _draw_figure(
             degrees=degrees,
             problem=problem,
         )
+
+    # Draw the number of parts, then the mouth, then the depth.
     if asked == CHOSEN:
         first = counts[0] if fits(counts[0], mouth, depth) else 1
         number = draw_up_to(
@@ -244,8 +252,9 @@ def _draw_figure(
             rng, range(mouth, arena.inside), lambda value: fits(number, value, depth)
         )
     if request.depth == CHOSEN:
+        # A flatter V is hardly hollow and would not trap a robot.
         if request.shape == "V" and fits(number, mouth, max(depth, mouth // 2)):
-            depth = max(depth, mouth // 2)  # or it is hardly hollow
+            depth = max(depth, mouth // 2)
         depth = draw_up_to(
             rng, range(depth, arena.inside), lambda value: fits(number, mouth, value)
         )
@@ -280,14 +289,14 @@ def _figure(shape: Shape, depth: int, mouth: int, thickness: int, number: int) -
 
 @dataclass(frozen=True)
 class _Obstacle:
-    """Solid boxes (x0, y0, x1, y1) in cells, first corner (0, 0), with the mouth opening to +x.
+    """Describe an obstacle of axis-parallel walls whose mouth opens to +x.
 
     Args:
-        boxes: The walls.
+        boxes: Solid boxes (x0, y0, x1, y1) in cells; the first corner is (0, 0).
         width: Cells in x.
         height: Cells in y.
         opening: Rows [low, high) of the mouth.
-        hollow: The innermost box, where a robot is caught.
+        hollow: The innermost box, which traps a robot.
     """
 
     boxes: tuple[Box, ...]
@@ -298,7 +307,7 @@ class _Obstacle:
 
 
 def _extents(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> tuple[int, int]:
-    """Width and height of an obstacle in cells, the mouth opening to +x."""
+    """Return the width and height, in cells, of an obstacle whose mouth opens to +x."""
     width = thickness + depth
     height = mouth + (1 if shape == "L" else 2) * thickness
     for _ in range(turns):
@@ -307,9 +316,10 @@ def _extents(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -
 
 
 def _obstacle(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> _Obstacle:
-    """Builds the U or L with its mouth to +x, winds the upper arm on, and turns the mouth to +x again."""
+    """Build a U or an L, and extend its upper arm into a spiral by some quarter turns."""
+    # Begin with the back and the lower arm.
     width, height = _extents(shape, depth, mouth, thickness, 0)
-    boxes = [(0, 0, thickness, height), (0, 0, width, thickness)]  # back, lower arm
+    boxes = [(0, 0, thickness, height), (0, 0, width, thickness)]
     if shape != "L":
         boxes.append((0, height - thickness, width, height))
     hollow = (thickness, thickness, width, thickness + mouth)
@@ -323,11 +333,11 @@ def _obstacle(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) 
 def _wind_on(
     boxes: list[Box], hollow: Box, width: int, height: int, mouth: int, thickness: int
 ) -> tuple[list[Box], Box]:
-    """Leads the wall that ends at the upper right on, across the right side.
+    """Extend the wall that ends at the upper right by one more side of a spiral.
 
-    Then turns the new mouth to +x. The wall goes on to +x, then to -y along the whole right side,
-    ``mouth`` away from what is there. The new mouth, at the lower right, opens to -y; a quarter
-    turn makes that +x, and puts the wall's end at the upper right again.
+    The wall continues to +x, then to -y along the whole right side, ``mouth`` cells away from the
+    walls there. The new mouth, at the lower right, opens to -y. A quarter turn makes that +x, and
+    moves the wall's end to the upper right again.
     """
     reach = width + mouth + thickness
     longer = [
@@ -339,17 +349,22 @@ def _wind_on(
 
 
 def _quarter_turn(box: Box, height: int) -> Box:
-    """Counter-clockwise: (x, y) goes to (height - y, x)."""
+    """Turn a box counter-clockwise: (x, y) moves to (height - y, x)."""
     return height - box[3], box[0], height - box[1], box[2]
 
 
 def _draw_to_fit(
     rng: RandomStream, arena: Arena, request: _Request, faces: Faces
 ) -> tuple[Shape, int, int, int, int]:
-    """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
+    """Draw the missing numbers one after the other, and return all of them.
+
+    Each number is drawn such that the least values of the remaining ones still fit.
+
+    Returns:
+        Shape, depth, mouth, thickness and turns.
 
     Raises:
-        InvalidParameter: If nothing fits, or what was given does not.
+        InvalidParameter: If the given numbers do not fit even with the least values of the rest.
     """
     shape = request.shape
     thickness = request.thickness
@@ -358,6 +373,7 @@ def _draw_to_fit(
     def fits(turns: int, mouth: int, depth: int) -> bool:
         return _room(arena, _extents(shape, depth, mouth, thickness, turns), faces) is None
 
+    # Check that the least obstacle fits.
     least_turns = 1 if request.turns == CHOSEN else request.turns
     least_mouth = low if request.mouth == CHOSEN else request.mouth
     least_depth = low if request.depth == CHOSEN else request.depth
@@ -378,6 +394,8 @@ def _draw_to_fit(
             turns=least_turns,
             problem=problem,
         )
+
+    # Draw the turns, then the mouth, then the depth.
     turns = request.turns
     mouth = request.mouth
     depth = request.depth
@@ -395,10 +413,10 @@ def _draw_to_fit(
 
 
 def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:
-    """Why an obstacle of these extents finds no room, or ``None``.
+    """Return why an obstacle of these extents does not fit, or ``None`` if it does.
 
-    Robot and target need a passage each, before and behind on the way from start to target; across
-    it, one passage is enough to get round.
+    Along the line from start to target, robot and target need a passage each. Across it, a single
+    passage is enough to get around the obstacle.
     """
     along, across = extents
     if faces == "side":
@@ -417,7 +435,7 @@ def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:
 
 
 def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, int]:
-    """First cell of the obstacle, such that every gap to the border is a passage or closed."""
+    """Draw the obstacle's first cell, so that every gap to the border is a passage or closed."""
     spare = (arena.inside - obstacle.width, arena.inside - obstacle.height)
     corner = []
     for axis in range(2):
@@ -425,7 +443,8 @@ def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, i
         if slack >= 0:
             corner.append(1 + arena.narrowest + rng.between(0, slack))
         elif axis == 0:
-            corner.append(1)  # the back against the border, never the mouth
+            # Put the back against the border, never the mouth, which must stay open.
+            corner.append(1)
         else:
             corner.append(1 + rng.below(2) * spare[axis])
     return corner[0], corner[1]
@@ -433,7 +452,7 @@ def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, i
 
 @dataclass(frozen=True)
 class _TrapLayout:
-    """Walls and, in half cells, start and target; the heading in quarter turns."""
+    """Hold walls, start and target in half cells, and the heading in quarter turns."""
 
     walls: npt.NDArray[np.bool_]
     start: tuple[int, int]
@@ -441,18 +460,19 @@ class _TrapLayout:
     quarter: int
 
     def turned(self, quarters: int) -> _TrapLayout:
-        """The scene turned counter-clockwise by quarter turns."""
+        """Return the layout turned counter-clockwise by quarter turns."""
         side = 2 * len(self.walls)
         scene = self
         for _ in range(quarters):
             sx, sy = scene.start
             tx, ty = scene.target
-            walls = scene.walls.T[:, ::-1]  # (x, y) goes to (side - y, x)
+            # A quarter turn moves (x, y) to (side - y, x).
+            walls = scene.walls.T[:, ::-1]
             scene = _TrapLayout(walls, (side - sy, sx), (side - ty, tx), (scene.quarter + 1) % 4)
         return scene
 
     def mirrored(self) -> _TrapLayout:
-        """The scene with y upside down; a mouth to +x stays one."""
+        """Return the layout flipped in y; a mouth that opens to +x still does."""
         side = 2 * len(self.walls)
         sx, sy = self.start
         tx, ty = self.target
@@ -468,13 +488,15 @@ def _scene(
     *,
     inside: bool,
 ) -> _TrapLayout:
-    """Obstacle, start and target in the arena, the mouth to +x."""
+    """Put obstacle, start and target into the arena, with the mouth opening to +x."""
+    # Draw the obstacle's walls.
     x, y = corner
     walls = arena.solid()
     walls[1:-1, 1:-1] = False
     for x0, y0, x1, y1 in obstacle.boxes:
         walls[y + y0 : y + y1, x + x0 : x + x1] = True
 
+    # List the areas around the obstacle, and choose those of start and target.
     end = arena.size - 1
     front = (x + obstacle.width, end)
     behind = (1, x)

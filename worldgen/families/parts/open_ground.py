@@ -154,7 +154,7 @@ def far_poses(
         start_in: (rows, columns) bool, allowed places of the start's window; all if omitted.
         target_in: (rows, columns) bool, allowed places of the target's window; all if omitted.
     """
-    # A place far from an arbitrary one is near the component's edge, which makes a good start.
+    # Start far from an arbitrary place, so that the longest path from the start is long.
     windows = free_windows(walls, side, side)
     columns = windows.shape[1]
     start = _far(rng, windows, begin, start_in, [FAR])[0]
