@@ -212,8 +212,8 @@ def _merged(
     number = np.arange(len(order))
     begins = np.searchsorted(both.cells, both.cells, "left")
 
-    # For each event, the latest state of one party: that of its own last event in this cell, or
-    # its initial state if it has none yet.
+    # For each event, find the state that host or piece has by then: the state of its last event in
+    # the cell, or its initial state before the first one.
     def latest(own: Bools, at_first: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         event = np.maximum.accumulate(np.where(own, number, -1))
         return np.where(event >= begins, both.states[event], at_first[both.cells])

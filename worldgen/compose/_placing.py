@@ -194,8 +194,8 @@ def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
     part = piece.crop(low_x - x, low_y - y, high_x - low_x, high_y - low_y)
     here = (slice(low_y, high_y), slice(low_x, high_x))
 
-    # Copy that part into arrays of the host's size. Carving needs something to carve, so it has no
-    # effect where the host says nothing.
+    # Copy that part into arrays of the host's size. There is nothing to carve where the host is
+    # undefined.
     says, solid, mask = (np.zeros_like(host.solid) for _ in range(3))
     says[here] = part.mask
     solid[here] = part.solid

@@ -519,8 +519,8 @@ def _read_part(
             Message("wrong-type", "steps are a list", "write steps = [ {{ rotate = 1 }} ]"),
         )
 
-    # Parse the source's value. Names of families and parts are checked for being words here;
-    # whether they exist is for the caller to check, which knows the parts before this one.
+    # Parse the source's value. Here, names of families and parts only have to be words. The caller
+    # knows the earlier parts, and checks that those names exist.
     with reader.at(f"{place}, {source}", number, source):
         value = spec_of(table[source], names)
         if source in ("beside", "above"):

@@ -101,12 +101,12 @@ class Piece:
 
     @property
     def width(self) -> int:
-        """Cells in x."""
+        """Return the number of cells in x."""
         return int(self.solid.shape[1])
 
     @property
     def height(self) -> int:
-        """Cells in y."""
+        """Return the number of cells in y."""
         return int(self.solid.shape[0])
 
     def __eq__(self, other: object) -> bool:

@@ -63,8 +63,8 @@ def origin() -> Origin:
 def requirement(extra: str = "") -> str:
     """Return the requirement that makes pip install this worldgen again.
 
-    worldgen may come from a package index, a repository or a checkout. A plain ``worldgen[studio]``
-    would make pip look only in the index, which may not have it.
+    worldgen may come from a package index, a repository or a checkout. With a plain
+    ``worldgen[studio]``, pip would look only in the index, which may not contain worldgen.
 
     Args:
         extra: Name of an extra, such as ``studio``; no extra if omitted.

@@ -81,7 +81,7 @@ def user_code(doing: str) -> Iterator[None]:
     Only Ctrl-C passes through.
 
     Args:
-        doing: What the code is doing; the error message begins with it.
+        doing: Description of the code, such as its file; the error message begins with it.
 
     Raises:
         InvalidParameter: If the code raises anything but ``KeyboardInterrupt``.

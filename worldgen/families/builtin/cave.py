@@ -159,7 +159,10 @@ def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uin
 
 
 def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> None:
-    """Dig a chamber into each of two opposite corners, in place, so that the cave spans the square."""
+    """Dig a chamber into each of two opposite corners, in place.
+
+    The tunnels to these chambers make the cave span the square.
+    """
     side = arena.narrowest
     spare = arena.inside - side
     flip = rng.below(2)
@@ -171,7 +174,11 @@ def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> 
 
 
 def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Fill small hollows, join the others by tunnels, and return where the robot's window is free."""
+    """Fill small hollows and join the others by tunnels.
+
+    Returns:
+        (size, size) bool, True where the robot's window is free.
+    """
     # Keep large hollows.
     side = arena.narrowest
     windows = free_windows(walls, side, side)

@@ -115,6 +115,7 @@ def maze(
             size=size,
             least=2 * passage + wall + 2,
         )
+    # Grow the maze, then open rooms and dead ends.
     inside = _mask(mask, side, algorithm)
 
     links = grow(rng.child("tree"), inside, algorithm, newest=newest, oldest=oldest)
@@ -143,7 +144,7 @@ def maze(
 
 
 def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]:
-    """Return the shares of a growing tree's steps, with defaults for those that are omitted.
+    """Return the shares of a growing tree's steps, with defaults for omitted ones.
 
     Raises:
         InvalidParameter: If the sum exceeds 1, or a share is given for another algorithm.

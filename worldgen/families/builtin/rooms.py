@@ -82,7 +82,7 @@ def rooms(
     floor = divide(rng.child("floor"), arena, plan, sizes)
     joints = joined(floor, sizes)
     doors = hang_doors(rng.child("doors"), floor, joints, sizes, shared)
-    # Start and target are inside rooms: a robot in a doorway would block the only path.
+    # These windows are entirely inside a room, so that start and target are never in a doorway.
     in_rooms = free_windows(floor.owner < floor.corridors, arena.narrowest, arena.narrowest)
     begin = int(np.flatnonzero(in_rooms)[0])
     poses = far_poses(

@@ -199,7 +199,7 @@ def _slanted(
 def _draw_figure(
     rng: RandomStream, arena: Arena, request: _Request, degrees: int, *, inside: bool
 ) -> TrapShape:
-    """Draw the missing numbers one after the other, and return the obstacle.
+    """Draw the missing numbers in order, and return the obstacle.
 
     Each number is drawn such that the least values of the remaining ones still fit.
 
@@ -356,7 +356,7 @@ def _quarter_turn(box: Box, height: int) -> Box:
 def _draw_to_fit(
     rng: RandomStream, arena: Arena, request: _Request, faces: Faces
 ) -> tuple[Shape, int, int, int, int]:
-    """Draw the missing numbers one after the other, and return all of them.
+    """Draw the missing numbers in order, and return all of them.
 
     Each number is drawn such that the least values of the remaining ones still fit.
 

@@ -145,7 +145,10 @@ class Plan:
         return bool(self.flammable[cell])
 
     def neighbours(self, cell: int) -> tuple[int, int, int, int]:
-        """Return the four neighbours of a cell that is not on the rim, counter-clockwise from +x."""
+        """Return a cell's four neighbours, counter-clockwise from +x.
+
+        The cell must not be on the rim, whose flat neighbours may be in another row.
+        """
         return cell + 1, cell + self.stride, cell - 1, cell - self.stride
 
     def window(self, first: int) -> list[int]:

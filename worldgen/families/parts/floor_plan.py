@@ -147,7 +147,7 @@ def divide(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes) -> Floor
         rng: The only source of randomness.
         arena: The square.
         style: ``wings`` lets corridors branch off corridors until every room is near one,
-            ``spine`` has one corridor across the square, and ``suite`` has none.
+            ``spine`` has one corridor across the square, and ``suite`` has no corridors.
         sizes: Lengths from :func:`fit_sizes`.
     """
     whole = (1, 1, arena.size - 1, arena.size - 1)

@@ -173,7 +173,7 @@ def far_poses(
 def _far(
     rng: RandomStream, windows: Grid, begin: int, within: Grid | None, shares: list[tuple[int, int]]
 ) -> list[int]:
-    """Draw one place per share from those that are far enough from a given one.
+    """Draw one place per share from those far enough from a given place.
 
     Args:
         rng: The only source of randomness.

@@ -241,7 +241,7 @@ def place_turned(
         arena: The square and the robot.
         figure: The obstacle.
         degrees: Angle to turn it by, counter-clockwise.
-        faces: What is before the mouth: ``start``, ``target``, or ``side`` for neither.
+        faces: The end that the mouth faces: ``start``, ``target``, or ``side`` for neither.
         inside: If True, the start is in one of the obstacle's hollows instead.
 
     Raises:

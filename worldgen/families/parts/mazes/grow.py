@@ -150,8 +150,7 @@ def _grown(
     chambers = pointer(ffi, np.ascontiguousarray(mask), np.bool_)
     check(lib.wg_maze_begin(maze, chambers, stream.below(int(np.count_nonzero(mask))), *buffers))
 
-    # Supply random words until every chamber is joined. Python draws them, so that the core needs
-    # no random generator, and Ctrl-C works between calls.
+    # Supply random words until every chamber is joined; a call returns when its words run out.
     words = None
     while maze.left > 0:
         if words is None or method.draws_on:
