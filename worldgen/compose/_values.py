@@ -227,6 +227,8 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
     """
     if isinstance(spec, Formula):
         return compute(spec, params)
+
+    # The ends of a range may be formulas or drawn themselves, so they are checked only here.
     if isinstance(spec, Range):
         low, high = (
             value_of(end, params, rng.child(name))
@@ -249,6 +251,7 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
                 low=low,
                 high=high,
             )
+        # Two whole ends give whole numbers, for which the stream has 63 bits.
         if isinstance(low, int) and isinstance(high, int):
             if high - low >= 2**63:
                 raise InvalidParameter(
@@ -260,6 +263,8 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
                 )
             return rng.between(low, high)
         return rng.uniform(low, high)
+
+    # The chosen option, and the items of a list, may be drawn too.
     if isinstance(spec, Choice):
         return value_of(rng.choice(spec.options), params, rng.child("any"))
     if isinstance(spec, tuple):

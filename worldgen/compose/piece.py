@@ -195,7 +195,8 @@ class Piece:
         check_size(f"turn={degrees}", width, height)
 
         # Turn each new cell's centre back to find the old cell it falls in. Only whole numbers are
-        # used, so that every platform gives the same piece. First, half cells from the middle:
+        # used, so that every platform gives the same piece. The first step gives the distance from
+        # the middle in half cells.
         x, y = (2 * np.arange(n, dtype=np.int64) + 1 - n for n in (width, height))
         x = x[np.newaxis, :] * (_FINE // 2)
         y = y[:, np.newaxis] * (_FINE // 2)

@@ -96,6 +96,7 @@ def cave(
     rounds = rng.child("rounds").between(*_ROUNDS) if rounds == CHOSEN else rounds
     rock = rng.child("share").between(*_ROCK[shape]) if rock == CHOSEN else rock
 
+    # Hollow out the rock, join the hollows, and keep only the floor that the robot can use.
     walls = _hollowed(rng.child("rock"), arena, rock, rounds, grain, pillars=shape == "columns")
     _dig_ends(rng.child("ends"), arena, walls)
     windows = _joined(rng.child("tunnels"), arena, walls)

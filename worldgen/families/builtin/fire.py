@@ -130,6 +130,7 @@ def fire(
             clear=clear,
         )
 
+    # Build the ground, and let fire break out and spread over its floor.
     ground = lay_ground(rng.child("ground"), over, arena)
     plan = Plan.of(ground).with_fuel(rng.child("fuel"), fuel, grain)
     if ignite_cells != DRAWN:
@@ -147,6 +148,9 @@ def fire(
         spread_cells,
         margin if monotone else None,
     )
+
+    # Burn through some walls, and draw what debris closes. A monotone fire opens nothing, and
+    # everything it reaches stays closed.
     slots = weak_walls(rng.child("walls"), plan, floor, 0 if monotone else burn_through)
     walls = burn_walls(rng.child("wall-times"), plan, floor, slots, WALL_FACTOR * spread)
     closing = set(floor) if monotone else _debris(rng.child("debris"), plan, floor, walls, debris)

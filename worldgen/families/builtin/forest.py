@@ -82,6 +82,9 @@ def forest(
     )
 
     diameters = range(thinnest, thickest + 1)
+
+    # Plant as many trunks as fit, then fell some of them again. For the same seed, a lower density
+    # therefore only removes trunks.
     places = _places(rng.child("places"), arena, growth, math.ceil(thickest + clear))
     kinds = (rng.child("kinds").bits(len(places)) % np.uint64(len(diameters))).astype(np.int64)
     stands = plant(free, places, kinds, diameters, clear)

@@ -93,10 +93,13 @@ def rubble(
     side = arena.narrowest
     pocket = rng.child("pocket").between(0, side) if pocket == CHOSEN else pocket
 
+    # Draw a building, and let a part of it collapse. The border always stands.
     building = _building(rng.child("building"), arena, room, wall)
     ruined = _ruined(rng.child("ruined"), arena, collapse, damage)
     standing = building & ~(ruined & _fallen(rng.child("fallen"), arena))
     standing[[0, -1], :] = standing[:, [0, -1]] = True
+
+    # Add debris, bury the survivor, and clear one path to the pocket.
     ends = _ends(rng.child("ends"), building, standing, ruined, side)
     heaps = _heaps(rng.child("debris"), building, ruined, debris) & ~standing
     _bury(heaps, ends, pocket, side)
@@ -188,6 +191,8 @@ def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) 
         if rng.below(2):
             a, b = b, a
         noise = noise * size * (abs(a) + abs(b)) + 4 * highest * (a * x + b * y)
+
+    # The border never falls.
     inside = np.zeros((size, size), dtype=np.bool_)
     inside[1:-1, 1:-1] = True
     return _largest(noise, inside, damage)

@@ -111,6 +111,7 @@ def shut_doors(
 
 def _way(pairs: list[tuple[int, int]], tree: list[int], start: int, target: int) -> list[int]:
     """Return the tree's edges on the path between two boxes."""
+    # List each box's neighbours in the tree, and search from the start until the target is found.
     around: dict[int, list[tuple[int, int]]] = {}
     for number in tree:
         one, other = pairs[number]
@@ -124,6 +125,8 @@ def _way(pairs: list[tuple[int, int]], tree: list[int], start: int, target: int)
             if other not in came:
                 came[other] = (box, number)
                 pending.append(other)
+
+    # Walk back along the boxes that each was reached from.
     way = []
     while target != start:
         target, number = came[target]
