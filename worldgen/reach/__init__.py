@@ -16,10 +16,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from worldgen.reach.confinement import Confinement
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.still.prove import decide, decide_many
 from worldgen.reach.still.widest import widest_disc
-from worldgen.reach.timed.confinement import Confinement
 from worldgen.reach.timed.deadline import decide_in_time, latest_start, until
 from worldgen.support.lazy import lazy_names
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from worldgen.domain import LATEST, number_fault, radius_fault
 from worldgen.errors import InvalidParameter
-from worldgen.reach.timed.confinement import Confinement
+from worldgen.reach.confinement import Confinement
 from worldgen.world import Certificate
 
 __all__ = [

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from worldgen.reach.check.certificate import CheckReport, blocked_spans
-from worldgen.reach.timed.confinement import FOR_EVER, Confinement
+from worldgen.reach.confinement import NEVER_ENDS, Confinement
 from worldgen.world import World
 
 __all__ = ["check_confinement"]
@@ -81,7 +81,7 @@ class _Check:
             else float(_decimal(proof.deadline) * speed * proof.k / size)
         )
         self.last = (
-            FOR_EVER
+            NEVER_ENDS
             if proof.deadline is None
             else math.floor(_decimal(proof.deadline) / proof.slab)
         )
@@ -144,7 +144,7 @@ class _Check:
         if first > last:
             return
         stays = self.stays.get(tile, [])
-        at = bisect.bisect_right(stays, (first, 2 * FOR_EVER)) - 1
+        at = bisect.bisect_right(stays, (first, 2 * NEVER_ENDS)) - 1
         if not any(begin <= first and end >= last for begin, end in stays[: at + 1]):
             raise _ConfinementRefused(
                 f"a robot gets out of its stay into tile {tile} in slab {first}"
@@ -164,7 +164,7 @@ class _Check:
             to_go = max(self._apart(tile, self.target) - self.reach, 0.0)
             latest = (self.way - to_go + SLACK) / self.pace if self.way < math.inf else math.inf
             low = math.ceil(soonest)
-            high = FOR_EVER if latest == math.inf else math.floor(latest)
+            high = NEVER_ENDS if latest == math.inf else math.floor(latest)
             high = min(high, self.last)
             kept = ((max(first, low), min(last, high)) for first, last in self._clear(tile))
             self.alive[tile] = [(first, last) for first, last in kept if first <= last]
@@ -182,7 +182,7 @@ class _Check:
         free: Fraction | float = Fraction(0)
         for begin, end in [*sorted(blocked), (math.inf, math.inf)]:
             if begin > free:
-                last = FOR_EVER if begin == math.inf else math.ceil(begin / self.proof.slab) - 1
+                last = NEVER_ENDS if begin == math.inf else math.ceil(begin / self.proof.slab) - 1
                 found.append((math.floor(free / self.proof.slab), last))
             free = max(free, end)
         return found

@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 from worldgen._core import ffi, lib
 from worldgen.lattice import exact, in_cells
+from worldgen.reach.confinement import NEVER_ENDS, Confinement
 from worldgen.reach.still.walls import Cell
-from worldgen.reach.timed.confinement import FOR_EVER, Confinement
 from worldgen.reach.timed.intervals import CellSpans, Intervals, safe_intervals
 from worldgen.reach.timed.spans import FOREVER, Spans
 from worldgen.support.ccall import check, pointer, writable
@@ -75,7 +75,7 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
         way = float(exact(deadline) * exact(world.robot_speed) * k / exact(world.cell_size))
         states.end_no_later(np.floor((way - goal + _SLACK) / pace))
         states.high = np.minimum(
-            states.high, min(math.floor(exact(deadline) * spans.ticks / slab), FOR_EVER)
+            states.high, min(math.floor(exact(deadline) * spans.ticks / slab), NEVER_ENDS)
         )
     start = tuple(in_cells(value, world.cell_size) * k for value in (world.start.x, world.start.y))
     came, reached = _spread(
@@ -181,7 +181,7 @@ class _States:
         first, begin, end = (
             np.asarray(values, np.int64) for values in (safe.first, safe.begin, safe.end)
         )
-        high = np.where(end >= FOREVER, FOR_EVER, (end - 1) // slab)
+        high = np.where(end >= FOREVER, NEVER_ENDS, (end - 1) // slab)
         return cls(first, np.repeat(np.arange(len(first) - 1), np.diff(first)), begin // slab, high)
 
     def begin_no_earlier(self, slabs: Floats) -> None:

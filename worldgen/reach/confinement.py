@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FOR_EVER", "Confinement"]
+__all__ = ["NEVER_ENDS", "Confinement"]
 
-FOR_EVER = 2**60
+NEVER_ENDS = 2**60
 """The last slab of a stay that does not end."""
 
 
