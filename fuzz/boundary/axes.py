@@ -1,8 +1,7 @@
-"""What a boundary is looked for along: radius, speed, time step, start heading, depth of a trap.
+"""Axes of a boundary search: radius, speed, time step, start heading, and depth of a trap.
 
-The values of an axis are numbered, so that doubling steps and bisection are arithmetic on whole
-numbers, and what they end with are neighbouring values that a person would write: three significant
-    digits, or whole numbers.
+The values of an axis are numbered, so doubling steps and bisection are integer arithmetic. They end
+at neighbouring values that a person would write, with three significant digits or whole numbers.
 """
 
 from __future__ import annotations

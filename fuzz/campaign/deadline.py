@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 __all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stopping_from"]
 
-TO_HAND_IN = 3.0  # s after a stop that the units under way have to hand in what they met
-# S after a stop in which failures met before it are still proved; less than anybody waits for them.
+TO_HAND_IN = 3.0  # s after a stop within which running units must return their results
+# Seconds after a stop during which earlier failures are still proved; fewer than TO_HAND_IN.
 _TO_PROVE = 2.0
 
 _stops: list[

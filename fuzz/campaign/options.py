@@ -1,7 +1,7 @@
-"""What a user says of a campaign: each option is declared once, here.
+"""Options of a campaign; each is declared once, here.
 
-``worldgen fuzz`` takes them as options, the studio's page as fields, and :class:`CampaignConfig` is
-what they come to. This module imports nothing heavy, for the help of the command is made from it.
+``worldgen fuzz`` offers them as options and the studio as fields of a form. Together they make a
+:class:`CampaignConfig`. This module imports nothing heavy, because the command's help needs it.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ __all__ = ["CampaignOptions", "SearchOptions"]
 
 @dataclass(frozen=True, kw_only=True)
 class SearchOptions:
-    """Options that a campaign keeps as they are given.
+    """Options that a campaign keeps unchanged.
 
     Args:
-        oracles: Ask this oracle about each run: detour, repeat, turn, shift, scale, mirror, finer,
+        oracles: Check each run with this oracle: detour, repeat, turn, shift, scale, mirror, finer,
             wall, block, or ./file.py:name; may be repeated.
-        examples: Draws a unit.
-        epoch: Units that learn from the same earlier ones; at most twice as many are under way at a
+        examples: Number of worlds each unit tries, or up to 80 times as many if they are screened
+            in C.
+        epoch: Number of units that learn from the same earlier ones; at most twice as many run at a
             time.
-        database: A Hypothesis database, such as .hypothesis/examples: what failed before is tried
-            first, what fails is kept.
+        database: Hypothesis database, such as .hypothesis/examples. Examples in it run first, and
+            failures are added to it.
     """
 
     oracles: Annotated[tuple[str, ...], Written("--oracle", "NAME[=NUMBER]")] = ()
@@ -37,20 +38,20 @@ class SearchOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignOptions(SearchOptions):
-    """Options that say what a campaign is, not how far it goes.
+    """Options that define a campaign, but not how long it runs.
 
     Args:
-        controller: Whom to test; ``+option=value`` varies the run.
+        controller: Controller to test; ``+option=value`` changes an option of the run.
         motion: Motion model.
-        families: Draw worlds from this family; may be repeated.
+        families: Generate worlds with this family only; may be repeated.
         strategies: Search with this strategy only: native, archive, boundary, features, sealed, or
             a family; may be repeated.
-        world: Keep this map; vary start, target and radius.
+        world: Search on this map; only start, target and radius vary.
         vary: Draw robot_radius, robot_speed, time_step or an option of the motion model from these
-            values, the simplest first; may be repeated.
+            values; list the simplest first. May be repeated.
         time_step: Duration of a step, s [default: the motion model's].
-        detour: Arriving by a longer way than RATIO times the witness's is a failure too; the same
-            as --oracle detour=RATIO.
+        detour: Count a path longer than RATIO times the witness as a failure; the same as --oracle
+            detour=RATIO.
         shrink: Shrink failures [default: yes, but not with --world].
 
     Raises:
@@ -88,7 +89,7 @@ class CampaignOptions(SearchOptions):
 
     @property
     def asked_oracles(self) -> tuple[str, ...]:
-        """All oracles, the one that ``--detour`` means among them."""
+        """All oracles, including the one that ``--detour`` adds."""
         if self.detour is None:
             return self.oracles
         return (f"detour={self.detour!r}".removesuffix(".0"), *self.oracles)

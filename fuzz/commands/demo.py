@@ -26,7 +26,7 @@ _EXAMPLES = 200
     show_default=True,
     help="Folder.",
 )
-@click.option("--controller", default="turn-right", show_default=True, help="Whom to test.")
+@click.option("--controller", default="turn-right", show_default=True, help="Controller to test.")
 @click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
 @json_option
 @force_option

@@ -47,46 +47,46 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
     "--budget",
     type=Duration(),
     metavar="TIME",
-    help="Search and shrink this long: 30s, 5m, 1h [default: 30s].",
+    help="Time to search and shrink, such as 30s, 5m or 1h [default: 30s].",
 )
 @click.option(
     "--units",
     type=click.IntRange(1),
-    help="Do this much work; the result depends on the seed alone.",
+    help="Run this many units instead; the result then depends on the seed alone.",
 )
-@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
+@click.option(
+    "--workers", type=click.IntRange(1, 256), help="Number of processes [default: one per core]."
+)
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="Let a Dask cluster's workers do the work: tcp://host:8786.",
+    help="Run on the workers of a Dask cluster, such as tcp://host:8786.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the failures.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the failures to.")
 @click.option(
     "--resume",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget "
-    "say.",
+    help="Continue the campaign in FOLDER to its end, or for --units or --budget.",
 )
 @click.option(
     "--report",
     type=click.Path(path_type=Path),
     metavar="PAGE",
-    help="Write an HTML page of what was found.",
+    help="Write an HTML report of the failures.",
 )
 @click.option(
     "--baseline",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="DIR|ARCHIVE",
-    help="Failures that are known: their classes are counted, but neither shrunk nor written, and "
-    "only others make the "
-    "exit code 1; may be repeated.",
+    help="Known failures. Their classes are counted but neither shrunk nor written, and they do "
+    "not make the exit code 1. May be repeated.",
 )
 @click.option(
     "--count-hazards",
     is_flag=True,
-    help="Count a robot burned by what no sense of its controller shows as a failure, too.",
+    help="Count it as a failure if a robot is burned by a hazard that its controller cannot sense.",
 )
 @output_options
 @seed_option
@@ -110,10 +110,10 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails.
 
-    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there
-    is any that no --baseline has, 0 if not; a robot burned by what its controller cannot sense is
-    listed apart. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, continues
-    an interrupted campaign.
+    Writes the smallest world of each class of failure to a .grid file. The exit code is 1 if a
+    class is found that no --baseline has, and 0 if not. Robots burned by hazards that their
+    controller cannot sense are listed separately. Ctrl-C keeps what was found. Run the same command
+    again, or --resume FOLDER, to continue an interrupted campaign.
     """
     import os
     import time

@@ -1,9 +1,9 @@
 """Corpora: read, compare, merge, prune and export folders and archives of failures.
 
 Contents:
-    Corpus, Entry, Selection, read_corpus: The contents of a folder or an archive, without worlds.
-    Baseline: Failures that are known.
-    differences, Difference: Compare two corpora.
+    Corpus, CorpusEntry, Selection, read_corpus: Contents of a folder or an archive, without worlds.
+    Baseline: Known failures.
+    differences, BucketDifference: Compare two corpora.
     merge, smallest: Collect the simplest failure of each class in a folder.
     judge_all, Judgement, remove: Find failures that can be deleted, and why.
     export: Write one archive, or a table.

@@ -19,7 +19,6 @@ __all__ = [
     "PAPER",
     "PIERCED",
     "PIERCED_GROUND",
-    "RULE",
     "START",
     "SWEPT",
     "TARGET",
@@ -42,7 +41,6 @@ FLOOR = "#F9FBFD"  # where the signal is weakest
 WALL = "#343A43"
 INK = "#1B1F24"
 GREY = "#5F6773"
-RULE = "#C9CED6"
 APPROACH = "#E8A37C"  # a tint of LOOP: the same robot, earlier
 
 
