@@ -9,16 +9,19 @@ __all__ = ["modules", "player_modules", "style"]
 
 
 def modules(folder: Traversable, prefix: str) -> dict[str, str]:
-    """Return the text of each JavaScript module of a folder, by the name used in imports.
+    """Return the text of each JavaScript module in and below a folder, by the name used in imports.
 
     Args:
         folder: Folder of the ``.js`` files.
         prefix: Prefix of a file's name in imports, such as ``#report/``.
     """
-    parts = sorted(
-        (part for part in folder.iterdir() if part.name.endswith(".js")), key=lambda part: part.name
-    )
-    return {f"{prefix}{part.name}": part.read_text("utf-8") for part in parts}
+    found: dict[str, str] = {}
+    for part in sorted(folder.iterdir(), key=lambda part: part.name):
+        if part.is_dir():
+            found |= modules(part, f"{prefix}{part.name}/")
+        elif part.name.endswith(".js"):
+            found[f"{prefix}{part.name}"] = part.read_text("utf-8")
+    return found
 
 
 def player_modules() -> dict[str, str]:

@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from typing import Any
 
 from starlette.applications import Starlette
@@ -41,11 +42,20 @@ def _parts() -> dict[str, bytes]:
     """
     found = {}
     for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
-        for part in (files(package) / "page").iterdir():
-            if part.name.endswith(tuple(_KINDS)):
-                found[f"/{address}/{part.name}"] = part.read_bytes()
+        found |= _parts_below(files(package) / "page", f"/{address}")
     page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
     return found | {"/": page, "/studio/index.html": page}
+
+
+def _parts_below(folder: Traversable, address: str) -> dict[str, bytes]:
+    """Return the files of a folder and of the folders in it that a page may load, by address."""
+    found = {}
+    for part in folder.iterdir():
+        if part.is_dir():
+            found |= _parts_below(part, f"{address}/{part.name}")
+        elif part.name.endswith(tuple(_KINDS)):
+            found[f"{address}/{part.name}"] = part.read_bytes()
+    return found
 
 
 @dataclass(frozen=True)

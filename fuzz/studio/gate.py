@@ -28,7 +28,7 @@ __all__ = ["IMPORTS", "LOOPBACK", "SUBPROTOCOL", "Gate", "Guarded"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 SUBPROTOCOL = "worldgen-studio"
-IMPORTS = '{"imports":{"#player/":"/player/"}}'
+IMPORTS = '{"imports":{"#player/":"/player/","#studio/":"/studio/"}}'
 """The page's import map: where a browser finds what a module imports as ``#player/dom.js``."""
 _IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")

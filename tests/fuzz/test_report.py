@@ -6,7 +6,6 @@ import re
 import shutil
 import tomllib
 from dataclasses import replace
-from fnmatch import fnmatch
 from importlib.resources import files
 from pathlib import Path
 
@@ -399,6 +398,7 @@ def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
 def test_the_page_s_parts_are_shipped(package, part):
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     patterns = project["tool"]["setuptools"]["package-data"][package]
-    parts = [part.name for part in (files(package) / "page").iterdir()]
-    assert part in parts
-    assert all(any(fnmatch(f"page/{name}", pattern) for pattern in patterns) for name in parts)
+    folder = Path(str(files(package)))
+    parts = {file for file in (folder / "page").rglob("*") if file.is_file()}
+    assert folder / "page" / part in parts
+    assert parts <= {found for pattern in patterns for found in folder.glob(pattern)}

@@ -13,7 +13,6 @@ import sys
 import threading
 import tomllib
 from collections import defaultdict
-from fnmatch import fnmatch
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
@@ -729,6 +728,8 @@ def test_without_its_extra_the_command_says_how_to_get_it(tmp_path, monkeypatch)
 def test_the_page_s_parts_are_shipped():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     patterns = project["tool"]["setuptools"]["package-data"]["fuzz.studio"]
-    parts = [part.name for part in (files("fuzz.studio") / "page").iterdir()]
-    assert "index.html" in parts
-    assert all(any(fnmatch(f"page/{name}", pattern) for pattern in patterns) for name in parts)
+    package = Path(str(files("fuzz.studio")))
+    parts = [part for part in (package / "page").rglob("*") if part.is_file()]
+    shipped = {found for pattern in patterns for found in package.glob(pattern)}
+    assert package / "page" / "index.html" in parts
+    assert set(parts) <= shipped

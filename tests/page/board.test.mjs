@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { element, point, press } from "./stand_in.mjs";
-import { makeBoard } from "#studio/board.js";
-import { Model, emptyWorld } from "#studio/model.js";
-import { listenToBoard } from "#studio/pointer.js";
-import { makeTools } from "#studio/tools.js";
+import { makeBoard } from "#studio/draw/board.js";
+import { Model, emptyWorld } from "#studio/draw/model.js";
+import { listenToBoard } from "#studio/draw/pointer.js";
+import { makeTools } from "#studio/draw/tools.js";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
 

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
-import { makeForm } from "#studio/campaign_form.js";
-import { makeStatus } from "#studio/campaign_status.js";
-import { Model, emptyWorld } from "#studio/model.js";
+import { makeForm } from "#studio/campaign/form.js";
+import { makeStatus } from "#studio/campaign/status.js";
+import { Model, emptyWorld } from "#studio/draw/model.js";
 import { LIMITS } from "./samples.mjs";
 
 const RUNNING = {

@@ -3,8 +3,8 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
-import { Ended, makeConnection } from "#studio/connection.js";
-import { Refused } from "#studio/refusals.js";
+import { Ended, makeConnection } from "#studio/shared/connection.js";
+import { Refused } from "#studio/shared/refusals.js";
 import { LIMITS } from "./samples.mjs";
 
 const sockets = [];

@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import "./stand_in.mjs";
-import { keep, keptOf } from "#studio/kept.js";
-import { Model, emptyWorld, messageOf } from "#studio/model.js";
-import { proofWords } from "#studio/proof.js";
-import { Recent } from "#studio/recent.js";
+import { keep, keptOf } from "#studio/shared/kept.js";
+import { Model, emptyWorld, messageOf } from "#studio/draw/model.js";
+import { proofWords } from "#studio/draw/proof.js";
+import { Recent } from "#studio/shared/recent.js";
 
 const DRAFT = "worldgen-studio-draft-";
 const held = new Set(); // the locks of tabs that are there
@@ -31,7 +31,7 @@ Object.defineProperty(globalThis, "navigator", {
 async function newTab() {
   tabs += 1;
   sessionStorage.clear();
-  return import(`../../fuzz/studio/page/drafts.js?tab=${tabs}`);
+  return import(`../../fuzz/studio/page/shared/drafts.js?tab=${tabs}`);
 }
 
 function drawing(...walls) {

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { element, press } from "./stand_in.mjs";
-import { showTabs } from "#studio/fields.js";
-import { listen } from "#studio/keys.js";
-import { TOOLS } from "#studio/tools.js";
+import { showTabs } from "#studio/shared/fields.js";
+import { listen } from "#studio/shared/keys.js";
+import { TOOLS } from "#studio/draw/tools.js";
 
 const done = [];
 const note = (what) => () => done.push(what);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } from "#studio/model.js";
+import { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } from "#studio/draw/model.js";
 
 function drawing(width = 40, height = 40) {
   const changes = [];

@@ -3,11 +3,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { tick, type } from "./stand_in.mjs";
-import { Model, emptyWorld } from "#studio/model.js";
-import { Refused } from "#studio/refusals.js";
-import { makeRobots } from "#studio/robots.js";
-import { makeSettings } from "#studio/settings.js";
-import { sizePart } from "#studio/size_form.js";
+import { Model, emptyWorld } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
+import { makeRobots } from "#studio/play/robots.js";
+import { makeSettings } from "#studio/play/settings.js";
+import { sizePart } from "#studio/draw/size_form.js";
 import { LIMITS } from "./samples.mjs";
 
 const both = { thesis: true, lattice: true, fault: null, named: false, motion: "swept" };

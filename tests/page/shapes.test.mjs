@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
-import { Model, emptyWorld } from "#studio/model.js";
-import { withSelection } from "#studio/selection.js";
-import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/shapes.js";
+import { Model, emptyWorld } from "#studio/draw/model.js";
+import { withSelection } from "#studio/draw/selection.js";
+import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/draw/shapes.js";
 
 const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // as the letter, seen from above: rows go up
 

@@ -10,14 +10,13 @@ from pathlib import Path
 import pytest
 
 FUZZ = Path(__file__).parents[2] / "fuzz"
-PLAYER = FUZZ / "player" / "page"
-FOLDERS = [
-    PLAYER,
-    FUZZ / "player" / "replay_page",
-    FUZZ / "report" / "page",
-    FUZZ / "studio" / "page",
-]
-MODULES = [module for folder in FOLDERS for module in sorted(folder.glob("*.js"))]
+PAGES = {
+    "#player": FUZZ / "player" / "page",
+    "#replay": FUZZ / "player" / "replay_page",
+    "#report": FUZZ / "report" / "page",
+    "#studio": FUZZ / "studio" / "page",
+}
+MODULES = [module for folder in PAGES.values() for module in sorted(folder.rglob("*.js"))]
 
 IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";', re.MULTILINE)
 DECLARED = r"(?:async )?(?:function|class|const|let) (\w+)"
@@ -33,9 +32,10 @@ def code(path):
 def imported(path):
     """Pairs of a module and a name that comes from there."""
     for names, source in IMPORT.findall(code(path)):
-        folder = PLAYER if source.startswith("#player/") else path.parent
+        page, _, inner = source.partition("/")
+        module = PAGES[page] / inner if page in PAGES else path.parent / source
         for name in re.findall(r"\w+", names):
-            yield folder / Path(source).name, name
+            yield module.resolve(), name
 
 
 def exported(path):

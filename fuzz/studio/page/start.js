@@ -2,18 +2,18 @@
 
 import { byId, el, keyButton, say } from "#player/dom.js";
 import { followSystem } from "#player/theme.js";
-import { makeCampaign } from "./campaign.js";
-import { Ended, makeConnection, shareToken, takeToken } from "./connection.js";
-import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "./drafts.js";
-import { makeDraw } from "./draw.js";
-import { isField } from "./fields.js";
-import { openFile, saveAs } from "./files.js";
-import { listen, showKeys } from "./keys.js";
-import { Model, emptyWorld, worldOf } from "./model.js";
-import { makePlay } from "./play.js";
-import { listenToBoard } from "./pointer.js";
-import { makeProver } from "./proof.js";
-import { Refused, refusalWords } from "./refusals.js";
+import { makeCampaign } from "#studio/campaign/campaign.js";
+import { Ended, makeConnection, shareToken, takeToken } from "#studio/shared/connection.js";
+import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "#studio/shared/drafts.js";
+import { makeDraw } from "#studio/draw/draw.js";
+import { isField } from "#studio/shared/fields.js";
+import { openFile, saveAs } from "#studio/draw/files.js";
+import { listen, showKeys } from "#studio/shared/keys.js";
+import { Model, emptyWorld, worldOf } from "#studio/draw/model.js";
+import { makePlay } from "#studio/play/play.js";
+import { listenToBoard } from "#studio/draw/pointer.js";
+import { makeProver } from "#studio/draw/proof.js";
+import { Refused, refusalWords } from "#studio/shared/refusals.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
 const SIDE = 40; // cells of the initial world

@@ -253,7 +253,7 @@ interface Connection {
 
 /** The state that all pages of the studio share. */
 interface Studio {
-  model: import("./model.js").Model;
+  model: import("#studio/draw/model.js").Model;
   connection: Connection;
   folder: string;
   /** Null until the server has sent them. */
@@ -280,7 +280,7 @@ interface Studio {
 /** Everything on the board except the world. */
 interface Board {
   canvas: HTMLCanvasElement;
-  model: import("./model.js").Model;
+  model: import("#studio/draw/model.js").Model;
   show: Record<string, boolean>;
   view: View | null;
   proof: Proof | null;

@@ -1,7 +1,7 @@
 // Form fields that panels share.
 
 import { choice, el } from "#player/dom.js";
-import { Refused } from "./refusals.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 let count = 0;
 

@@ -2,7 +2,7 @@
 
 import { rangeOf } from "#player/archive.js";
 import { el, grouped, plural, verdictDot } from "#player/dom.js";
-import { refusalWords } from "./refusals.js";
+import { refusalWords } from "#studio/shared/refusals.js";
 
 const SPAN = 10_000; // ms over which the current speed is measured
 

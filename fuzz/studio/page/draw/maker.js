@@ -1,9 +1,9 @@
 // The generator: a family, its parameters, and a seed.
 
 import { choice, el } from "#player/dom.js";
-import { Ended } from "./connection.js";
-import { faultOf, firstFault, isField, labelled, parameterField, words } from "./fields.js";
-import { Refused } from "./refusals.js";
+import { Ended } from "#studio/shared/connection.js";
+import { faultOf, firstFault, isField, labelled, parameterField, words } from "#studio/shared/fields.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
 

@@ -1,6 +1,6 @@
 // The drawn world and its history: every change can be undone, without limit.
 
-import { KEEP } from "./shapes.js";
+import { KEEP } from "#studio/draw/shapes.js";
 
 const MOST_BOXES = 64; // most recent boxes of painted cells that are remembered
 

@@ -2,9 +2,9 @@
 
 import { el, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/map.js";
-import { copied } from "./clipboard.js";
-import { openFile } from "./files.js";
-import { refusalWords } from "./refusals.js";
+import { copied } from "#studio/shared/clipboard.js";
+import { openFile } from "#studio/draw/files.js";
+import { refusalWords } from "#studio/shared/refusals.js";
 
 /**
  * @param {any} campaign

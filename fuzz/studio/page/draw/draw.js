@@ -1,16 +1,16 @@
 // The page for drawing worlds: tools, board, panels, and below them the facts about the world.
 
 import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
-import { makeBoard } from "./board.js";
-import { showTabs } from "./fields.js";
-import { makeFiles } from "./files.js";
-import { makeMaker } from "./maker.js";
-import { markAt } from "./model.js";
-import { askSignal, proofWords } from "./proof.js";
-import { SELECTION, withSelection } from "./selection.js";
-import { STAMPS } from "./shapes.js";
-import { TOOLS, makeTools } from "./tools.js";
-import { makeWorldPanel } from "./world_panel.js";
+import { makeBoard } from "#studio/draw/board.js";
+import { showTabs } from "#studio/shared/fields.js";
+import { makeFiles } from "#studio/draw/files.js";
+import { makeMaker } from "#studio/draw/maker.js";
+import { markAt } from "#studio/draw/model.js";
+import { askSignal, proofWords } from "#studio/draw/proof.js";
+import { SELECTION, withSelection } from "#studio/draw/selection.js";
+import { STAMPS } from "#studio/draw/shapes.js";
+import { TOOLS, makeTools } from "#studio/draw/tools.js";
+import { makeWorldPanel } from "#studio/draw/world_panel.js";
 
 const VIEWS = {
   grid: ["Grid", "#"],

@@ -1,9 +1,9 @@
 // Asks the server while the user draws whether the target can be reached; only the newest world counts.
 
 import { numbersOf } from "#player/decode.js";
-import { Ended } from "./connection.js";
-import { messageOf } from "./model.js";
-import { Refused } from "./refusals.js";
+import { Ended } from "#studio/shared/connection.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 const SOON = 60; // ms after the last change
 const LATER = 500; // ms of quiet before asking for the widest robot

@@ -1,11 +1,11 @@
 // The panel for choosing robots and their settings.
 
 import { breakable, el, plural } from "#player/dom.js";
-import { Ended } from "./connection.js";
-import { isField, isGood, labelled, motionField, number } from "./fields.js";
-import { messageOf } from "./model.js";
-import { Refused } from "./refusals.js";
-import { makeSettings } from "./settings.js";
+import { Ended } from "#studio/shared/connection.js";
+import { isField, isGood, labelled, motionField, number } from "#studio/shared/fields.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
+import { makeSettings } from "#studio/play/settings.js";
 
 const WIDE = 15; // letters of a name that fill half a line
 

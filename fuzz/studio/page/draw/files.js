@@ -1,12 +1,12 @@
 // The files of the opened folder: open, save, import, export.
 
 import { el, grouped, plural } from "#player/dom.js";
-import { Ended } from "./connection.js";
-import { makeExport } from "./export_form.js";
-import { labelled } from "./fields.js";
-import { makeImport } from "./import_form.js";
-import { messageOf } from "./model.js";
-import { Refused } from "./refusals.js";
+import { Ended } from "#studio/shared/connection.js";
+import { makeExport } from "#studio/draw/export_form.js";
+import { labelled } from "#studio/shared/fields.js";
+import { makeImport } from "#studio/draw/import_form.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 /**
  * @param {Studio} studio

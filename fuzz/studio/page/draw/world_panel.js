@@ -1,12 +1,12 @@
 // The world panel: size, robot, start and target, and the widest robot that passes.
 
 import { el } from "#player/dom.js";
-import { Ended } from "./connection.js";
-import { isGood, labelled, number, words } from "./fields.js";
-import { messageOf, round } from "./model.js";
-import { LOOKING, isWidestByHand } from "./proof.js";
-import { Refused } from "./refusals.js";
-import { sizePart } from "./size_form.js";
+import { Ended } from "#studio/shared/connection.js";
+import { isGood, labelled, number, words } from "#studio/shared/fields.js";
+import { messageOf, round } from "#studio/draw/model.js";
+import { LOOKING, isWidestByHand } from "#studio/draw/proof.js";
+import { Refused } from "#studio/shared/refusals.js";
+import { sizePart } from "#studio/draw/size_form.js";
 
 const TURN = { low: -360, high: 360 }; // degrees
 

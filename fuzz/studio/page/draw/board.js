@@ -3,7 +3,7 @@
 import { UNIT, numbersOf } from "#player/decode.js";
 import { drawScene } from "#player/map.js";
 import { line, penFor, ring, stroke } from "#player/pen.js";
-import { pictureOf } from "./pattern_picture.js";
+import { pictureOf } from "#studio/draw/pattern_picture.js";
 
 const NEAREST = 200; // pixels per cell at the highest zoom
 const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
@@ -11,7 +11,7 @@ const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the
 /**
  * Makes a board.
  * @param {HTMLCanvasElement} canvas
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  * @param {Record<string, boolean>} show - Visibility of grid, ruler, proof and signal
  * @returns {Board}
  */
@@ -92,7 +92,7 @@ function cameraOf(board) {
 
 /**
  * Returns a world as the player draws it, without copying its cells.
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  * @param {Proof | null} proof
  * @returns {SceneWorld}
  */

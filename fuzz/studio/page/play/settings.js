@@ -1,7 +1,7 @@
 // The options of a motion model under headings, one of which is open at a time: behaviours, sensor, faults, forces.
 
 import { el } from "#player/dom.js";
-import { isGood, labelled, parameterField, words } from "./fields.js";
+import { isGood, labelled, parameterField, words } from "#studio/shared/fields.js";
 
 const DEGREES = { rad: "°", "rad/s": "°/s" }; // the page shows angles in degrees
 

@@ -1,7 +1,7 @@
 // The folded part of the form that begins a campaign: options of `worldgen fuzz`, with the help texts of the command.
 
 import { choice, el } from "#player/dom.js";
-import { labelled } from "./fields.js";
+import { labelled } from "#studio/shared/fields.js";
 
 const SHRINK = { usual: "default", yes: "yes", no: "no" };
 

@@ -6,10 +6,10 @@ import { el, say } from "#player/dom.js";
 import { besideIn } from "#player/pair.js";
 import { endingOf, sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { keep } from "#player/saving.js";
-import { Ended } from "./connection.js";
-import { messageOf } from "./model.js";
-import { Refused, refusalWords } from "./refusals.js";
-import { makeRobots } from "./robots.js";
+import { Ended } from "#studio/shared/connection.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused, refusalWords } from "#studio/shared/refusals.js";
+import { makeRobots } from "#studio/play/robots.js";
 
 const SLOW = 1500; // ms after which the page explains the delay
 const FIRST = "Running … The first run of a new installation prepares the simulator, which can take half a minute.";

@@ -1,15 +1,15 @@
 // The campaign page: the chosen folder, the state of its campaign, and the failures in it.
 
 import { byId, el, plural, say } from "#player/dom.js";
-import { makeArchive } from "./campaign_archive.js";
-import { makeFailurePanel } from "./campaign_failure.js";
-import { makeForm } from "./campaign_form.js";
-import { makeStatus } from "./campaign_status.js";
-import { makeWall } from "./campaign_wall.js";
-import { Ended } from "./connection.js";
-import { showTabs } from "./fields.js";
-import { keep, keptOf } from "./kept.js";
-import { Refused, refusalWords } from "./refusals.js";
+import { makeArchive } from "#studio/campaign/archive.js";
+import { makeFailurePanel } from "#studio/campaign/failure.js";
+import { makeForm } from "#studio/campaign/form.js";
+import { makeStatus } from "#studio/campaign/status.js";
+import { makeWall } from "#studio/campaign/wall.js";
+import { Ended } from "#studio/shared/connection.js";
+import { showTabs } from "#studio/shared/fields.js";
+import { keep, keptOf } from "#studio/shared/kept.js";
+import { Refused, refusalWords } from "#studio/shared/refusals.js";
 
 const CHOSEN = "folder"; // key for the folder chosen last, in the browser's storage
 const LOOKING = "Looking through the opened folder …";

@@ -1,6 +1,6 @@
 // Keeps unsaved drawings in the browser, one for each tab, in case the page or the server ends.
 
-import { messageOf, worldOf } from "./model.js";
+import { messageOf, worldOf } from "#studio/draw/model.js";
 
 const DRAFT = "worldgen-studio-draft-"; // followed by the tab's name
 const TAB = "worldgen-studio-tab";
@@ -67,7 +67,7 @@ async function hold(key) {
 
 /**
  * Releases the draft when the server is lost, so that the tab opened by a restarted server may continue the drawing.
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  */
 export function lendDraft(model) {
   if (!state.letGo) return; // already released, or this tab is still starting
@@ -78,7 +78,7 @@ export function lendDraft(model) {
 
 /**
  * Takes the draft back when the server answers again; returns whether another tab has continued the drawing meanwhile.
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  * @returns {Promise<boolean>}
  */
 export async function reclaimDraft(model) {
@@ -130,7 +130,7 @@ function timeOf(key) {
 
 /**
  * Keeps the drawing; returns whether the browser has everything that is not saved.
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  * @returns {boolean}
  */
 export function keepDraft(model) {
@@ -169,7 +169,7 @@ function store(text) {
 
 /**
  * Makes the draft that was found this tab's own.
- * @param {import("./model.js").Model} model
+ * @param {import("#studio/draw/model.js").Model} model
  */
 export function takeOver(model) {
   if (!state.taken || !keepDraft(model)) return;

@@ -3,9 +3,9 @@
 import { bytesOf } from "#player/decode.js";
 import { choice, el } from "#player/dom.js";
 import { keep } from "#player/saving.js";
-import { checkOptions, labelled, optionFields } from "./fields.js";
-import { messageOf } from "./model.js";
-import { Refused } from "./refusals.js";
+import { checkOptions, labelled, optionFields } from "#studio/shared/fields.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 /**
  * Makes the form.

@@ -1,6 +1,6 @@
 // The connection to the server: requests and answers by number. It reconnects automatically.
 
-import { Refused } from "./refusals.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 const FIRST_WAIT = 300; // ms before the first attempt to reconnect
 const LONGEST_WAIT = 3000;

@@ -1,8 +1,8 @@
 // The size of the world: a new world, the same one larger or smaller, or one without walls.
 
 import { el, grouped, plural } from "#player/dom.js";
-import { labelled, number } from "./fields.js";
-import { bordered, emptyWorld, resized } from "./model.js";
+import { labelled, number } from "#studio/shared/fields.js";
+import { bordered, emptyWorld, resized } from "#studio/draw/model.js";
 
 /** @type {[string, number][]} */
 const ACROSS = [

@@ -2,9 +2,9 @@
 
 import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
 import { drawSmall } from "#player/map.js";
-import { Ended } from "./connection.js";
-import { Recent } from "./recent.js";
-import { Refused, refusalWords } from "./refusals.js";
+import { Ended } from "#studio/shared/connection.js";
+import { Recent } from "#studio/shared/recent.js";
+import { Refused, refusalWords } from "#studio/shared/refusals.js";
 
 const AT_ONCE = 3; // pictures requested at the same time
 const LOOKS = 400; // pictures that are kept, about 50 kB each

@@ -1,8 +1,8 @@
 // Imports maps of other programs: files of this computer or of the folder, and the options for reading them.
 
 import { choice, el } from "#player/dom.js";
-import { checkOptions, isField, isGood, labelled, number, optionFields } from "./fields.js";
-import { Refused } from "./refusals.js";
+import { checkOptions, isField, isGood, labelled, number, optionFields } from "#studio/shared/fields.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 const AS_FOUND = ""; // lets the server recognise the format
 

@@ -1,13 +1,13 @@
 // The form that begins a campaign, with the options of `worldgen fuzz`.
 
 import { choice, el } from "#player/dom.js";
-import { makeMore } from "./campaign_more.js";
-import { copied } from "./clipboard.js";
-import { Ended } from "./connection.js";
-import { isGood, labelled, motionField, number } from "./fields.js";
-import { keep, keptOf } from "./kept.js";
-import { messageOf } from "./model.js";
-import { Refused } from "./refusals.js";
+import { makeMore } from "#studio/campaign/more.js";
+import { copied } from "#studio/shared/clipboard.js";
+import { Ended } from "#studio/shared/connection.js";
+import { isGood, labelled, motionField, number } from "#studio/shared/fields.js";
+import { keep, keptOf } from "#studio/shared/kept.js";
+import { messageOf } from "#studio/draw/model.js";
+import { Refused } from "#studio/shared/refusals.js";
 
 const KEPT = "campaign-form"; // key for the choices, in the browser's storage
 const SLOW = 4000; // ms after which the page explains the delay
