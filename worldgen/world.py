@@ -29,6 +29,7 @@ __all__ = [
     "FailureRecord",
     "Pose",
     "Provenance",
+    "Robot",
     "Target",
     "Value",
     "Witness",
@@ -60,6 +61,23 @@ class Target:
     x: float
     y: float
     radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One robot of a world: where it starts, what it must reach, its disc and its top speed.
+
+    Args:
+        start: Pose at the start.
+        target: Disc that the robot's centre must enter.
+        radius: Radius of the robot's disc, m.
+        speed: Top speed, m/s.
+    """
+
+    start: Pose
+    target: Target
+    radius: float = DEFAULT_ROBOT_RADIUS
+    speed: float = DEFAULT_ROBOT_SPEED
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,6 +246,8 @@ class World(HoldsFrozen):
         certificate: Proof that the target can, or cannot, be reached.
         provenance: How the world was made.
         failure: What went wrong in it, if the world is a failure's.
+        others: The robots after the first, which start, target, robot_radius and robot_speed
+            describe; empty in a world of one robot.
 
     Raises:
         InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
@@ -244,6 +264,7 @@ class World(HoldsFrozen):
     certificate: Certificate | None = None
     provenance: Provenance | None = None
     failure: FailureRecord | None = None
+    others: tuple[Robot, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(
@@ -257,22 +278,12 @@ class World(HoldsFrozen):
                 height=self.height,
                 max_side=MAX_SIDE,
             )
-        for fault in (
-            number_fault("cell_size", self.cell_size, CELL_SIZES, "m"),
-            radius_fault("robot_radius", self.robot_radius, self.cell_size),
-            speed_fault("robot_speed", self.robot_speed, self.cell_size),
-            radius_fault("target radius", self.target.radius, self.cell_size),
-        ):
-            if fault is not None:
-                raise InvalidWorld.of(fault)
-        if not math.isfinite(self.start.heading):
-            raise InvalidWorld(
-                "not-finite",
-                "start heading {heading}: must be a finite number of radians",
-                heading=self.start.heading,
-            )
-        for name, point in (("start", self.start), ("target", self.target)):
-            self._check_inside(name, point.x, point.y)
+        object.__setattr__(self, "others", tuple(self.others))
+        fault = number_fault("cell_size", self.cell_size, CELL_SIZES, "m")
+        if fault is not None:
+            raise InvalidWorld.of(fault)
+        for number, robot in enumerate(self.robots, start=1):
+            self._check_robot(robot, f"robot {number} " if self.others else "")
         if not self.timeline.is_within(self.width, self.height):
             raise InvalidWorld(
                 "outside-grid",
@@ -280,6 +291,25 @@ class World(HoldsFrozen):
                 width=self.width,
                 height=self.height,
             )
+
+    def _check_robot(self, robot: Robot, prefix: str) -> None:
+        """Refuse a robot outside the domain or the grid; ``prefix`` precedes names in messages."""
+        for fault in (
+            radius_fault(f"{prefix or 'robot_'}radius", robot.radius, self.cell_size),
+            speed_fault(f"{prefix or 'robot_'}speed", robot.speed, self.cell_size),
+            radius_fault(f"{prefix}target radius", robot.target.radius, self.cell_size),
+        ):
+            if fault is not None:
+                raise InvalidWorld.of(fault)
+        if not math.isfinite(robot.start.heading):
+            raise InvalidWorld(
+                "not-finite",
+                "{name} heading {heading}: must be a finite number of radians",
+                name=f"{prefix}start",
+                heading=robot.start.heading,
+            )
+        self._check_inside(f"{prefix}start", robot.start.x, robot.start.y)
+        self._check_inside(f"{prefix}target", robot.target.x, robot.target.y)
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width = self.width * self.cell_size
@@ -305,6 +335,12 @@ class World(HoldsFrozen):
     def width(self) -> int:
         """Cells in x."""
         return int(self.walls.shape[1])
+
+    @property
+    def robots(self) -> tuple[Robot, ...]:
+        """All robots of the world, in order."""
+        first = Robot(self.start, self.target, self.robot_radius, self.robot_speed)
+        return (first, *self.others)
 
     @property
     def is_dynamic(self) -> bool:
@@ -357,10 +393,11 @@ class World(HoldsFrozen):
             proved = f"witness of {proof.length:.4g} m"
         else:
             proved = f"cut of {len(proof.cells)} cells"
+        fleet = f", {len(self.robots)} robots" if self.others else ""
         changes = f", {len(self.timeline)} changes" if self.is_dynamic else ""
         failed = f", failure {self.failure.outcome}" if self.failure is not None else ""
         return (
-            f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} m{changes}, "
+            f"<World{name}: {self.width} x {self.height} cells of {self.cell_size:g} m{changes}{fleet}, "
             f"start ({self.start.x:g}, {self.start.y:g}), target ({self.target.x:g}, "
             f"{self.target.y:g}), "
             f"{proved}{failed}>"
@@ -379,7 +416,7 @@ class World(HoldsFrozen):
             getattr(self, name) == getattr(other, name)
             for name in (
                 "start", "target", "cell_size", "robot_radius", "robot_speed",
-                "timeline", "certificate", "provenance", "failure",
+                "timeline", "certificate", "provenance", "failure", "others",
             )
         )  # fmt: skip
 
