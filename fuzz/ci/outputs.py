@@ -11,7 +11,7 @@ from fuzz.ci.markdown import markdown
 from fuzz.ci.place import repository
 from fuzz.ci.sarif import sarif
 from worldgen.errors import OutputError
-from worldgen.files.whole import check_output, write_bytes
+from worldgen.files.whole import check_output, refused_writes, write_bytes
 
 __all__ = ["NO_OUTPUTS", "Outputs"]
 
@@ -79,16 +79,11 @@ class Outputs:
         if self.sarif is not None:
             write_bytes(self.sarif, sarif(report, repository()), force=self.force)
         if self.summary is not None:
-            try:
-                with self.summary.open("a", encoding="utf-8", newline="\n") as stream:
-                    stream.write(markdown(report))
-            except OSError as error:
-                raise OutputError(
-                    "unwritable",
-                    "{path}: cannot be written: {reason}",
-                    path=self.summary,
-                    reason=error.strerror or str(error),
-                ) from error
+            with (
+                refused_writes(self.summary),
+                self.summary.open("a", encoding="utf-8", newline="\n") as stream,
+            ):
+                stream.write(markdown(report))
 
 
 NO_OUTPUTS = Outputs()

@@ -10,7 +10,7 @@ from fuzz.corpus.entry import CorpusEntry
 from fuzz.corpus.names import name_of
 from fuzz.failure import Failure
 from worldgen.errors import OutputError
-from worldgen.files.whole import write_bytes
+from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import files_in
 
 __all__ = ["merge", "smallest"]
@@ -76,17 +76,9 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
 
 
 def _write(path: Path, text: bytes, seen: int | None) -> None:
-    try:
+    with refused_writes(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         if not (path.is_file() and path.read_bytes() == text):
             write_bytes(path, text, force=True)
         if seen is not None:
             os.utime(path, (seen, seen))
-    except OSError as error:
-        raise OutputError(
-            "unwritable",
-            "{path}: cannot be written: {reason}",
-            "choose another place",
-            path=path,
-            reason=error.strerror or str(error),
-        ) from error

@@ -9,8 +9,8 @@ from pathlib import Path
 from hypothesis.database import DirectoryBasedExampleDatabase, ExampleDatabase
 
 from fuzz.campaign.config import CampaignConfig
-from worldgen.errors import OutputError
 from worldgen.files.grid import world_digest
+from worldgen.files.whole import refused_writes
 
 __all__ = ["Failed", "exception_of", "remembered"]
 
@@ -22,15 +22,8 @@ def remembered(config: CampaignConfig, strategy: str) -> ExampleDatabase:
         OutputError: If the folder cannot be made.
     """
     folder = Path(config.database)
-    try:
+    with refused_writes(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            "unwritable",
-            "{folder}: no folder for a database can be made: {reason}",
-            folder=folder,
-            reason=error.strerror or str(error),
-        ) from error
     scenario = config.scenario
     where = (
         world_digest(config.fixed_map) if config.fixed_map is not None and strategy == "map" else ""

@@ -26,11 +26,11 @@ from sim.describe import describe_evidence
 from sim.episode import simulate
 from sim.motion import MOTIONS
 from worldgen import errors
-from worldgen.errors import FormatError, InvalidParameter, OutputError, WorldgenError
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.files.archives import is_archive, members
 from worldgen.files.grid import read_world
 from worldgen.files.grid.disk import unpack_world
-from worldgen.files.whole import write_bytes
+from worldgen.files.whole import refused_writes, write_bytes
 from worldgen.files.worlds import is_world_file
 
 __all__ = ["WallAnswers"]
@@ -126,16 +126,8 @@ class WallAnswers(Opened):
         # The copy keeps the failure known even if a campaign replaces the original.
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
-            try:
+            with refused_writes(copy):
                 copy.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise OutputError(
-                    "unwritable",
-                    "{known}/ cannot be created: {reason}",
-                    "free some disk space",
-                    known=KNOWN,
-                    reason=error.strerror or str(error),
-                ) from error
             write_bytes(copy, failure.dumps(), force=True)
         else:
             for entry in self._entries(KNOWN, [], part):

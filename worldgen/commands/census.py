@@ -231,6 +231,7 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]
     Each is written at once, so that it is there whatever ends the census.
     """
     from worldgen.files.grid import write_world
+    from worldgen.files.whole import refused_writes
     from worldgen.interop.census.take import once
 
     taken = Counter[str]()
@@ -239,16 +240,8 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[CensusCase, World], None]
         if not question.grid_only:
             return
         name = once(_file_name(question), taken)
-        try:
+        with refused_writes(folder):
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(
-                "unwritable",
-                "{folder}: cannot be made: {reason}",
-                "choose another place",
-                folder=folder,
-                reason=error.strerror or str(error),
-            ) from error
         write_world(world, folder / f"{name}.grid", force=force)
 
     return keep

@@ -5,13 +5,15 @@ It is there whole, or it is not there.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
-from worldgen.errors import FormatError, OutputError
+from worldgen.errors import FormatError, OutputError, WorldgenError
 
-__all__ = ["check_output", "read_text", "write_bytes"]
+__all__ = ["check_output", "read_text", "refused_writes", "write_bytes"]
 
 _MOST_BYTES = 64 << 20
 
@@ -24,6 +26,7 @@ def check_output(path: Path, force: bool) -> None:
     """
     if path.is_dir():
         raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
+    # A device or a pipe is never overwritten, so it needs no --force.
     if path.is_file() and not force:
         raise OutputError(
             "file-exists",
@@ -84,29 +87,25 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
         OutputError: If the file is there and ``force`` is not set, its folder is missing, or the
             disk is full or not writable; nothing is left half written.
     """
-    try:
-        if path.is_dir():
-            raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
-        if path.exists() and not force:
-            raise OutputError(
-                "file-exists",
-                "{path} is there already",
-                "give --force to overwrite it, or another name",
-                at_terminal=True,
-                path=path,
-            )
-        if not path.parent.is_dir():
-            raise OutputError(
-                "no-such-folder",
-                "{path}: the folder {folder} does not exist",
-                "make it first",
-                path=path,
-                folder=path.parent,
-            )
+    with refused_writes(path):
+        check_output(path, force)
         if path.exists() and not path.is_file():  # a device or pipe cannot be replaced
             path.write_bytes(data)
         else:
             _replace(Path(os.path.realpath(path)), data)  # through a link, as any editor writes
+
+
+@contextlib.contextmanager
+def refused_writes(path: Path) -> Iterator[None]:
+    """Report what the system refuses while the body writes to ``path``.
+
+    Raises:
+        OutputError: If the body raises ``OSError``, or ``ValueError`` for a name with a NUL.
+    """
+    try:
+        yield
+    except WorldgenError:  # some are ValueErrors
+        raise
     except OSError as error:
         raise OutputError(
             "unwritable",

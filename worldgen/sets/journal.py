@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 from worldgen.errors import FormatError, OutputError
 from worldgen.files.locks import lock
+from worldgen.files.whole import refused_writes
 from worldgen.sets.manifest import Manifest, parse_manifest
 
 __all__ = ["Journal"]
@@ -43,7 +43,7 @@ class Journal:
         if not self.path.is_file():
             return None
         self._open(os.O_RDWR)
-        with self._told(), self.path.open("rb") as stream:
+        with refused_writes(self.path), self.path.open("rb") as stream:
             lines = list(stream)
         if not lines or not lines[0].endswith(b"\n"):
             return None
@@ -63,7 +63,7 @@ class Journal:
         """
         if self._file is None:  # there was none to read
             self._open(os.O_RDWR | os.O_CREAT)
-            with self._told():
+            with refused_writes(self.path):
                 begun = os.fstat(self._opened()).st_size > 0
             if begun:
                 raise OutputError(
@@ -77,7 +77,7 @@ class Journal:
 
     def cut(self, end: int) -> None:
         """Drops what stands after so many bytes; from there it goes on."""
-        with self._told():
+        with refused_writes(self.path):
             os.ftruncate(self._opened(), end)
         self._end = end
 
@@ -87,7 +87,7 @@ class Journal:
         Raises:
             OutputError: If it cannot be written.
         """
-        with self._told():
+        with refused_writes(self.path):
             try:
                 append_at(self._opened(), self._end, line)
             except OSError:
@@ -98,7 +98,7 @@ class Journal:
 
     def sync(self) -> None:
         """Waits until the disk has it."""
-        with self._told():
+        with refused_writes(self.path):
             os.fsync(self._opened())
 
     def close(self) -> None:
@@ -108,7 +108,7 @@ class Journal:
             self._file = None
 
     def _open(self, flags: int) -> None:
-        with self._told():
+        with refused_writes(self.path):
             self._file = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
         if not lock(self._file):
             self.close()
@@ -133,18 +133,6 @@ class Journal:
                 "not-open", "{path} is not open", "start the set first", path=self.path
             )
         return self._file
-
-    @contextlib.contextmanager
-    def _told(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            raise OutputError(
-                "unwritable",
-                "{path}: cannot be written: {reason}",
-                path=self.path,
-                reason=error.strerror or str(error),
-            ) from error
 
 
 def append_at(file: int, end: int, data: bytes) -> None:

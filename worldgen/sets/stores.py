@@ -6,12 +6,12 @@ import contextlib
 import hashlib
 import os
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Protocol
 
 from worldgen.errors import OutputError
 from worldgen.files.archives import is_archive, writer_for
+from worldgen.files.whole import refused_writes
 from worldgen.sets.journal import Journal, append_at
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manifest
 
@@ -121,7 +121,7 @@ class SetFolder:
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
         """Makes the folder and the manifest's first line; the files of an old set go before."""
-        with _told(self._folder):
+        with refused_writes(self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
             for entry in over.entries if over else ():
                 (self._folder / entry.file).unlink(missing_ok=True)
@@ -154,7 +154,7 @@ class SetFolder:
             OutputError: If it has other content, and ``force`` does not allow to write over that.
         """
         file = self._folder / entry.file
-        with _told(file):
+        with refused_writes(file):
             data = file.read_bytes() if file.is_file() else b""
         same = hashlib.sha256(data).hexdigest() == entry.sha256
         if data and not same and not force:
@@ -171,7 +171,7 @@ class SetFolder:
         """Puts the file there, then adds the line."""
         file = self._folder / name
         if not self._over_others and file.is_file():
-            with _told(file):
+            with refused_writes(file):
                 other = file.read_bytes()
             if other and other != data:
                 raise OutputError(
@@ -187,7 +187,7 @@ class SetFolder:
     def put(self, name: str, data: bytes) -> None:
         """Writes a file under another name first, so that it is there whole or not at all."""
         file = self._folder / name
-        with _told(file):
+        with refused_writes(file):
             if file.parent not in self._made:
                 file.parent.mkdir(exist_ok=True)
                 self._made.add(file.parent)
@@ -243,7 +243,7 @@ class ArchiveStore:
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
         """Makes the folder beside the archive."""
-        with _told(self._archive):
+        with refused_writes(self._archive):
             self._archive.parent.mkdir(parents=True, exist_ok=True)
             self._part.mkdir(exist_ok=True)
         self._journal.start(header)
@@ -285,7 +285,7 @@ class ArchiveStore:
             raise OutputError(
                 "not-open", "{archive} is not open", "start the set first", archive=self._archive
             )
-        with _told(self._archive):
+        with refused_writes(self._archive):
             append_at(self._worlds, self._end, data)
         self._journal.append(line)
         self._end += len(data)
@@ -294,7 +294,7 @@ class ArchiveStore:
         """Packs what was made, the manifest first."""
         packed = self._part / "packed"
         manifest = read_manifest(self._journal.path)
-        with _told(self._archive):
+        with refused_writes(self._archive):
             with packed.open("wb") as stream, (self._part / _WORLDS).open("rb") as worlds:
                 archive = writer_for(self._archive, stream)
                 archive.add(MANIFEST, b"".join((manifest.first, *manifest.lines)))
@@ -314,7 +314,7 @@ class ArchiveStore:
             self._worlds = None
 
     def _open_worlds(self, size: int) -> None:
-        with _told(self._archive):
+        with refused_writes(self._archive):
             self._worlds = os.open(
                 self._part / _WORLDS, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
             )
@@ -358,25 +358,3 @@ def _bytes_of(entry: ManifestEntry, worlds: IO[bytes]) -> bytes:
             file=entry.file,
         )
     return data
-
-
-@contextlib.contextmanager
-def _told(place: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(
-            "unwritable",
-            "{place}: cannot be written: {reason}",
-            "choose another place",
-            place=place,
-            reason=error.strerror or str(error),
-        ) from error
-    except ValueError as error:  # a name with a NUL
-        raise OutputError(
-            "unwritable",
-            "{place!r}: cannot be written: {reason}",
-            "choose another name",
-            place=str(place),
-            reason=str(error),
-        ) from error

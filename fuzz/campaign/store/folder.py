@@ -6,7 +6,6 @@ with failures before the entry that names them.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import math
@@ -26,7 +25,7 @@ from fuzz.failure import ID_DIGITS, Failure
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files.grid import loads
 from worldgen.files.locks import lock, sign
-from worldgen.files.whole import read_text, write_bytes
+from worldgen.files.whole import read_text, refused_writes, write_bytes
 
 __all__ = ["CampaignStore", "FolderStore"]
 
@@ -93,7 +92,7 @@ class FolderStore(CampaignStore):
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
             raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
-        with _told(self._path):
+        with refused_writes(self._path):
             self._path.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         if not lock(self._lock):
@@ -158,7 +157,7 @@ class FolderStore(CampaignStore):
         """
         self._fingerprint = fingerprint.digest
         forget_error(self.out)
-        with _told(self._path):
+        with refused_writes(self._path):
             for part in _PARTS:
                 (self._path / part).mkdir(exist_ok=True)
             for file in (self._path / "shrunk").iterdir():
@@ -178,7 +177,7 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If it cannot be removed.
         """
-        with _told(self._path):
+        with refused_writes(self._path):
             (self._path / "campaign.json").unlink(
                 missing_ok=True
             )  # first: what is left is then no campaign
@@ -291,7 +290,7 @@ class FolderStore(CampaignStore):
         Raises:
             OutputError: If a file cannot be removed.
         """
-        with _told(self.out):
+        with refused_writes(self.out):
             for name, content in self.written().items():
                 file = self.out / name
                 if (
@@ -361,17 +360,3 @@ def _whole_failure(file: Path, content: str) -> Failure:
     if _content_name(data) != content:
         raise ValueError("the file was changed")
     return Failure.of(loads(data, str(file)))
-
-
-@contextlib.contextmanager
-def _told(path: Path) -> Any:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(
-            "unwritable",
-            "{path}: cannot be written: {reason}",
-            "choose another place",
-            path=path,
-            reason=error.strerror or str(error),
-        ) from error
