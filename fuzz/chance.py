@@ -11,6 +11,7 @@ from fuzz.failure import regardless_of_walls
 from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare, simulate
+from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import Verdict
@@ -178,7 +179,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     controller = CONTROLLERS.get(scenario.controller)
     if not (
         isinstance(controller, CompiledController)
-        and (controller.randomised or scenario.run.random)
+        and (controller.randomised or is_noisy(controller, scenario.run))
     ):
         return {}
     return share_that_fails(world, scenario, count)

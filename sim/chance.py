@@ -23,6 +23,7 @@ from sim.controllers import CompiledController, Controller, controller_of
 from sim.controllers.base import robot_for
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
+from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.runners.core_calls import CoreEpisode, Driver
 from sim.runners.lattice import LatticeRun
@@ -124,7 +125,7 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     robot = robot_for(controller, options.robot)
     if world.is_dynamic:
         return "the world changes"
-    if robot.random:
+    if is_noisy(controller, options):
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
     if "time" in controller.senses:
         return "the controller reads the clock, so it never returns to a state"

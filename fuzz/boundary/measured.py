@@ -6,6 +6,7 @@ from fuzz.boundary.axes import AXES, Axis, Subject
 from fuzz.boundary.search import Boundary, BoundaryRuns, nearest_boundary
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.options.noise import is_noisy
 from sim.scenario import Scenario
 from worldgen.world import Value
 
@@ -25,7 +26,7 @@ def is_bounded(scenario: Scenario) -> bool:
     """
     controller = CONTROLLERS.get(scenario.controller)
     return not (
-        scenario.run.random
+        is_noisy(controller, scenario.run)
         or (isinstance(controller, CompiledController) and controller.randomised)
     )
 

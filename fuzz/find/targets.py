@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare, simulate
 from sim.evidence import LoopEvidence
+from sim.options.noise import is_noisy
 from sim.options.run import RunOptions
 from sim.scenario import Scenario
 from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
@@ -94,7 +95,7 @@ class OutcomeTarget:
         """Whether the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or self.scenario.run.random
+        return chance or is_noisy(controller, self.scenario.run)
 
     @property
     def cost(self) -> int:
@@ -150,7 +151,9 @@ class OutcomeTarget:
         outcome = prepare(world, scenario.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )
-        chance = outcome.random_draws > 0 or scenario.run.random
+        chance = outcome.random_draws > 0 or is_noisy(
+            CONTROLLERS.get(scenario.controller), scenario.run
+        )
         verdict = outcome.verdict
         steps = outcome.steps
         if verdict == Verdict.LOOP:

@@ -17,6 +17,7 @@ from sim.episode import prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, LoopEvidence, WallEvidence
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import NEVER, UNENDED, Verdict
@@ -371,7 +372,7 @@ class _Column:
     def declared_random(self) -> bool:
         """Whether the controller, or the simulator under it, declares that it is random."""
         chance = isinstance(self.controller, CompiledController) and self.controller.randomised
-        return chance or self.scenario.run.random
+        return chance or is_noisy(self.controller, self.scenario.run)
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
@@ -420,7 +421,7 @@ class _Column:
     ) -> tuple[ComparedRun, ...]:
         # The first run drew nothing, so it is the same with every other seed.
         own = range(options.seed + 1, options.seed + seeds)
-        if not first.draws and not self.scenario.run.random:
+        if not first.draws and not is_noisy(self.controller, self.scenario.run):
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
         return (first.run, *(self._try(world, replace(options, seed=seed)).run for seed in own))
 

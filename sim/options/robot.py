@@ -99,18 +99,6 @@ class RobotOptions(OptionSet):
             )
 
     @property
-    def random(self) -> bool:
-        """Whether the simulator itself draws random numbers, so that no state can come back."""
-        shares = (
-            self.slip,
-            self.odometry_noise,
-            self.sensor_noise,
-            self.beam_noise,
-            self.beam_dropout,
-        )
-        return any(share > 0.0 for share in shares)
-
-    @property
     def plain_sensor(self) -> bool:
         """Whether the signal sensor has no limits but the thesis's."""
         limits = (

@@ -108,11 +108,6 @@ class RunOptions:
         motion = MOTIONS.get(self.motion)
         return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
 
-    @property
-    def random(self) -> bool:
-        """Whether the simulator itself draws random numbers."""
-        return self.thesis.random or self.robot.random
-
     def changed(self) -> dict[str, Value]:
         """Return the options of the motion model that are not at their default."""
         return self.thesis.changed() | self.robot.changed()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import CompiledController
 from sim.controllers.thesis import RANDOM
+from sim.options.noise import is_noisy
 from sim.options.run import switch_class
 from sim.scenario import Scenario
 from sim.thesis.options import ThesisOptions
@@ -26,6 +27,7 @@ _BEAMS = ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout")
 _READ_BY = {
     **dict.fromkeys(_SENSOR, _SIGNAL),
     **dict.fromkeys(_BEAMS, ("beams",)),
+    "sensor_cells": ("signal_heading",),
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
     "coin": ("random",),
 }
@@ -89,7 +91,7 @@ def random_run(scenario: Scenario) -> bool:
     return (
         not isinstance(controller, CompiledController)
         or controller.randomised
-        or scenario.run.random
+        or is_noisy(controller, scenario.run)
     )
 
 

@@ -19,6 +19,7 @@ from sim.controllers.flat_act import compiled_act
 from sim.controllers.programs.program import ControllerError
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
+from sim.options.noise import is_noisy
 from sim.options.robot import SIGNALS
 from sim.options.run import MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.outcome import ENDINGS, Outcome
@@ -277,15 +278,8 @@ class LatticeRun:
         It cannot if the controller reads the clock, or noise that is new in each step. Senses that
         a controller does not declare are not computed, so noise in them does not matter.
         """
-        robot = self.options.robot
-        noisy = lib.WG_SENSE_TIME
-        if robot.odometry_noise > 0.0:
-            noisy |= lib.WG_SENSE_ODOMETRY
-        if robot.sensor_noise > 0.0:
-            noisy |= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING
-        if robot.beam_noise > 0.0 or robot.beam_dropout > 0.0:
-            noisy |= lib.WG_SENSE_BEAMS
-        return robot.slip == 0.0 and not self.settings.senses & noisy
+        reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
+        return not reads_clock and not is_noisy(self.controller, self.options)
 
     def run_many(
         self,
