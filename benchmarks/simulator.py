@@ -186,7 +186,7 @@ def _program() -> Callable[[], Rate]:
     return once
 
 
-def _fleet() -> Rate:
+def _lockstep() -> Rate:
     begin = time.process_time()
     runs = simulate_many(maze(), BouncerOfMany(), seeds=1024, steps=1_000)
     return int(runs.steps.sum()), time.process_time() - begin
@@ -204,7 +204,7 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
     "endpoint, compiled controller": lambda: _run(maze(), in_c(), 2_000_000, motion="endpoint"),
     "stepped, the thesis's robot": lambda: _run(maze(), "turn-random", 500_000, motion="stepped"),
     "swept, Python class": lambda: _run(maze(), Bouncer(), 20_000),
-    "swept, vector class, 1024 robots": lambda: _fleet,
+    "swept, vector class, 1024 robots": lambda: _lockstep,
     "swept, program in Python (wall)": _program,
     "simulate_many, 1 thread (wall)": lambda: _many(1),
     "simulate_many, 2 threads (wall)": lambda: _many(2),

@@ -26,7 +26,7 @@ from sim.motion.base import LATTICE
 from sim.options.run import RunOptions, options_from, poses_of, seeds_of, whole, worlds_of
 from sim.outcome import ENDINGS
 from sim.runners.lattice import LatticeRun
-from sim.runners.lockstep import FleetRun
+from sim.runners.lockstep import LockstepRun
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Value, World
@@ -40,10 +40,10 @@ VERDICTS = tuple(Verdict)
 _MOST_AT_ONCE = 256
 
 # Robots in lockstep: enough to make NumPy worthwhile, few enough for the processor's cache.
-_MOST_IN_A_FLEET = 1024
+_MOST_IN_A_GROUP = 1024
 
-# Memory that the robots of one fleet may take.
-_FLEET_BYTES = 1 << 26
+# Memory that the robots of one group may take.
+_GROUP_BYTES = 1 << 26
 
 # Memory for the logs of all runs under way. Loops are found in them; they take 8 bytes a step.
 _LOG_BYTES = 1 << 30
@@ -190,7 +190,7 @@ def simulate_many(
     if "seed" in settings or (isinstance(options, RunOptions) and options.seed):
         raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
 
-    # Plan all runs. Compiled controllers share the threads, vector controllers run as fleets, and
+    # Plan all runs. Compiled controllers share the threads, vector controllers run in lockstep, and
     # everything else runs one at a time.
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
@@ -309,18 +309,18 @@ def _run_alike(alike: Sequence[tuple[_RunBlock, LatticeRun]], runs: Runs, digest
     poses = np.concatenate(starts)
     metres = np.array([float(run.settings.metres) for run in packed])
 
-    # Limit a fleet by the cache, by the memory of its robots, and by the size of their logs.
-    most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
+    # Limit a group by the cache, by the memory of its robots, and by the size of their logs.
+    most = max(1, min(_MOST_IN_A_GROUP, _GROUP_BYTES // max(run.bytes_per_robot for run in packed)))
     most = _at_once(most, (run.options.steps for run in packed))
 
-    # Run fleet by fleet; None means that the controller broke its contract for some of the robots.
+    # Run group by group; None means that the controller broke its contract for some of the robots.
     for first in range(0, len(rows), most):
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)
-        fleet = FleetRun(
+        group = LockstepRun(
             controller, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]]
         )
-        found = fleet.run(digest=digest)
+        found = group.run(digest=digest)
         if found is None:
             warnings.warn(
                 f"{called(controller)} raised for some of many robots, or changed what is outside "

@@ -97,18 +97,18 @@ WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *f
 WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
                             double *seen);
 
-// fleet.c: many robots in lockstep, whose controller acts for all of them at once, outside the core
+// lockstep.c: many robots in lockstep, whose controller acts for all of them at once, outside the core
 
-// Makes an episode for each robot; wg_fleet_free frees them, also after a failure.
+// Makes an episode for each robot; wg_lockstep_free frees them, also after a failure.
 //
 // arenas, settings:  (count,)
 // controller:        without a function
 // log_steps:         (count,) as wg_episode_new has it
 // episodes:          (count,) filled
-WgStatus wg_fleet_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
+WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
                       const int64_t *log_steps, int64_t count, WgEpisode **episodes);
 
-void wg_fleet_free(WgEpisode **episodes, int64_t count);
+void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 
 // Applies the commands of the robots in the first slots, and runs each until it is to act again. Those that do move up
 // to the first slots, in their order; in the first call none has been asked yet.
@@ -120,10 +120,10 @@ void wg_fleet_free(WgEpisode **episodes, int64_t count);
 // memories:      (count, memory) same
 //
 // Returns how many slots act.
-int64_t wg_fleet_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
+int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
                       double *observations, double *memories);
 
 // Fills (count,) what each run reports, and where a loop with which it ended begins, else -1.
-void wg_fleet_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
+void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
 
 #endif

@@ -267,7 +267,7 @@ class LatticeRun:
 
     @property
     def bytes_per_robot(self) -> int:
-        """Bytes for one robot in a fleet: its visited cells, and its copy of a changing world."""
+        """Bytes for one robot in lockstep: its visited cells, and its copy of a changing world."""
         own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
         return int(own + self._cells.size)
 

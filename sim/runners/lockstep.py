@@ -21,14 +21,14 @@ from sim.runners.stopping import OutOfTime
 from worldgen.lattice import UNIT
 from worldgen.support.ccall import check, pointer, writable
 
-__all__ = ["ControllerRaised", "FleetRun", "its_own_fault"]
+__all__ = ["ControllerRaised", "LockstepRun", "its_own_fault"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Reports = npt.NDArray[Any]
 
 
-class FleetRun:
+class LockstepRun:
     """Many episodes in worlds of one shape.
 
     Args:
@@ -116,9 +116,9 @@ class FleetRun:
         if not len(robots):
             return np.zeros(0, REPORT), np.zeros(0, np.int64)
         # Give each robot its own settings.
-        fleet = _Fleet(self._runs, self._world[robots], self._memory)
+        group = _Group(self._runs, self._world[robots], self._memory)
         for k, robot in enumerate(robots.tolist()):
-            settings = fleet.settings[k]
+            settings = group.settings[k]
             settings.start_x, settings.start_y, settings.start_heading = self._starts[
                 robot
             ].tolist()
@@ -129,20 +129,20 @@ class FleetRun:
             settings.loop_entry = int(loop_entry[k])
 
         # Alternate between the core, which moves the robots, and the controller.
-        with contextlib.closing(fleet):
-            fleet.begin()
-            asker = Asker(self._controller, fleet.observation, fleet.memory, fleet.command)
+        with contextlib.closing(group):
+            group.begin()
+            asker = Asker(self._controller, group.observation, group.memory, group.command)
             after = np.zeros((0, self._memory.size))
-            count = fleet.step(len(robots), after)
+            count = group.step(len(robots), after)
             while count:
                 after = np.empty((count, self._memory.size))
                 with its_own_fault():
                     asker.ask(count, after)
-                count = fleet.step(count, after)
-            return fleet.reports()
+                count = group.step(count, after)
+            return group.reports()
 
 
-class _Fleet:
+class _Group:
     """Robots in lockstep, in the core.
 
     Args:
@@ -199,7 +199,7 @@ class _Fleet:
         )
         n = len(self.settings)
         check(
-            lib.wg_fleet_new(
+            lib.wg_lockstep_new(
                 self._arenas,
                 self.settings,
                 self._driver.c,
@@ -222,7 +222,7 @@ class _Fleet:
             How many robots must act now; they are in the first slots.
         """
         return int(
-            lib.wg_fleet_step(
+            lib.wg_lockstep_step(
                 self._slots,
                 count,
                 pointer(ffi, self.command, np.float64),
@@ -237,7 +237,7 @@ class _Fleet:
         n = len(self.settings)
         reports = np.zeros(n, REPORT)
         entries = np.zeros(n, np.int64)
-        lib.wg_fleet_reports(
+        lib.wg_lockstep_reports(
             self._episodes,
             n,
             ffi.cast("WgReport *", ffi.from_buffer(reports)),
@@ -247,7 +247,7 @@ class _Fleet:
 
     def close(self) -> None:
         """Free the episodes."""
-        lib.wg_fleet_free(self._episodes, len(self.settings))
+        lib.wg_lockstep_free(self._episodes, len(self.settings))
 
 
 class ControllerRaised(Exception):

@@ -139,7 +139,7 @@ FAULTS = (
         ("tests/sim/test_batch.py",),
     ),
     Fault(
-        "fleet-in-transit",
+        "lockstep-in-transit",
         "robots in lockstep do what each does alone",
         "sim/runners/lockstep.py",
         'ends = entries[looped] + reports["period"][looped]',

@@ -5,7 +5,7 @@
 #include "step.h"
 #include "wg_runs.h"
 
-WgStatus wg_fleet_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
+WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, const WgController *controller,
                       const int64_t *log_steps, int64_t count, WgEpisode **episodes)
 {
     for (int64_t k = 0; k < count; k++) {
@@ -23,7 +23,7 @@ WgStatus wg_fleet_new(const WgArena *arenas, const WgSettings *settings, const W
     return WG_OK;
 }
 
-void wg_fleet_free(WgEpisode **episodes, int64_t count)
+void wg_lockstep_free(WgEpisode **episodes, int64_t count)
 {
     for (int64_t k = 0; k < count; k++) {
         wg_episode_free(episodes[k]);
@@ -31,7 +31,7 @@ void wg_fleet_free(WgEpisode **episodes, int64_t count)
     }
 }
 
-int64_t wg_fleet_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
+int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
                       double *observations, double *memories)
 {
     int64_t acting = 0;
@@ -57,7 +57,7 @@ int64_t wg_fleet_step(WgEpisode **slots, int64_t count, const double *commands, 
     return acting;
 }
 
-void wg_fleet_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries)
+void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries)
 {
     for (int64_t k = 0; k < count; k++) {
         reports[k] = episodes[k]->robot.report;
