@@ -40,7 +40,7 @@ _SHRUNK = 10  # failures
 
 
 def strategies(config: CampaignConfig, units: int, memory: SearchState) -> Iterator[dict[str, Any]]:
-    """Does units of each strategy.
+    """Do units of each strategy.
 
     Returns:
         ``strategy``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and
@@ -66,7 +66,7 @@ def _do_units(
 
 
 def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, float]]:
-    """A campaign with its folder: what it leaves, and what parts of it take.
+    """Return a campaign with its folder: what it leaves, and what parts of it take.
 
     Returns:
         Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds,
@@ -94,7 +94,7 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
 
 
 def scheduler(config: CampaignConfig) -> float | None:
-    """Seconds of client and scheduler, in one process here, for a piece of work.
+    """Return the seconds of client and scheduler, in one process here, for a piece of work.
 
     ``None`` without the extra.
     """
@@ -120,7 +120,7 @@ def scheduler(config: CampaignConfig) -> float | None:
 def model(
     rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None
 ) -> list[dict[str, float | str]]:
-    """A billion worlds of each strategy.
+    """Return a billion worlds of each strategy.
 
     Returns:
         ``strategy``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.
@@ -141,7 +141,7 @@ def model(
 
 
 def measure(units: int, controller: str) -> dict[str, Any]:
-    """Everything: ``strategies``, ``campaign``, ``task_s`` and ``billion``."""
+    """Return everything: ``strategies``, ``campaign``, ``task_s`` and ``billion``."""
     config = CampaignConfig(Scenario(controller), seed=1)
     state, costs = whole(config, _WARM + units)
     rates = list(strategies(config, units, state.memory))
@@ -161,7 +161,7 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Prints the tables, or one JSON object."""
+    """Print the tables, or one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--units", type=int, default=3)
     parser.add_argument("--controller", default="turn-right")

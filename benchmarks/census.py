@@ -75,7 +75,7 @@ class Row:
     clear_ends: bool = False
 
     def command(self, count: int) -> str:
-        """The command line that gives the same figures."""
+        """Return the command line that gives the same figures."""
         sources = [*self.folders] or [f"./examples/census/{self.adapter}.py:maps"]
         words = [
             "worldgen",
@@ -147,7 +147,7 @@ ROWS = (*_generators(), *_collections())
 
 
 def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
-    """One row: figures, or ``skipped`` with the reason."""
+    """Return one row: figures, or ``skipped`` with the reason."""
     missing = _missing(row, given)
     if missing:
         return {"name": row.name, "skipped": missing}
@@ -218,7 +218,7 @@ def _figures(one: Tally, wrong: Counter[tuple[Radius, str]]) -> dict[str, Any]:
 
 
 def _missing(row: Row, given: dict[str, str]) -> str:
-    """Why a row cannot be made, if so."""
+    """Return why a row cannot be made, if so."""
     for word in (*row.folders, *(value for _, value in row.options)):
         name = word.removeprefix("{").partition("}")[0]
         if "{" in word and name not in given:
@@ -250,7 +250,7 @@ COLUMNS = (
 
 
 def table(results: Sequence[dict[str, Any]]) -> str:
-    """Markdown: a line a source and radius; then the commands."""
+    """Return Markdown: a line a source and radius; then the commands."""
     heads = ["source", "maps", "side", "radius", "questions", *COLUMNS]
     lines = [f"| {' | '.join(heads)} |", f"| --- | {' | '.join(['---:'] * (len(heads) - 1))} |"]
     for result in results:
@@ -291,7 +291,7 @@ def _cells(one: dict[str, Any]) -> list[str]:
 def main(
     count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool, **folders: str | None
 ) -> None:
-    """Judges every source that is there."""
+    """Judge every source that is there."""
     given = {name: folder for name, folder in folders.items() if folder is not None}
     added = {row["name"]: row for file in add for row in json.loads(file.read_text())["rows"]}
     results = []

@@ -56,7 +56,7 @@ _MOST_SCENES = 20_000
 
 @dataclass(frozen=True)
 class Widest:
-    """Drives into the widest of 36 beams that is nearly in the target's direction, worked out with NumPy."""
+    """Drive into the widest of 36 beams near the target's direction, worked out with NumPy."""
 
     senses = ("bump", "heading", "target_heading", "beams")
     needs = RobotOptions(beams=BEAMS)
@@ -68,7 +68,7 @@ class Widest:
     def act(
         self, observation: Observation, memory: tuple[float, ...]
     ) -> tuple[Command, tuple[float, ...]]:
-        """Scores each beam by its length and by how far it leads off."""
+        """Score each beam by its length and by how far it leads off."""
         bearings = np.linspace(0.0, 2 * np.pi, BEAMS, endpoint=False)
         off = np.cos(bearings - (observation.target_heading - observation.heading))
         best = bearings[int(np.argmax(np.minimum(observation.beams, 0.5) + 0.3 * off))]
@@ -132,7 +132,7 @@ class Row:
 
 
 def measure(name: str, controller: str, seconds: float) -> Row:
-    """Measures one controller under ``swept``."""
+    """Measure one controller under ``swept``."""
     scenario = Scenario(controller)
     clock = (
         time.monotonic
@@ -150,7 +150,7 @@ def measure(name: str, controller: str, seconds: float) -> Row:
 def _looks(
     scenario: Scenario, budget: int | None, clock: Callable[[], float]
 ) -> tuple[float, float]:
-    """Worlds and steps a second of first looks."""
+    """Return worlds and steps a second of first looks."""
     _look(scenario, 20, budget)
     count = 100
     while True:
@@ -169,7 +169,7 @@ def _look(scenario: Scenario, count: int, budget: int | None) -> Screening:
 
 
 def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[], float]) -> float:
-    """Worlds a second of whole units; what compiles does not count."""
+    """Return worlds a second of whole units; what compiles does not count."""
     config = CampaignConfig(scenario, seed=3, families=(strategy,))
     run_unit(CampaignConfig(scenario, seed=3, families=(strategy,), examples=8), 0)
     worlds = 0
@@ -182,7 +182,7 @@ def _units(scenario: Scenario, strategy: str, seconds: float, clock: Callable[[]
 
 
 def _share_of_user(scenario: Scenario) -> float:
-    """Share of the time of first looks that passes in the controller's own code, or in waiting for its program."""
+    """Return the share of screening time spent in the controller's code or waiting for its program."""
     is_program = isinstance(CONTROLLERS.get(scenario.controller), ProcessController)
     began = Effort.so_far()
     _look(scenario, 20 if is_program else 400, None)
@@ -207,7 +207,7 @@ def _markdown(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    """Measures all and prints the table."""
+    """Measure all and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -55,7 +55,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
-    """Worlds of a family, each with parameters of its own."""
+    """Yield the worlds of a family, each with parameters of its own."""
     rng = RandomStream(seed).child("difficulty", name)
     family = FAMILIES.get(name)
     free = free_parameters(
@@ -71,7 +71,7 @@ def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
 
 
 def ranks(values: Floats) -> Floats:
-    """Ranks from 1 on; equal values share the mean of theirs."""
+    """Return the ranks from 1 on; equal values share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     shared: Floats = (last - (counts - 1) / 2.0)[place]
@@ -79,7 +79,7 @@ def ranks(values: Floats) -> Floats:
 
 
 def spearman(one: Floats, other: Floats) -> float:
-    """Spearman's rank correlation; nan where one of them is constant."""
+    """Return Spearman's rank correlation; nan where one of them is constant."""
     a = ranks(one)
     b = ranks(other)
     a = a - a.mean()
@@ -89,7 +89,7 @@ def spearman(one: Floats, other: Floats) -> float:
 
 
 def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[float, float]:
-    """The middle 95 % of the correlations of worlds drawn with replacement."""
+    """Return the middle 95 % of the correlations of worlds drawn with replacement."""
     drawn_again = rng.integers(0, len(one), (BOOTSTRAP, len(one)))
     found = [spearman(one[rows], other[rows]) for rows in drawn_again]
     low, high = np.nanpercentile(found, [2.5, 97.5])
@@ -97,7 +97,7 @@ def interval(one: Floats, other: Floats, rng: np.random.Generator) -> tuple[floa
 
 
 def auc(score: Floats, failed: npt.NDArray[np.bool_]) -> float:
-    """Chance that a failed run's score is higher than that of one that arrived."""
+    """Return chance that a failed run's score is higher than that of one that arrived."""
     lost = int(failed.sum())
     won = int((~failed).sum())
     return (
@@ -145,7 +145,7 @@ class Campaign:
 
 
 def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
-    """Makes, measures and runs."""
+    """Make, measure and runs."""
     worlds = [world for name in FAMILIES_AT_REST for world in worlds_of(name, count, seed)]
     families = np.repeat(FAMILIES_AT_REST, count)
     failed = {
@@ -156,7 +156,7 @@ def run_campaign(count: int, seed: int, names: Sequence[str]) -> Campaign:
 
 
 def correlations(campaign: Campaign) -> dict[str, dict[str, Any]]:
-    """By metric: with the share of the telling controllers that fail, its interval, and with each that ever fails."""
+    """Return correlations by metric: with the share of failing controllers, and with each."""
     rng = np.random.default_rng(0)
     found = {}
     for metric in METRICS:
@@ -181,7 +181,7 @@ def _with_interval(one: Floats, other: Floats, rng: np.random.Generator) -> dict
 def fitted(
     campaign: Campaign, rows: npt.NDArray[np.bool_]
 ) -> tuple[dict[str, tuple[float, float]], float]:
-    """Scales and weights, none of the wrong sign, and the offset.
+    """Return scales and weights, none of the wrong sign, and the offset.
 
     Least squares by projected gradient steps.
     """
@@ -213,7 +213,7 @@ def fitted(
 
 
 def judged(campaign: Campaign, score: Floats, rows: npt.NDArray[np.bool_]) -> dict[str, float]:
-    """How well a score tells failed runs from others.
+    """Return how well a score tells failed runs from others.
 
     The area under the curve, over all runs and by controller.
     """
@@ -232,7 +232,7 @@ def scored(campaign: Campaign, weights: Mapping[str, tuple[float, float]], offse
 
 
 def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
-    """Number, world and share of failed runs of the BARN challenge's worlds in which its DWA planner was run."""
+    """Yield number, world and share of failed runs of the BARN worlds given to the DWA planner."""
     outcomes: dict[int, list[bool]] = {}
     for line in (folder / "res" / "dwa_out.txt").read_text().splitlines():
         number, success = line.split()[:2]
@@ -255,7 +255,7 @@ def barn_worlds(folder: Path) -> Iterator[tuple[int, World, float]]:
 
 
 def barn_table(folder: Path) -> dict[str, Any]:
-    """Correlations of the metrics with the published share of failed runs."""
+    """Return the correlations of the metrics with the published share of failed runs."""
     rng = np.random.default_rng(0)
     found = list(barn_worlds(folder))
     tables = [measure(world).as_dict() for _, world, _ in found]
@@ -274,7 +274,7 @@ def barn_table(folder: Path) -> dict[str, Any]:
 
 
 def in_words(found: Mapping[str, Any], names: Sequence[str]) -> str:
-    """The table of correlations in Markdown."""
+    """Return the table of correlations in Markdown."""
     head = ["metric", "all, with its interval", *(f"`{name}`" for name in names)]
     lines = [f"| {' | '.join(head)} |", "| --- |" + " ---: |" * (1 + len(names))]
     for metric, row in sorted(found.items(), key=lambda item: -abs(item[1]["all"])):
@@ -285,7 +285,7 @@ def in_words(found: Mapping[str, Any], names: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Prints the tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"
@@ -311,7 +311,7 @@ def main() -> None:
 
 
 def report(campaign: Campaign) -> dict[str, Any]:
-    """Everything that is printed of a campaign."""
+    """Return everything that is printed of a campaign."""
     every = np.ones(len(campaign.families), np.bool_)
     even = np.arange(len(every)) % 2 == 0
     weights, offset = fitted(campaign, every)

@@ -39,7 +39,7 @@ KINDS = {
 
 
 def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int:
-    """Worlds made until one fits, at most ``tries``."""
+    """Return worlds made until one fits, at most ``tries``."""
     search = Search(FAMILIES.get(family), constraint_for(where), seed, {}, **how)
     while search.tried < tries and search.asked < 5 * tries:
         found = search.step()
@@ -49,7 +49,7 @@ def tries_of(family: str, where: str, seed: int, tries: int, **how: bool) -> int
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--seeds", type=int, default=SEEDS, help=f"searches for each wish (default {SEEDS})"

@@ -151,19 +151,19 @@ class Row:
 
 
 def controller_name(fault: Fault) -> str:
-    """The name under which a command takes the fault, with the variations of its run."""
+    """Return the name under which a command takes the fault, with the variations of its run."""
     return f"fuzz.faults:{fault.name.replace('-', '_')}{fault.variations}"
 
 
 def tells(fault: Fault, failure: Failure) -> bool:
-    """Whether the controller without the fault arrives in the world of a failure."""
+    """Return True if the controller without the fault arrives in the world of a failure."""
     if fault.base is None:
         return False
     return simulate(failure.world, fault.base, failure.options).verdict == Verdict.REACHED
 
 
 def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, Failure | None]:
-    """One search for one fault, and the failure that tells, shrunk."""
+    """Return one search for one fault, and the failure that tells, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
     config = CampaignConfig(
         scenario, seed=seed, time_steps=(scenario.run.time_step,), examples=EXAMPLES
@@ -202,7 +202,7 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
 
 @functools.cache
 def _compile(searcher: str) -> None:
-    """Does a unit against a quick controller.
+    """Do a unit against a quick controller.
 
     So that no kernel is compiled while the clock runs.
     """
@@ -210,7 +210,7 @@ def _compile(searcher: str) -> None:
 
 
 def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
-    """Results of a search, as long as it has worlds to try."""
+    """Yield the results of a search, as long as it has worlds to try."""
     idle = 0
     for result in SEARCHERS[searcher](config):
         idle = 0 if result.worlds else idle + 1
@@ -220,12 +220,12 @@ def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def shows(fault: Fault, failure: Failure) -> bool:
-    """Whether a failure shows the fault, and comes again."""
+    """Return whether a failure shows the fault, and comes again."""
     return failure.verdict == fault.expected and tells(fault, failure) and replay(failure).confirmed
 
 
 def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
-    """The row and the world of a find after shrinking; as it was found where that fails."""
+    """Return the row and the world of a find after shrinking; as it was found where that fails."""
     begun = time.process_time()
     try:
         small = shrink(found, seconds=_SHRINK_SECONDS).failure
@@ -249,7 +249,7 @@ def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
 
 
 def removable_cells(failure: Failure) -> int:
-    """How many of a failure's solid cells can go, each by itself, by brute force.
+    """Return how many of a failure's solid cells can go, each by itself, by brute force.
 
     Shares no code with the shrinker.
     """
@@ -264,7 +264,7 @@ def removable_cells(failure: Failure) -> int:
 
 
 def _fails_likewise(failure: Failure, candidate: World) -> bool:
-    """Whether a reachable world fails in the manner that shrinking kept."""
+    """Return True if a reachable world fails in the manner that shrinking kept."""
     record = failure.record
     options = failure.options
     proved = certified(candidate)
@@ -304,7 +304,7 @@ class Alarm:
 
 
 def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = None) -> Alarm:
-    """Looks for failures of a controller that has none; keeps what it finds in a folder."""
+    """Look for failures of a controller that has none; keep what it finds in a folder."""
     met = Counter[str]()
     looked = []
     for oracles, most in (
@@ -326,7 +326,7 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
 
 
 def floors() -> dict[str, float]:
-    """Median CPU seconds to the first proved loop of ``turn-right``.
+    """Return median CPU seconds to the first proved loop of ``turn-right``.
 
     Speeds are for :mod:`benchmarks.native`.
     """
@@ -350,7 +350,7 @@ def floors() -> dict[str, float]:
 def _once(
     file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
-    """The work's result: from its file if it was done there with the same key, else done now, and kept."""
+    """Return the work's result from its file if the key matches; otherwise do the work and keep it."""
     if file is not None and file.exists():
         known: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if known["key"] == key:
@@ -367,7 +367,7 @@ def _once(
 def _rows(
     given: argparse.Namespace, limits: Limits, seeds: Sequence[int]
 ) -> Iterator[dict[str, Any]]:
-    """Every cell of the table.
+    """Yield every cell of the table.
 
     Of a fault all that belongs to it, for its kernels are compiled once a process.
     """
@@ -403,7 +403,10 @@ def _in_words(row: Row) -> str:
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Per searcher: share found, and quartiles over all searches, where one without a find counts as endless."""
+    """Return, per searcher, the share found and quartiles over all searches.
+
+    A search without a find counts as endless.
+    """
     found = []
     for name in _searchers(rows):
         own = [row for row in rows if row["searcher"] == name]
@@ -436,7 +439,7 @@ def _quartiles(values: Sequence[float]) -> list[float | None]:
 
 
 def tables(rows: Sequence[dict[str, Any]]) -> str:
-    """The two tables of ``docs/explanation/search.md``: by searcher, and by fault."""
+    """Return the two tables of ``docs/explanation/search.md``: by searcher, and by fault."""
     columns = (
         "found",
         "worlds",
@@ -471,7 +474,10 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def _done_by_all(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The searches that every searcher has done, for a table made in pieces may not be whole yet."""
+    """Return the searches that every searcher has done.
+
+    A table made in pieces may not be complete yet.
+    """
     done = {
         name: {(row["fault"], row["seed"]) for row in rows if row["searcher"] == name}
         for name in _searchers(rows)
@@ -484,7 +490,7 @@ def _searchers(rows: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _cell(rows: Sequence[dict[str, Any]]) -> str:
-    """Median worlds to the find; how many searches found it where not all did.
+    """Return median worlds to the find; how many searches found it where not all did.
 
     Nothing where none was done.
     """
@@ -502,7 +508,7 @@ def _span(three: Sequence[float | None]) -> str:
 
 
 def main() -> None:
-    """Prints the tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

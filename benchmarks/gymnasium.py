@@ -73,7 +73,7 @@ def _turns_away(robots: int) -> Policy:
 def _many(
     policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any
 ) -> float:
-    """Steps a second of the vector environment.
+    """Return steps a second of the vector environment.
 
     The kernels are compiled, and the robots under way, before.
     """
@@ -96,7 +96,7 @@ def _many(
 
 
 def _one() -> float:
-    """Steps a second of the single environment, with all that ``gymnasium.make`` puts around it."""
+    """Return steps per second of the single environment, with every wrapper of ``gymnasium.make``."""
     env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
     actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
     env.reset(seed=1)
@@ -127,14 +127,14 @@ CASES: dict[str, Callable[[], float]] = {
 
 
 def _case(name: str) -> float:
-    """A case's rate, measured in a process of its own."""
+    """Return a case's rate, measured in a process of its own."""
     code = f"from benchmarks.gymnasium import CASES; print(CASES[{name!r}]())"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return float(done.stdout)
 
 
 def _peer(name: str, python: str) -> dict[str, Any] | None:
-    """A peer's version and rates, ``None`` if it is not installed."""
+    """Return a peer's version and rates, ``None`` if it is not installed."""
     script = Path(__file__).parent / "peers" / "environments.py"
     done = subprocess.run([python, str(script), name], check=False, capture_output=True, text=True)
     if done.returncode != 0:
@@ -146,7 +146,7 @@ def _peer(name: str, python: str) -> dict[str, Any] | None:
 
 
 def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
-    """Best rates of all rounds, steps a second, and the load meanwhile."""
+    """Return best rates of all rounds, steps a second, and the load meanwhile."""
     ours = dict.fromkeys(CASES, 0.0)
     theirs = {}
     versions = {}
@@ -178,7 +178,7 @@ def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Runs all and prints the table."""
+    """Run all and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -55,13 +55,13 @@ class Row:
 
 
 def controllers() -> list[str]:
-    """Names of all registered controllers, of several names of one controller the first."""
+    """Return all registered controllers, by the first of their names."""
     found = {id(CONTROLLERS.get(name)): name for name in reversed(CONTROLLERS.names())}
     return sorted(found.values())
 
 
 def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
-    """Each table's name and its worlds.
+    """Yield each table's name and its worlds.
 
     The corpus, then a number of each family with seeds from ``seed`` on.
     """
@@ -74,7 +74,7 @@ def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[st
 
 
 def family_worlds(family: str, count: int, seed: int) -> list[World]:
-    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
+    """Return the worlds of rising seeds, their words (shapes, algorithms, masks) in turn.
 
     As far as they go together.
     """
@@ -94,7 +94,7 @@ def family_worlds(family: str, count: int, seed: int) -> list[World]:
 
 
 def rows_of(worlds: Sequence[World], names: Sequence[str], steps: int) -> list[Row]:
-    """Runs every controller once in every world."""
+    """Run every controller once in every world."""
     runs = simulate_many(worlds, names, motion="swept", steps=steps)
     return [_row(runs, index, worlds) for index in range(len(names))]
 
@@ -144,7 +144,7 @@ def _summary(title: str, tables_of: dict[str, list[Row]], entry: Callable[[Row],
 
 
 def main() -> None:
-    """Prints the tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})"

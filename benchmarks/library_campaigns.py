@@ -48,7 +48,7 @@ class Found:
 
 
 def search(controller: str, strategy: str, *, units: int, seed: int) -> Found:
-    """A campaign of one controller over one strategy."""
+    """Return a campaign of one controller over one strategy."""
     config = CampaignConfig(Scenario.parse(controller), seed=seed, families=(strategy,))
     worlds = 0
     met = Counter[str]()
@@ -73,7 +73,7 @@ def _in_words(found: Sequence[Found], strategies: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--units", type=int, default=UNITS, help=f"units of each strategy (default {UNITS})"

@@ -129,7 +129,7 @@ def _seconds(make: Callable[[], Any]) -> float:
 
 
 def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]:
-    """Algorithm, case and what to time."""
+    """Yield algorithm, case and what to time."""
     chambers = (side - 1) // 2
     full = np.ones((chambers, chambers), np.bool_)
     yield "fill", "fill", partial(np.ones, (2 * chambers + 1) ** 2, np.bool_)
@@ -140,12 +140,12 @@ def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]
 
 
 def _rate(side: int, seconds: float) -> float:
-    """Million cells a second."""
+    """Return million cells a second."""
     return (2 * ((side - 1) // 2) + 1) ** 2 / max(seconds, 1e-9) / 1e6
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, float]]]:
-    """Million cells a second: of each algorithm, side and case.
+    """Return million cells a second: of each algorithm, side and case.
 
     Under ``fill``, of writing memory alone.
     """
@@ -162,7 +162,7 @@ def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, floa
 
 
 def measure_peers(sizes: list[int], limit: float) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """Million cells a second of each peer at each side that it could do in time.
+    """Return million cells a second of each peer at each side that it could do in time.
 
     And what is missing, and why.
     """
@@ -207,7 +207,7 @@ def _climb(make: Maker, sides: list[int], limit: float) -> dict[int, float]:
 
 
 def peak_memory(name: str, side: int) -> dict[str, float]:
-    """What one large grid takes in a new process.
+    """Return what one large grid takes in a new process.
 
     Seconds, and bytes a cell beyond the grid itself.
     """
@@ -265,7 +265,7 @@ _CASES = ("tree", "grid", "world")
 
 
 def main() -> None:
-    """Runs all and prints the tables."""
+    """Run all and print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -108,7 +108,7 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, float, int]:
-    """Steps and worlds a second of whole units, and all classes that they find.
+    """Return steps and worlds a second of whole units, and all classes that they find.
 
     What compiles does not count.
     """
@@ -129,7 +129,7 @@ def _units(scenario: Scenario, strategy: str, budget: float) -> tuple[float, flo
 
 
 def _alone(scenario: Scenario, rounds: int) -> float:
-    """Steps a second of one long run that nothing ends."""
+    """Return steps a second of one long run that nothing ends."""
     run = prepare(maze(), scenario.controller, RunOptions("swept", ALONE_STEPS))
     run.run(10, find_loop=False, record=False, digest=False)
     taken = [
@@ -140,7 +140,7 @@ def _alone(scenario: Scenario, rounds: int) -> float:
 
 
 def _bare(scenario: Scenario, looks: Screening) -> float:
-    """Steps a second of the runs of first looks.
+    """Return steps a second of the runs of first looks.
 
     Nothing but the step and its search for recurrences.
     """
@@ -163,7 +163,7 @@ def _bare(scenario: Scenario, looks: Screening) -> float:
 
 
 def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float, float]:
-    """Bare steps a second; steps and worlds of first looks, and of ``simulate_many`` in the same worlds."""
+    """Return bare steps per second, and steps and worlds of screening and ``simulate_many``."""
     drawn = scenes(RandomStream(3), LOOKS)
     seeds = np.arange(LOOKS, dtype=np.uint64)
     evaluate(drawn[:50], scenario, seeds[:50], 0.015)
@@ -183,7 +183,7 @@ def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float,
 
 
 def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Row]:
-    """Measures each controller under ``swept``, everything in turn."""
+    """Measure each controller under ``swept``, everything in turn."""
     rows = []
     for name in controllers:
         scenario = Scenario(name)
@@ -233,7 +233,7 @@ def _markdown(rows: list[Row]) -> str:
 
 
 def main() -> None:
-    """Runs all and prints the table."""
+    """Run all and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

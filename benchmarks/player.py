@@ -63,7 +63,7 @@ _DRAW = """async ([world, run, how]) => {
 
 
 def main() -> None:
-    """Prints a table."""
+    """Print a table."""
     click.echo(f"{'':28} first ms   median ms   19 in 20 below")
     with (
         tempfile.TemporaryDirectory() as there,
@@ -90,7 +90,7 @@ def _world(changes: int) -> World:
 
 
 def _run(corners: int) -> dict[str, object]:
-    """A run of 10 s that strays through the world, up to 3 cells from one corner to the next."""
+    """Return a run of 10 s that wanders through the world, up to 3 cells between corners."""
     chance = np.random.default_rng(2)
     walked = (chance.integers(-3 * 1_024, 3 * 1_024 + 1, corners).cumsum() for _ in range(2))
     x, y = (np.clip(way + SIDE * 512, 3_000, (SIDE - 3) * 1_024) for way in walked)

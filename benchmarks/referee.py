@@ -150,7 +150,7 @@ def _drive(
 
 
 def main() -> None:
-    """Asks the referee and prints the report."""
+    """Ask the referee and print the report."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

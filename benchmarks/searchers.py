@@ -68,7 +68,7 @@ _WORDS = LAYOUT_BYTES // 8
 
 
 def strategies(*names: str) -> Searcher:
-    """The strategies of these names; without any, the campaign's own plan."""
+    """Return the strategies of these names; without any, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
         config = replace(config, families=names)
@@ -99,7 +99,7 @@ def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
-    """A genetic algorithm over feature layouts, one child at a time.
+    """Yield a genetic algorithm over feature layouts, one child at a time.
 
     It takes the place of one that is less fit.
     """
@@ -121,7 +121,7 @@ def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
 
 
 def _child(population: list[tuple[float, bytes]], stream: RandomStream) -> bytes:
-    """Two parents by tournaments of two, one point of crossover, mutation."""
+    """Return two parents by tournaments of two, one point of crossover, mutation."""
     mother, father = (
         population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2)
     )
@@ -138,7 +138,7 @@ def _two(stream: RandomStream) -> tuple[int, int]:
 
 
 def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStream) -> float:
-    """Runs a reachable world.
+    """Return runs a reachable world.
 
     The time that the robot takes over that of the straight way, 0 if it does not arrive.
     """
@@ -156,7 +156,7 @@ def _look(door: Triage, config: CampaignConfig, world: World, stream: RandomStre
 
 
 def _random_world(stream: RandomStream) -> World:
-    """Cells that are solid or not, each by itself.
+    """Return cells that are solid or not, each by itself.
 
     Those round start and target are free, the border is solid.
     """

@@ -37,7 +37,7 @@ WARM = 1_000  # worlds that are made first: by then compiled code has paid and i
 
 
 def measure(count: int) -> Iterator[dict[str, Any]]:
-    """Times every case.
+    """Time every case.
 
     Args:
         count: Worlds of each.
@@ -84,7 +84,7 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -77,7 +77,7 @@ class Row:
     minimal: int
 
     def summary(self) -> dict[str, Any]:
-        """Median, 95th percentile and share."""
+        """Return median, 95th percentile and share."""
         if not self.solid:
             return {"failures": 0}
         ordered = sorted(self.milliseconds)
@@ -92,7 +92,7 @@ class Row:
 
 
 def failures_of(controller: str, motion: str, time_step: float, most: int) -> list[Found]:
-    """Failures in layouts of fixed seeds, of as many verdicts as there are, the first of each first."""
+    """Return failures in layouts of fixed seeds, covering as many verdicts as possible."""
     stream = RandomStream(_SEED).child(controller, CASES.index((controller, motion, time_step)))
     by_verdict: dict[str, list[Found]] = {}
     for number in range(_DRAWS):
@@ -118,7 +118,7 @@ def _failure(data: bytes, scenario: Scenario) -> Failure | None:
 
 
 def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
-    """Shrinks each failure and looks, apart from the clock, whether the result is 1-minimal."""
+    """Shrink each failure and looks, apart from the clock, whether the result is 1-minimal."""
     row = Row([], [], [], 0)
     minimal = 0
     for one in found:
@@ -132,12 +132,12 @@ def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
 
 
 def by_passes(found: Found) -> Failure:
-    """The shrinker of this program."""
+    """Return the shrinker of this program."""
     return shrink(found.failure).failure
 
 
 def by_hypothesis(found: Found) -> Failure:
-    """What Hypothesis makes of the layout's bytes, with the same exact judge."""
+    """Return what Hypothesis makes of the layout's bytes, with the same exact judge."""
     still_fails = StillFails.of(found.failure)
     best = found.data
 
@@ -171,7 +171,7 @@ class _Fails(Exception):
 
 
 def tables(each: int, hypothesis: int) -> dict[str, Any]:
-    """Every case by every way, and all cases together."""
+    """Return every case by every way, and all cases together."""
     ways: dict[str, Callable[[Found], Failure]] = {"passes": by_passes}
     if hypothesis:
         ways["hypothesis"] = by_hypothesis
@@ -201,7 +201,7 @@ def _together(parts: list[Row]) -> Row:
 
 
 def main() -> None:
-    """Prints the table, or one JSON object."""
+    """Print the table, or one JSON object."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--each", type=int, default=6, help="failures of each case at most")

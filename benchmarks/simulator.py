@@ -103,7 +103,7 @@ class Bouncer:
     senses = ("bump", "random")
 
     def reset(self) -> tuple[float, ...]:
-        """No turn to begin with."""
+        """Start without a turn."""
         return (0.0,)
 
     def act(self, observation: Any, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
@@ -121,7 +121,7 @@ class BouncerOfMany:
     senses = ("bump", "random")
 
     def reset(self) -> tuple[float, ...]:
-        """No turn to begin with."""
+        """Start without a turn."""
         return (0.0,)
 
     def act_many(self, observation: Any, memory: Any) -> tuple[Commands, Any]:
@@ -133,13 +133,13 @@ class BouncerOfMany:
 
 
 def maze(size: int = 60) -> World:
-    """The maze, its target out of everybody's way."""
+    """Return the maze, its target out of everybody's way."""
     world = generate("maze", seed=3, size=size)
     return replace(world, target=replace(world.target, radius=1e-6), certificate=None)
 
 
 def hall(side: int) -> World:
-    """A large hall with scattered pillars."""
+    """Return a large hall with scattered pillars."""
     cells = np.zeros((side, side), bool)
     cells[[0, -1], :] = cells[:, [0, -1]] = True
     cells[5:-5:10, 5:-5:10] = True
@@ -174,7 +174,7 @@ def _many(workers: int) -> Callable[[], Rate]:
 
 
 def _program() -> Callable[[], Rate]:
-    """A program: the Python class, served by a process of its own, whose time counts too."""
+    """Return a program: the Python class, served by a process of its own, whose time counts too."""
     program = ProcessController([sys.executable, "-m", "sim.host", "benchmarks.simulator:Bouncer"])
     run = prepare(maze(), program, RunOptions("swept", 20_000, STEP, 5))
 
@@ -212,7 +212,7 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 
 def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
-    """The controller for peers: heading and whether to drive; it is sent whether a wall was met."""
+    """Yield heading and whether to drive, the controller for peers; it is sent each collision."""
     heading = 0.0
     rest = 0
     bumped = yield heading, True
@@ -226,7 +226,7 @@ def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
 
 
 def _boxes(world: World) -> list[tuple[float, float, float, float]]:
-    """Walls as boxes, runs of cells in a row merged, m."""
+    """Return walls as boxes, runs of cells in a row merged, m."""
     side = world.cell_size
     found = []
     for iy in range(world.height):
@@ -237,7 +237,7 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
 
 
 def _plain(name: str) -> Callable[[], Rate]:
-    """A function of the plain disc, in the maze of the cases; lengths are cells."""
+    """Return a function of the plain disc, in the maze of the cases; lengths are cells."""
     world = maze()
     steps = 2_000_000
     side = world.cell_size
@@ -372,7 +372,7 @@ PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {
 
 
 def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
-    """Best rate of each case and peer, steps a second, and the peers that are not installed."""
+    """Return the best rate of each case and peer, steps per second, and the peers not installed."""
     ready = {name: make() for name, make in CASES.items()}
     absent = []
     for name, make in PEERS.items():
@@ -389,7 +389,7 @@ def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
 
 
 def _first_call() -> float:
-    """Seconds until a new process has simulated its first step."""
+    """Return seconds until a new process has simulated its first step."""
     code = (
         "from sim import simulate; from worldgen import generate;"
         "simulate(generate('maze', seed=3, size=60), 'turn-right', steps=1)"
@@ -400,14 +400,14 @@ def _first_call() -> float:
 
 
 def _bytes_per_robot() -> int:
-    """Bytes of an episode of the bouncer, without the log that the search for loops keeps of each step."""
+    """Return the bytes of an episode of the bouncer, without the log of the loop search."""
     state = 8 * (STATE_WORDS + len(BOUNCER.memory))
     corners = MOST_CORNERS * int(ffi.sizeof("WgCorner"))
     return int(ffi.sizeof("WgEpisode")) + 2 * state + corners + 8 * SENSES
 
 
 def main() -> None:
-    """Runs all and prints the table."""
+    """Run all and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -66,7 +66,7 @@ class Row:
 
 
 def strategies_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
-    """Which strategies a unit may be of."""
+    """Return which strategies a unit may be of."""
     if way == "plan":
         return lambda unit: ()
     names = strategies_for(config, SearchState()) if way == "in turn" else (way,)
@@ -74,7 +74,7 @@ def strategies_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str
 
 
 def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
-    """A campaign without shrinking, for so many CPU seconds after the first unit of every strategy is compiled."""
+    """Return a campaign without shrinking, for some CPU seconds after every strategy is compiled."""
     config = CampaignConfig(
         Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES
     )
@@ -105,7 +105,7 @@ def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) 
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--seconds", type=float, default=20.0, help="CPU seconds of each campaign (default 20)"

@@ -41,7 +41,7 @@ _FRAMES = """async (act) => {
 
 
 def main() -> None:
-    """Prints a table."""
+    """Print a table."""
     with tempfile.TemporaryDirectory() as there:
         write_world(generate("cave", 3, size=SIDE), Path(there) / "big.grid")
         with (

@@ -78,7 +78,7 @@ KINDS: dict[str, Callable[[RandomStream], Walls]] = {
 
 
 def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
-    """Worlds of a kind whose target can be reached; others are drawn again."""
+    """Yield the worlds of a kind whose target can be reached; others are drawn again."""
     stream = RandomStream(seed).child(kind)
     while count:
         walls = KINDS[kind](stream)
@@ -93,7 +93,7 @@ def draw_worlds(kind: str, count: int, seed: int) -> Iterator[World]:
 
 
 def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[str]:
-    """How many runs overlap a wall (``overlap``), enter one (``tunnel``), by which cause, and how many arrive."""
+    """Return how many runs overlap a wall or enter one, by cause, and how many arrive."""
     scenario = Scenario.parse(controller, motion="stepped")
     counts = Counter[str]()
     for number, world in enumerate(worlds):
@@ -127,7 +127,7 @@ def _centre(index: int) -> float:
 
 
 def main() -> None:
-    """Prints the tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "--worlds", type=int, default=4000, help="worlds of each kind (default 4000)"

@@ -72,13 +72,13 @@ class Learner:
         self._traces: dict[tuple[int, int], float] = {}
 
     def reset(self) -> Memory:
-        """Begins an episode."""
+        """Begin an episode."""
         self._before = None
         self._traces.clear()
         return AT_RESET
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
-        """Decides if it is time to.
+        """Decide if it is time to.
 
         As the robot does, and learns from what came of the decision before.
         """
@@ -96,7 +96,7 @@ class Learner:
         return Command(observation.top_speed, rate), (wait - 1.0, turned)
 
     def arrived(self) -> None:
-        """Learns that the last decision led to the target."""
+        """Learn that the last decision led to the target."""
         if self._before is not None:
             now, choice, _ = self._before
             self._credit(now, choice, _ARRIVED - self.table[now, choice])
@@ -111,7 +111,7 @@ class Learner:
         self._credit(before, choice, worth - self.table[before, choice])
 
     def _credit(self, now: int, choice: int, surprise: float) -> None:
-        """Spreads a surprise over the decisions that led to it."""
+        """Spread a surprise over the decisions that led to it."""
         self._traces[now, choice] = 1.0
         for (situation_before, choice_before), share in list(self._traces.items()):
             self.table[situation_before, choice_before] += self.learn * share * surprise
@@ -131,7 +131,7 @@ class Learner:
 
 
 def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
-    """The table after so many episodes, in thousandths."""
+    """Return the table after so many episodes, in thousandths."""
     stream = RandomStream(seed)
     learner = Learner(stream.child("decisions"))
     choose = stream.child("worlds")
@@ -168,7 +168,7 @@ def as_c(table: npt.NDArray[np.int64]) -> str:
 
 
 def main() -> None:
-    """Writes the table, or says whether it is the one that is there."""
+    """Write the table, or say whether it is the one that is there."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="compare with the table that is there")
     given = parser.parse_args()

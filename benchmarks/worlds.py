@@ -1,4 +1,4 @@
-"""How fast whole worlds are made, proved, checked, written and read, beside what else answers the same questions.
+"""Measure how fast worlds are made, proved, checked, written and read, against other programs.
 
 ``python -m benchmarks.worlds`` prints tables, with ``--json`` one object;
 ``--document docs/explanation/search.md`` also puts the tables into a document, between its marks. Times are of
@@ -63,7 +63,7 @@ def _layout(name: str, size: int, seed: int = 1, **params: Any) -> World:
 
 
 def _best(work: Callable[[], Any], rounds: int) -> float:
-    """Least seconds of processor time; the first run only compiles and loads."""
+    """Return least seconds of processor time; the first run only compiles and loads."""
     work()
     best = float("inf")
     for _ in range(rounds):
@@ -87,7 +87,10 @@ def _rates(sizes: list[int], rounds: int) -> dict[str, Any]:
 
 
 def _scattered(side: int, radius: float, *, blocked: bool) -> World:
-    """Single cells, few enough for a disc of ``radius`` cells to get through, and perhaps a row that stops it."""
+    """Return sparse single cells that a disc can pass, and perhaps a row that stops it.
+
+    ``radius`` is the disc's, in cells.
+    """
     chance = np.random.default_rng(7)
     walls = np.zeros((side, side), np.bool_)
     room = int(radius) + 3
@@ -102,7 +105,7 @@ def _scattered(side: int, radius: float, *, blocked: bool) -> World:
 
 
 def _asked(side: int) -> Iterator[tuple[str, World]]:
-    """What is proved: worlds of every kind, and discs of many widths."""
+    """Yield what is proved: worlds of every kind, and discs of many widths."""
     for name in STILL:
         yield name, _layout(name, side)
     yield "maze, backtracker", _layout("maze", side, algorithm="backtracker")
@@ -125,7 +128,7 @@ def _asked(side: int) -> Iterator[tuple[str, World]]:
 
 
 def _widened(world: World) -> Any:
-    """Cells from whose centre every solid cell is at least the radius away, along rows and columns; the usual way."""
+    """Return the cells whose centre is at least the radius from every solid cell (usual inflation)."""
     ndimage: Any = importlib.import_module("scipy.ndimage")
     distance = ndimage.distance_transform_edt(~np.pad(world.walls, 1, constant_values=True))[
         1:-1, 1:-1
@@ -209,7 +212,7 @@ def _batch(rounds: int) -> dict[str, Any]:
 
 
 def _walled(world: World) -> World:
-    """The world with a wall halfway between start and target, across all of it."""
+    """Return the world with a wall halfway between start and target, across all of it."""
     walls = world.walls.copy()
     (from_row, from_column), (to_row, to_column) = (
         _cell(world, world.start),
@@ -250,7 +253,7 @@ def _files(side: int, rounds: int) -> dict[str, Any]:
 
 
 def _start(rounds: int) -> dict[str, float]:
-    """Seconds on the wall of whole commands."""
+    """Return seconds on the wall of whole commands."""
     commands = {
         "worldgen --help": ["--help"],
         "worldgen maze": ["maze", "--seed", "1"],
@@ -271,7 +274,7 @@ def _start(rounds: int) -> dict[str, float]:
 
 
 def measure(sizes: list[int], rounds: int) -> dict[str, Any]:
-    """All of it, as one object."""
+    """Return all of it, as one object."""
     absent: set[str] = set()
     side = sizes[-1]
     return {
@@ -291,7 +294,7 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 
 
 def _markdown(result: dict[str, Any]) -> str:
-    """The tables of one run."""
+    """Return the tables of one run."""
     side = result["side"]
     sizes = [int(size) for size in next(iter(result["worlds"].values()))]
     by_size = [[rates[size] for size in rates] for rates in result["worlds"].values()]
@@ -350,7 +353,7 @@ def _peer(one: dict[str, Any] | None) -> str:
 
 
 def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
-    """A document with new tables between its marks.
+    """Return a document with new tables between its marks.
 
     Raises:
         ValueError: If it has no marks.
@@ -363,7 +366,7 @@ def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
 
 
 def main() -> None:
-    """Runs all and prints the tables."""
+    """Run all and print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -35,7 +35,7 @@ class Target:
 
     @property
     def is_macos(self) -> bool:
-        """Whether the linker must be told that Python's symbols are found when the module is loaded."""
+        """Return True if the linker must be told that loading the module resolves Python's symbols."""
         return "macos" in self.triple
 
 
@@ -65,7 +65,7 @@ def chosen_target() -> Target | None:
 
 
 def zig() -> list[str]:
-    """Return the command of the compiler in the wheel ``ziglang``, or nothing if it is not installed."""
+    """Return the command of the compiler in the wheel ``ziglang``; empty if it isn't installed."""
     try:
         import ziglang  # noqa: F401, PLC0415 - only where there is nothing else
     except ImportError:

@@ -64,7 +64,7 @@ def mark_repository_files(app: Sphinx, docname: str, source: list[str]) -> None:
 def mend_wrapping(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
-    """Undo stray indentation in the middle of a docstring's paragraph, which is not valid markup."""
+    """Undo stray indentation inside a docstring's paragraph, which is not valid markup."""
     if what == "data" and lines and lines[0] in (type(thing).__doc__ or "").splitlines()[:1]:
         lines.clear()  # the docstring of a type such as dict, which explains nothing here
     above = 0

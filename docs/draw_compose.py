@@ -21,13 +21,13 @@ SEEDS = {
 
 
 def panel(world: World, title: str) -> Panel:
-    """A world with its witness."""
+    """Return a world with its witness."""
     way = world.certificate
     return Panel(world, title, (Trail(way.x, way.y) if isinstance(way, Witness) else None,))
 
 
 def pieces() -> bytes:
-    """One trap, put into one maze in different ways, as a PNG file's bytes."""
+    """Return one trap, put into one maze in different ways, as a PNG file's bytes."""
     maze = of_family("maze", seed=7, size=60)
     trap = of_family("trap", seed=3, size=20, shape="U").inside()
     fire = of_family("fire", seed=2, size=24, over="trap", debris=0.05).inside()
@@ -43,7 +43,7 @@ def pieces() -> bytes:
 
 
 def recipes() -> bytes:
-    """The recipes of examples/recipes, as a PNG file's bytes."""
+    """Return the recipes of examples/recipes, as a PNG file's bytes."""
     shown = [
         panel(generate(str(RECIPES / f"{name}.toml"), seed), f"{name}, seed {seed}")
         for name, seeds in SEEDS.items()

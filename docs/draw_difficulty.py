@@ -28,7 +28,7 @@ WALL, WAY, MARK = (60, 64, 72), (30, 110, 190), (214, 96, 20)
 
 
 def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
-    """How much farther from the target a robot at each node has to go, m.
+    """Return how much farther from the target a robot at each node has to go, m.
 
     Nan where the robot cannot be.
     """
@@ -52,7 +52,7 @@ def depths(world: World, nodes: Nodes) -> npt.NDArray[np.float64]:
 
 
 def picture(world: World, *, pockets: bool) -> Image.Image:
-    """One world with its witness, and either its pockets or its decision points."""
+    """Return one world with its witness, and either its pockets or its decision points."""
     nodes, wide, high = nodes_of(world, world.walls), world.width * CELL, world.height * CELL
     image = Image.new("RGB", (wide, high), "white")
     draw = ImageDraw.Draw(image)
@@ -112,7 +112,7 @@ def sheet(images: Sequence[Image.Image], path: Path) -> None:
 
 
 def main() -> None:
-    """Writes the pictures."""
+    """Write the pictures."""
     traps = [
         generate("trap", 4, shape="U", size=24),
         generate("maze", 2, size=24),

@@ -21,7 +21,7 @@ HEAD = (
 
 
 def failures() -> dict[tuple[str, str], list[CorpusEntry]]:
-    """All that ships, by controller and motion model."""
+    """Return all that ships, by controller and motion model."""
     found: dict[tuple[str, str], list[CorpusEntry]] = defaultdict(list)
     for entry in read_corpus([FAILURES]).entries:
         found[entry.facts.controller, entry.facts.motion].append(entry)
@@ -29,7 +29,7 @@ def failures() -> dict[tuple[str, str], list[CorpusEntry]]:
 
 
 def row(controller: str, motion: str, entries: list[CorpusEntry]) -> str:
-    """A line of the table."""
+    """Return a line of the table."""
     verdicts = Counter(entry.facts.verdict for entry in entries)
     solid = [entry.facts.solid for entry in entries]
     cells = [entry.facts.width * entry.facts.height for entry in entries]
@@ -41,7 +41,7 @@ def row(controller: str, motion: str, entries: list[CorpusEntry]) -> str:
 
 
 def smallest(entries: list[CorpusEntry]) -> CorpusEntry:
-    """The smallest failure: a loop if there is one, for that says more than a fire."""
+    """Return the smallest failure: a loop if there is one, for that says more than a fire."""
     ranked = sorted(
         entries,
         key=lambda entry: (entry.facts.verdict != "loop", entry.facts.solid, entry.facts.kind),
@@ -50,7 +50,7 @@ def smallest(entries: list[CorpusEntry]) -> CorpusEntry:
 
 
 def main() -> None:
-    """Writes both."""
+    """Write both."""
     found = failures()
     table = (
         HEAD

@@ -37,7 +37,7 @@ AT = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 
 def at_time(world: World, time: float) -> World:
-    """The world as it is at one time, standing still but for the flames."""
+    """Return the world as it is at one time, standing still but for the flames."""
     now = world.walls.astype(np.uint8)
     for event in world.timeline:
         if event.time <= time:
@@ -52,14 +52,14 @@ def at_time(world: World, time: float) -> World:
 
 
 def trail(witness: Witness, time: float) -> Trail:
-    """The witness from its beginning to a time."""
+    """Return the witness from its beginning to a time."""
     kept = witness.times < time
     x, y = (np.interp(time, witness.times, values) for values in (witness.x, witness.y))
     return Trail(np.append(witness.x[kept], x), np.append(witness.y[kept], y))
 
 
 def strip(params: dict[str, Value], seed: int) -> bytes:
-    """One world at several times, with the witness so far, as a PNG file's bytes."""
+    """Return one world at several times, with the witness so far, as a PNG file's bytes."""
     world = generate("fire", seed, size=SIZE, **params)
     witness = world.certificate
     if not isinstance(witness, Witness):
@@ -70,7 +70,7 @@ def strip(params: dict[str, Value], seed: int) -> bytes:
 
 
 def options() -> bytes:
-    """What the parameters make of one seed, as a PNG file's bytes."""
+    """Return what the parameters make of one seed, as a PNG file's bytes."""
     panels = []
     for params in PANELS:
         world = generate("fire", SEED, size=SIZE, **params)

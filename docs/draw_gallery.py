@@ -1,4 +1,6 @@
-"""Writes ``docs/reference/gallery.md`` and its pictures: ``python docs/draw_gallery.py [FAMILY ...]``.
+"""Write ``docs/reference/gallery.md`` and its pictures.
+
+Run it as ``python docs/draw_gallery.py [FAMILY ...]``.
 
 A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds
 by the page's commands and compares.
@@ -129,7 +131,7 @@ GALLERY[RECIPES] = [
 
 
 def command(family: str, kind: Kind) -> str:
-    """What makes the worlds of one kind, as a set, in the repository's root."""
+    """Return what makes the worlds of one kind, as a set, in the repository's root."""
     made_by = family_of(family, kind)
     options = made_by.options(made_by.complete(kind.params))
     words = ["compose", kind.recipe] if kind.recipe else [family]
@@ -149,19 +151,19 @@ def command(family: str, kind: Kind) -> str:
 
 
 def family_of(family: str, kind: Kind) -> Family:
-    """What makes the worlds of one kind."""
+    """Return what makes the worlds of one kind."""
     return FAMILIES.get(str(DOCS.parent / kind.recipe) if kind.recipe else family)
 
 
 def worlds(family: str, kind: Kind) -> Iterator[World]:
-    """The worlds of one kind."""
+    """Yield the worlds of one kind."""
     made_by = family_of(family, kind)
     for seed in range(FIRST, FIRST + EACH):
         yield generate(made_by, seed, **kind.params)
 
 
 def draw(family: str) -> bytes:
-    """The picture of a family, as a PNG file's bytes; it names the worlds that it shows."""
+    """Return the picture of a family, as a PNG file's bytes; it names the worlds that it shows."""
     panels: list[Panel] = []
     for kind in GALLERY[family]:
         for seed, world in enumerate(worlds(family, kind), FIRST):
@@ -181,7 +183,7 @@ def draw(family: str) -> bytes:
 
 
 def page() -> str:
-    """The page; it goes by what the pictures say that they show."""
+    """Return the page; it goes by what the pictures say that they show."""
     parts = [INTRO]
     for family, kinds in GALLERY.items():
         names = iter(shown(family))
@@ -200,7 +202,7 @@ def page() -> str:
 
 
 def heading(family: str) -> str:
-    """The heading of a family, and what it says of itself."""
+    """Return the heading of a family, and what it says of itself."""
     if family == RECIPES:
         about = (
             "Worlds put together from parts, each by a file ([compose.md](../howto/compose.md)). One "
@@ -212,12 +214,12 @@ def heading(family: str) -> str:
 
 
 def picture_of(family: str) -> Path:
-    """Where a family's picture is."""
+    """Return where a family's picture is."""
     return DOCS / "pictures" / f"gallery-{family}.png"
 
 
 def shown(family: str) -> list[str]:
-    """Ids of the worlds that a picture says it shows."""
+    """Return the ids of the worlds that a picture says it shows."""
     with Image.open(picture_of(family)) as picture:
         return str(picture.info["worlds"]).split()
 

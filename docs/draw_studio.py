@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/howto/studio.md and docs/howto/studio.md: ``python -m docs.draw_studio``.
+"""Draw the pictures of docs/howto/studio.md: ``python -m docs.draw_studio``.
 
 Each shows the studio in Debian's Chromium at 1280 x 720, and comes about as a person's would: by
 mouse and keyboard. Those of the walk are taken on the walk itself.
@@ -35,7 +35,7 @@ The page says *Done*. Click the first picture of a failure
 
 
 def main() -> None:
-    """Writes all of them."""
+    """Write all of them."""
     with chromium_browser() as browser:
         with (
             tempfile.TemporaryDirectory() as folder,
@@ -76,7 +76,7 @@ def go(page: Any, text: str) -> None:
 
 
 def keep(page: Any, name: str) -> None:
-    """Takes the picture."""
+    """Take the picture."""
     page.mouse.move(640, 4)
     page.locator("#widest", has_text=re.compile("[a-z]")).wait_for(state="attached")
     page.wait_for_timeout(STILL)

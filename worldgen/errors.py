@@ -115,7 +115,7 @@ class Message:
         return self.word(self._remedy)
 
     def behind(self, prefix: str, /, **facts: Any) -> Message:
-        """Return the same message with words before its problem, such as the place that an outer caller knows.
+        """Return the message with a prefix before its problem, such as a place the caller knows.
 
         Args:
             prefix: Template, with what separates it: ``"{file}: "``.
@@ -142,7 +142,7 @@ class Message:
         return self._copy(self._problem, remedy, facts)
 
     def replaced(self, facts: Mapping[str, Any]) -> Message:
-        """Return the same message of other facts, such as paths that are shorter for a reader who knows the folder."""
+        """Return the message with other facts, such as shorter paths for this reader."""
         return self._copy(self._problem, self._remedy, facts)
 
     @property
@@ -185,7 +185,7 @@ class Note(str):
     message: Message
 
     def __new__(cls, code: str, problem: str, remedy: str = "", /, **facts: Any) -> Self:
-        """Word a message."""
+        """Return word a message."""
         message = Message(code, problem, remedy, **facts)
         note = super().__new__(cls, str(message))
         note.message = message

@@ -198,11 +198,11 @@ class Family:
         ].strip()
 
     def defaults(self) -> dict[str, Value]:
-        """Every parameter with its default, in order of declaration."""
+        """Return every parameter with its default, in order of declaration."""
         return {parameter.name: parameter.default for parameter in self.parameters}
 
     def options(self, params: Mapping[str, Value]) -> list[str]:
-        """What to type after the family's name for these parameters.
+        """Return what to type after the family's name for these parameters.
 
         Those that are defaults are left out.
         """
@@ -219,7 +219,7 @@ class Family:
         return words
 
     def complete(self, params: Mapping[str, Value | None]) -> dict[str, Value]:
-        """The parameters as files hold them, with defaults filled in.
+        """Return the parameters as files hold them, with defaults filled in.
 
         Raises:
             InvalidParameter: If a name is unknown, or a value has another type than the default or
@@ -264,7 +264,7 @@ def _check_signature(name: str, build: Build) -> None:
 
 
 def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build], Family]:
-    """Makes a family of a function ``(rng, *, size=..., ...) -> World``.
+    """Make a family of a function ``(rng, *, size=..., ...) -> World``.
 
     Register it as an entry point. A parameter called ``margin`` has a meaning of its own: so many
     seconds later than at once may the robot set out on the witness that the world gets, and still
@@ -308,7 +308,7 @@ class FamilyRegistry(Registry[Family]):
     _last: tuple[tuple[object, ...], Family | None] = ((), None)
 
     def get(self, name: str) -> Family:
-        """The family called ``name``; a recipe is read afresh each time.
+        """Return the family called ``name``; a recipe is read afresh each time.
 
         Raises:
             InvalidParameter: If nothing is called so, or what is found is no family.
@@ -319,7 +319,7 @@ class FamilyRegistry(Registry[Family]):
         return super().get(name)
 
     def find(self, name: str, params: Mapping[str, Value | None]) -> Family:
-        """The family that provenance names; of a recipe's world the text is among the parameters.
+        """Return the family that provenance names; a recipe's text is among its parameters.
 
         Raises:
             InvalidParameter: If there is no such family, or the recipe is another's.
@@ -364,5 +364,5 @@ FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
 
 
 def stream_for(seed: int, family_name: str, attempt: int) -> RandomStream:
-    """The stream that one attempt of one family draws from."""
+    """Return the stream that one attempt of one family draws from."""
     return RandomStream(seed).child(family_name, attempt)

@@ -14,7 +14,7 @@ __all__ = ["MAX_ATTEMPTS", "generate", "stream"]
 
 
 def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> World:
-    """A world of a family, with a witness that its target can be reached.
+    """Return a world of a family, with a witness that its target can be reached.
 
     Args:
         name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family
@@ -38,7 +38,7 @@ def generate(name: str | Family, seed: Seed = 0, **params: Value | None) -> Worl
 def stream(
     name: str | Family, seed: Seed = 0, count: int | None = None, **params: Value | None
 ) -> Iterator[World]:
-    """The worlds of a family with rising seeds, each made when it is asked for.
+    """Return the worlds of a family with rising seeds, each made when it is asked for.
 
     Args:
         name: Name of a registered family, ``./file.py:name``, or the family itself.

@@ -110,7 +110,7 @@ class Bounds:
         return said
 
     def check(self, name: str, value: float) -> None:
-        """Refuses a number outside.
+        """Refuse a number outside.
 
         Raises:
             InvalidParameter: Naming value, rule and way out.
@@ -182,7 +182,7 @@ class Written:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One declared option: a parameter of a family or a format, or a field of a dataclass of options.
+    """A declared option: a parameter of a family or a format, or a field of an options dataclass.
 
     Args:
         name: Name in Python; on the command line with dashes.
@@ -499,7 +499,7 @@ def parameters_of_fields(options: type) -> tuple[Parameter, ...]:
 
 
 def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, ...]:
-    """The keyword-only parameters of a function, in order of declaration.
+    """Return the keyword-only parameters of a function, in order of declaration.
 
     Args:
         function: As :func:`check_declared` accepts it.
@@ -529,7 +529,7 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
 def check_declared(
     function: Callable[..., Any], owner: str, taken: Collection[str] = (), *, positional: int = 1
 ) -> None:
-    """Refuses a function whose parameters do not all stand after ``*`` with a plain default.
+    """Refuse a function whose parameters do not all stand after ``*`` with a plain default.
 
     Args:
         function: The function.
@@ -560,7 +560,7 @@ def check_declared(
 
 
 def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> Parameter:
-    """One option from its default, its annotation and the docstring's entries."""
+    """Return one option from its default, its annotation and the docstring's entries."""
     details = getattr(hint, "__metadata__", ())
     plain = typing.get_args(hint)[0] if details else hint
     optional: type | None = None
@@ -583,7 +583,7 @@ def _declared(name: str, default: Any, hint: Any, notes: Mapping[str, str]) -> P
 
 
 def argument_notes(docstring: str) -> dict[str, str]:
-    """The entries of a docstring's ``Args`` section, Google style, each on one line."""
+    """Return the entries of a docstring's ``Args`` section, Google style, each on one line."""
     section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)+)", inspect.cleandoc(docstring), re.MULTILINE)
     if section is None:
         return {}
@@ -594,7 +594,7 @@ def argument_notes(docstring: str) -> dict[str, str]:
 
 
 def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
-    """Refuses a parameter below its minimum.
+    """Refuse a parameter below its minimum.
 
     Raises:
         InvalidParameter: Naming value, rule and way out.
@@ -612,7 +612,7 @@ def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> N
 
 
 def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuses a parameter outside [low, high].
+    """Refuse a parameter outside [low, high].
 
     Raises:
         InvalidParameter: Naming value, rule and way out.
@@ -631,7 +631,7 @@ def check_between(name: str, value: float, low: float, high: float, unit: str = 
 
 
 def check_positive(name: str, value: float, unit: str = "") -> None:
-    """Refuses zero, less than zero, and what is no finite number.
+    """Refuse zero, less than zero, and what is no finite number.
 
     Raises:
         InvalidParameter: Naming value and rule.
@@ -653,7 +653,7 @@ def _shown(value: float, unit: str = "") -> str:
 
 
 def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Refuses a word that is not one of the choices.
+    """Refuse a word that is not one of the choices.
 
     Raises:
         InvalidParameter: Naming value and choices.

@@ -30,7 +30,7 @@ GAMMA = 0x9E3779B97F4A7C15  # 2**64 / golden ratio, odd
 
 
 def mix64(z: int) -> int:
-    """SplitMix64's finaliser: a bijection of 64-bit integers that spreads every bit."""
+    """Return SplitMix64's finaliser: a bijection of 64-bit integers that spreads every bit."""
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK64
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK64
     return z ^ (z >> 31)
@@ -75,7 +75,7 @@ class RandomStream:
         self._state = seed & MASK64
 
     def child(self, *labels: int | str) -> RandomStream:
-        """An independent stream for a named part, so that one part's draws never shift another's.
+        """Return an independent stream for a named part; its draws never shift another part's.
 
         The parent's own sequence does not move.
         """
@@ -86,16 +86,16 @@ class RandomStream:
         return RandomStream(state)
 
     def next64(self) -> int:
-        """The next 64 random bits."""
+        """Return the next 64 random bits."""
         self._state = (self._state + GAMMA) & MASK64
         return mix64(self._state)
 
     def random(self) -> float:
-        """A float in [0, 1): the top 53 bits."""
+        """Return a float in [0, 1): the top 53 bits."""
         return (self.next64() >> 11) * 2.0**-53
 
     def below(self, bound: int) -> int:
-        """An integer in [0, bound), without bias.
+        """Return an integer in [0, bound), without bias.
 
         Source: Daniel Lemire, "Fast Random Integer Generation in an Interval", 2019.
         """
@@ -108,25 +108,25 @@ class RandomStream:
                 return product >> 64
 
     def between(self, low: int, high: int) -> int:
-        """An integer in [low, high], both ends included."""
+        """Return an integer in [low, high], both ends included."""
         return low + self.below(high - low + 1)
 
     def uniform(self, low: float, high: float) -> float:
-        """A float in [low, high)."""
+        """Return a float in [low, high)."""
         return low + (high - low) * self.random()
 
     def choice(self, items: Sequence[T]) -> T:
-        """One of the items."""
+        """Return one of the items."""
         return items[self.below(len(items))]
 
     def shuffle(self, items: MutableSequence[T]) -> None:
-        """Puts the items in random order, in place (Fisher-Yates)."""
+        """Put the items in random order, in place (Fisher-Yates)."""
         for last in range(len(items) - 1, 0, -1):
             other = self.below(last + 1)
             items[last], items[other] = items[other], items[last]
 
     def bits(self, count: int) -> npt.NDArray[np.uint64]:
-        """The next ``count`` outputs of :meth:`next64` as a (count,) uint64 array, drawn at once."""
+        """Return the next ``count`` outputs of :meth:`next64` as a (count,) uint64 array."""
         with np.errstate(over="ignore"):
             steps = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(GAMMA)
             z = steps + np.uint64(self._state)
@@ -137,7 +137,7 @@ class RandomStream:
         return z
 
     def floats(self, count: int) -> npt.NDArray[np.float64]:
-        """The next ``count`` outputs of :meth:`random` as a (count,) float64 array."""
+        """Return the next ``count`` outputs of :meth:`random` as a (count,) float64 array."""
         return (self.bits(count) >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
 

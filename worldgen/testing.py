@@ -69,7 +69,7 @@ class Check:
     run: Callable[[Family, Mapping[str, Value]], None]
 
     def __call__(self, family: Family, case: Mapping[str, Value] | None = None) -> None:
-        """Runs it for one case, the defaults where left out."""
+        """Run it for one case, the defaults where left out."""
         self.run(family, case or {})
 
     def __str__(self) -> str:
@@ -92,7 +92,7 @@ class CheckOutcome:
 
 
 def family_cases(family: Family) -> list[dict[str, Value]]:
-    """The cases worth checking: each word of the first parameter that has words.
+    """Return the cases worth checking: each word of the first parameter that has words.
 
     Else the defaults alone.
     """
@@ -103,7 +103,7 @@ def family_cases(family: Family) -> list[dict[str, Value]]:
 
 
 def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed: int = 7) -> str:
-    """Sixteen hex digits of a seed's world without its witness.
+    """Return sixteen hex digits of a seed's world without its witness.
 
     Pin it, and raise the version when it changes.
     """
@@ -113,7 +113,7 @@ def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed:
 def run_checks(
     family: Family, cases: list[dict[str, Value]] | None = None, *, without: Collection[str] = ()
 ) -> Iterator[CheckOutcome]:
-    """Every check over every case, those of the family as a whole once.
+    """Yield every check over every case, those of the family as a whole once.
 
     Args:
         family: The family.
@@ -146,7 +146,7 @@ def check_family(
     *,
     golden: Mapping[str, str] | None = None,
 ) -> None:
-    """Runs every check, and compares pinned digests.
+    """Run every check, and compare pinned digests.
 
     Args:
         family: The family.
@@ -171,7 +171,7 @@ def check_family(
 
 
 def shown(found: CheckOutcome) -> str:
-    """One line that says what breaks a promise."""
+    """Return one line that says what breaks a promise."""
     return f"{found.check}{_told(found.case)}: {found.fault}"
 
 
@@ -253,7 +253,7 @@ def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
 
 
 def _other_chance() -> tuple[object, ...]:
-    """The states of the generators that a family must not touch."""
+    """Return the states of the generators that a family must not touch."""
     state = np.random.get_state(legacy=False)["state"]
     return random.getstate(), state["key"].tobytes(), state["pos"]
 

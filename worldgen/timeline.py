@@ -99,7 +99,7 @@ class Timeline(HoldsFrozen):
 
     @classmethod
     def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:
-        """Builds a timeline from events in any order; events of one time keep their order."""
+        """Build a timeline from events in any order; events of one time keep their order."""
         ordered = sorted(events, key=lambda event: event[0])
         return (
             cls(*(np.array([event[k] for event in ordered]) for k in range(4)))

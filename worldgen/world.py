@@ -127,7 +127,7 @@ class FailureRecord:
 
     @property
     def outcome(self) -> str:
-        """The verdict; with the oracle that objects to the run, where it is not the verdict that is the failure."""
+        """The verdict; if an oracle objects to the run rather than the verdict, the oracle too."""
         return self.verdict + (
             f", oracle {self.evidence['oracle']} objects" if "oracle" in self.evidence else ""
         )
@@ -202,7 +202,7 @@ class Witness(HoldsFrozen):
 
 @dataclass(frozen=True, eq=False)
 class Cut(HoldsFrozen):
-    """A closed chain of solid cells, each gap narrower than the robot, that parts start from target.
+    """A closed chain of solid cells, with gaps narrower than the robot, between start and target.
 
     Args:
         cells: (n, 2) int64, rows (ix, iy) in chain order; the last is linked to the first. Cells

@@ -22,7 +22,7 @@ Step = Callable[[int], Any]
 
 
 def _rate(step: Step, robots: int) -> float:
-    """Steps a second of CPU time, after some calls that compile and fill caches."""
+    """Return steps a second of CPU time, after some calls that compile and fill caches."""
     for k in range(20):
         step(k)
     begin = time.process_time()
@@ -45,7 +45,7 @@ def _actions(space: Any, robots: int) -> list[Any]:
 
 
 def _envpool() -> Iterator[tuple[str, float]]:
-    """Several batch sizes, the best counts: one worker thread beside the caller's."""
+    """Yield several batch sizes, the best counts: one worker thread beside the caller's."""
     library: Any = importlib.import_module("envpool")
     for name in ("CartPole-v1", "FrozenLake8x8-v1", "MiniGrid-FourRooms-v0", "PointMaze_Large-v3"):
         best = 0.0
@@ -101,7 +101,7 @@ LIBRARIES = {"envpool": _envpool, "minigrid": _minigrid, "navix": _navix}
 
 
 def main() -> None:
-    """Measures the library that the command line names."""
+    """Measure the library that the command line names."""
     (name,) = sys.argv[1:]
     rates = dict(LIBRARIES[name]())
     sys.stdout.write(

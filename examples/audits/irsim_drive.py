@@ -1,4 +1,4 @@
-"""Drives the robot of an exported world in IR-SIM and writes its trajectory, for ``worldgen audit``.
+"""Drive the robot of an exported world in IR-SIM and record it for ``worldgen audit``.
 
 python irsim_drive.py wall.yaml --speed 12 --out recorded.csv
 
@@ -23,7 +23,7 @@ import numpy as np
 
 
 def drive(file, via, speed, steps):
-    """The trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision.
+    """Return the trajectory as rows t, x, y, heading; in how many steps IR-SIM saw a collision.
 
     Whether it arrived.
     """
@@ -53,7 +53,7 @@ def drive(file, via, speed, steps):
 
 
 def main():
-    """Drives, writes, reports."""
+    """Drive, write, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to irsim` wrote")
     parser.add_argument(

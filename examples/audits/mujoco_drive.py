@@ -1,4 +1,4 @@
-"""Drives a ball through an exported world in MuJoCo and writes its trajectory, for ``worldgen audit``.
+"""Drive a ball through an exported world in MuJoCo and record it for ``worldgen audit``.
 
 python mujoco_drive.py wall.xml --speed 20 --out recorded.csv
 
@@ -23,7 +23,7 @@ MOST_FORCE = 200.0  # N
 
 
 def with_ball(file, radius, start, time_step):
-    """The exported world with a ball that slides along x and y."""
+    """Return the exported world with a ball that slides along x and y."""
     spec = mujoco.MjSpec.from_file(str(file))
     if time_step:
         spec.option.timestep = time_step
@@ -35,7 +35,7 @@ def with_ball(file, radius, start, time_step):
 
 
 def drive(model, way, speed, seconds):
-    """The trajectory as rows t, x, y; in how many steps the ball touched something.
+    """Return the trajectory as rows t, x, y; in how many steps the ball touched something.
 
     Whether it arrived.
     """
@@ -67,7 +67,7 @@ def _direction(here, there):
 
 
 def main():
-    """Drives, writes, reports."""
+    """Drive, write, reports."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("world", help="what `worldgen export --to mjcf` wrote")
     parser.add_argument(

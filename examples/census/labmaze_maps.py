@@ -15,7 +15,7 @@ import numpy as np
 def maps(
     seed: int, *, side: int = 31, rooms: int = 6, extra: float = 0.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Mazes of ``side`` x ``side`` cells (odd) with up to so many rooms.
+    """Yield the mazes of ``side`` x ``side`` cells (odd) with up to so many rooms.
 
     ``extra`` links open with that chance.
     """

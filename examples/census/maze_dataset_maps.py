@@ -16,7 +16,7 @@ from maze_dataset.generation import LatticeMazeGenerators
 def maps(
     seed: int, *, generator: str = "gen_dfs", side: int = 20, p: float = -1.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Mazes of ``side`` x ``side`` chambers; ``p`` of percolation, where the generator takes it."""
+    """Yield mazes of ``side`` x ``side`` chambers; ``p`` is passed to generators that percolate."""
     make = getattr(LatticeMazeGenerators, generator)
     options = {"p": p} if p >= 0 else {}
     for number in count():

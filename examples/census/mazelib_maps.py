@@ -14,7 +14,7 @@ from mazelib import Maze
 
 
 def maps(seed: int, *, generator: str = "Prims", side: int = 20) -> Iterator[tuple[Any, ...]]:
-    """Mazes of ``side`` x ``side`` chambers; ``generator`` is a module of mazelib.generate."""
+    """Yield mazes of ``side`` x ``side`` chambers; ``generator`` is a module of mazelib.generate."""
     kind = getattr(importlib.import_module(f"mazelib.generate.{generator}"), generator)
     for number in count():
         Maze.set_seed((seed + number) % 2**32)
@@ -27,7 +27,7 @@ def maps(seed: int, *, generator: str = "Prims", side: int = 20) -> Iterator[tup
 
 
 def _inside(cell: tuple[int, int], walls: Any) -> tuple[int, int]:
-    """The cell of the maze beside one in its outer wall."""
+    """Return the cell of the maze beside one in its outer wall."""
     row, column = (
         min(max(index, 1), side - 2) for index, side in zip(cell, walls.shape, strict=True)
     )

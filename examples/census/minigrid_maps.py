@@ -18,7 +18,7 @@ _SOLID = ("wall", "lava")
 def maps(
     seed: int, *, environment: str = "MiniGrid-SimpleCrossingS11N5-v0"
 ) -> Iterator[tuple[Any, ...]]:
-    """One map for each reset of an environment."""
+    """Yield one map for each reset of an environment."""
     world: Any = gymnasium.make(
         f"{minigrid.__name__}:{environment}"
     ).unwrapped  # imports it, so that it registers

@@ -16,7 +16,7 @@ import numpy as np
 def maps(
     seed: int, *, environment: str = "Navix-SimpleCrossingS11N5-v0"
 ) -> Iterator[tuple[Any, ...]]:
-    """One map for each reset of an environment."""
+    """Yield one map for each reset of an environment."""
     world = navix.make(environment)
     reset = jax.jit(world.reset)
     for number in count():

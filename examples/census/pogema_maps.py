@@ -13,7 +13,7 @@ from pogema.grid import Grid
 
 
 def maps(seed: int, *, side: int = 32, density: float = 0.3) -> Iterator[tuple[Any, ...]]:
-    """Cells that are solid with chance ``density``, independently."""
+    """Yield cells that are solid with chance ``density``, independently."""
     for number in count():
         config = GridConfig(
             size=side, density=density, num_agents=1, obs_radius=1, seed=(seed + number) % 2**31

@@ -14,7 +14,7 @@ import tcod.noise
 def maps(
     seed: int, *, side: int = 60, scale: float = 0.15, level: float = 0.15, octaves: float = 4.0
 ) -> Iterator[tuple[Any, ...]]:
-    """Turbulence or, for ``octaves`` 1, plain simplex noise over ``side`` x ``side`` cells."""
+    """Yield turbulence, or simplex noise if ``octaves`` is 1, over ``side`` x ``side`` cells."""
     for number in count():
         noise = tcod.noise.Noise(
             dimensions=2,

@@ -13,14 +13,14 @@ class Robot:
     """Follows a wall on its left until it is nearer to the target than it has ever met one."""
 
     def reset(self):
-        """The memory to start with."""
+        """Return the memory to start with."""
         return (
             0.0,
             FAR,
         )  # whether it follows a wall; the least distance from the target at which it met one, m
 
     def act(self, seen, memory):
-        """What to do in a step, and what to keep in mind."""
+        """Return what to do in a step, and what to keep in mind."""
         follows, nearest = memory
         if follows and not seen.bump and seen.target_distance < nearest - seen.radius:
             follows = 0.0
@@ -37,5 +37,5 @@ class Robot:
 
 
 def wrapped(angle):
-    """The same angle between -pi and pi."""
+    """Return the same angle between -pi and pi."""
     return (angle + math.pi) % (2 * math.pi) - math.pi

@@ -27,7 +27,7 @@ def warehouse(
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
 ) -> World:
-    """Racks in rows with aisles between them, crossed by others; pallets stand about in them.
+    """Build a warehouse: racks in rows with aisles between them, and pallets in the aisles.
 
     From one end of an aisle the other looks the same, and a pallet turns an aisle into a dead end.
 
@@ -87,7 +87,7 @@ def _put_racks(
     rack: int,
     pallets: float,
 ) -> None:
-    """Makes racks solid in two halves, and pallets beside them."""
+    """Make racks solid in two halves, and pallets beside them."""
     size = len(walls)
     across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
     lower = (1 + aisle, across)

@@ -11,7 +11,10 @@ HERE = Path(__file__).parent
 
 
 def main() -> None:
-    """Writes failures.png; run it in the repository's root, for the files name their controllers from there."""
+    """Write failures.png.
+
+    Run it from the repository's root: the files name their controllers relative to it.
+    """
     entries = read_corpus([HERE / "failures"]).entries
     sheet = contact_sheet(
         sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid))

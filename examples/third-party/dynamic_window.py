@@ -87,7 +87,7 @@ class PlannedWindow(DynamicWindow):
 
 
 def plan(world):
-    """A shortest way over cells whose centre is clear of walls by the radius, to the target.
+    """Return a shortest way over cells whose centre is clear of walls by the radius, to the target.
 
     Places (n, 2), m.
     """

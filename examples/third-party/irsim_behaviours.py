@@ -64,7 +64,7 @@ class SocialForce(VelocityObstacles):
 
 
 def _state(seen, memory, top):
-    """What IR-SIM knows of a robot: place, velocity, radius, velocity towards the goal, heading."""
+    """Return a robot's state as IR-SIM passes it: place, velocity, radius, wish, heading."""
     speed, heading = memory
     wish = [top * math.cos(seen.target_heading), top * math.sin(seen.target_heading)]
     return [
@@ -79,7 +79,7 @@ def _state(seen, memory, top):
 
 
 def _walls(seen, radii):
-    """Line segments [x1, y1, x2, y2] along neighbouring hits that leave no gap for the robot, each wall one segment."""
+    """Return walls as segments [x1, y1, x2, y2] that join hits too close to pass between."""
     hits = [
         (
             seen.x + d * math.cos(seen.heading + k * FIELD),
@@ -102,7 +102,7 @@ def _walls(seen, radii):
 
 
 def _turn(wall, x, y):
-    """Angle, rad, between a segment and the way from its end to a point."""
+    """Return angle, rad, between a segment and the way from its end to a point."""
     there = (wall[2] - wall[0], wall[3] - wall[1])
     on = (x - wall[2], y - wall[3])
     return abs(math.atan2(there[0] * on[1] - there[1] * on[0], there[0] * on[0] + there[1] * on[1]))

@@ -21,7 +21,10 @@ FINE = 0.015
 
 
 def environments(count, time_step, **more):
-    """Worlds of one family, progress along the shortest way: a dead end is worth nothing."""
+    """Return worlds of one family that reward progress along the shortest path.
+
+    A dead end earns nothing.
+    """
     envs = gymnasium.make_vec(
         "worldgen.gym:worldgen/Navigate-v0", count, "vector_entry_point", autoreset_mode="SameStep",
         sensors=SEES.sensors, actions=SEES.actions, robot=SEES.robot, time_step=time_step, distance="way",
@@ -31,7 +34,7 @@ def environments(count, time_step, **more):
 
 
 def evaluate(model, episodes=1000):
-    """Share of episodes in which it arrives, in worlds that it was not trained in."""
+    """Return the share of episodes in which it arrives, in worlds that it was not trained in."""
     envs = environments(episodes, FINE, pool=200, pool_seed=1_000_000)
     envs.seed(1)
     observations = envs.reset()
@@ -45,7 +48,7 @@ def evaluate(model, episodes=1000):
 
 
 def weights(policy):
-    """The layers of the policy's network, as policy.py takes them."""
+    """Return the layers of the policy's network, as policy.py takes them."""
     first, _, second, _ = policy.mlp_extractor.policy_net
     layers = {"1": first, "2": second, "3": policy.action_net}
     named = {f"w{k}": layer.weight for k, layer in layers.items()} | {
@@ -55,7 +58,7 @@ def weights(policy):
 
 
 def main():
-    """Trains, and says how well the policy does before and after."""
+    """Train, and say how well the policy does before and after."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=3_000_000)
     parser.add_argument("--envs", type=int, default=256)

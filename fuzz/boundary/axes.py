@@ -59,27 +59,27 @@ class Axis:
 
 
 def three_digits(index: int) -> float:
-    """The number of three significant digits with this index; those of rising index rise."""
+    """Return the number of three significant digits with this index; those of rising index rise."""
     exponent, mantissa = divmod(index, _DECADE)
     return float(f"{mantissa + 100}e{exponent - 2}")
 
 
 def index_of(value: float) -> int:
-    """The index of the number of three significant digits that is nearest to a positive number."""
+    """Return the index of the number with three significant digits nearest to a positive number."""
     exact = Decimal(repr(value))
     exponent = exact.adjusted()
     return exponent * _DECADE + round(exact.scaleb(2 - exponent)) - 100
 
 
 def _with_radius(subject: Subject, value: float) -> Subject:
-    """The robot with another radius. The witness stays, as far as its clearance goes."""
+    """Return the robot with another radius. The witness stays, as far as its clearance goes."""
     return replace(
         subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None)
     )
 
 
 def _with_speed(subject: Subject, value: float) -> Subject:
-    """The robot with another speed.
+    """Return the robot with another speed.
 
     The witness takes as much longer, but where the world changes on its way.
     """
@@ -111,7 +111,7 @@ def _depth(subject: Subject) -> int | None:
 
 
 def _with_depth(subject: Subject, value: float) -> Subject:
-    """The trap of the same seed with another depth: arms of another length, all else as it was."""
+    """Return the trap of the same seed with arms of another length and everything else unchanged."""
     made = subject.world.provenance
     params = {} if made is None else dict(made.params)
     seed = 0 if made is None else made.seed

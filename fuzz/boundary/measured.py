@@ -20,7 +20,7 @@ _MEASURED = (
 
 
 def is_bounded(scenario: Scenario) -> bool:
-    """Whether failures of a scenario begin somewhere.
+    """Return True if failures of a scenario begin somewhere.
 
     Where runs hang on chance, they begin anywhere.
     """
@@ -32,7 +32,7 @@ def is_bounded(scenario: Scenario) -> bool:
 
 
 def subject_of(failure: Failure) -> Subject | None:
-    """What can be varied of a failure.
+    """Return what can be varied of a failure.
 
     ``None`` if it is not one of not arriving, or hangs on chance.
     """
@@ -42,7 +42,7 @@ def subject_of(failure: Failure) -> Subject | None:
 
 
 def with_boundaries(failure: Failure, found: Failure) -> Failure:
-    """The failure with a record of where it begins, in this world.
+    """Return the failure with a record of where it begins, in this world.
 
     Compiled controllers are run at other radii, speeds and time steps; others, whose runs take
     long, only along the axes along which the failure was found.
@@ -69,7 +69,7 @@ def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
 
 
 def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
-    """Axes with the values that fail and pass, as far as a record.
+    """Return axes with the values that fail and pass, as far as a record.
 
     It may be a stranger's, makes sense.
     """
@@ -87,7 +87,7 @@ def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
 
 
 def describe_boundaries(failure: Failure) -> str:
-    """Where a failure begins, in words; empty where its record says nothing of it."""
+    """Return where a failure begins, in words; empty where its record says nothing of it."""
     said = [
         f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)"
         for axis, fails, passes in _recorded(failure)

@@ -1,4 +1,4 @@
-"""Looks along an axis for two neighbouring values, one at which the robot arrives and one at which it fails."""
+"""Search an axis for neighbouring values, one at which the robot arrives and one at which it fails."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class BoundaryRuns:
         self._known: dict[int, BoundaryRun | None] = {}
 
     def __call__(self, index: int) -> BoundaryRun | None:
-        """The run at a value; ``None`` where there is none, or its target is not provably reachable."""
+        """Return the run at a value; ``None`` if there is none or its target may be unreachable."""
         if index not in self._known:
             look = self._known[index] = self._run(index)
             if look is not None and self._seen is not None:
@@ -122,7 +122,7 @@ def run_subject(subject: Subject, spare: float = 0.0) -> tuple[Subject, Outcome]
 
 
 def _proved(world: World, spare: float) -> World | None:
-    """Return the world with a witness for a robot wider by ``spare``; with its own if that will do."""
+    """Return the world with a witness for a robot wider by ``spare``, or its own if that is enough."""
     needed = world.robot_radius * (1.0 + spare)
     witness = world.certificate
     if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:
@@ -146,7 +146,7 @@ class Boundary:
     fails: BoundaryRun
 
     def record(self) -> dict[str, Value]:
-        """What a failure's record says of it."""
+        """Return what a failure's record says of it."""
         return {
             "axis": self.axis.name,
             "fails_at": self.fails.value,
@@ -155,7 +155,7 @@ class Boundary:
 
 
 def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) -> Boundary | None:
-    """The boundary that doubling steps from a value meet first, narrowed down by bisection.
+    """Return the boundary that doubling steps from a value meet first, narrowed down by bisection.
 
     Outcomes need not be monotone: there may be other boundaries, nearer ones among them.
 
@@ -184,7 +184,7 @@ def nearest_boundary(looks: BoundaryRuns, start: int, *, reach: int = _REACH) ->
 
 
 def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> BoundaryRun | None:
-    """Bisects towards the last value that has a run.
+    """Bisect towards the last value that has a run.
 
     The first on the way whose outcome is another, if there is one.
     """
@@ -201,7 +201,7 @@ def _last_that_differs(looks: BoundaryRuns, good: BoundaryRun, without: int) -> 
 
 
 def _narrowed(looks: BoundaryRuns, one: BoundaryRun, other: BoundaryRun) -> Boundary | None:
-    """Bisection between two values of different outcome.
+    """Return the bisection between two values of different outcome.
 
     ``None`` where a value between them cannot be judged.
     """
@@ -238,7 +238,7 @@ class Stretch:
 
 
 def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
-    """Runs the values of some indices and, between neighbours of different outcome, bisects to the change.
+    """Run the values of some indices and bisect between neighbours of different outcome.
 
     Between two values of equal outcome nothing is looked at, so what changes twice between them is
     not seen.
@@ -261,7 +261,7 @@ def scan(looks: BoundaryRuns, indices: range) -> list[Stretch]:
 
 
 def _between(looks: BoundaryRuns, low: int, high: int) -> Iterator[int]:
-    """The indices that bisection visits between two of different outcome."""
+    """Yield the indices that bisection visits between two of different outcome."""
     while high - low > 1 and _said(looks(low)) != _said(looks(high)):
         middle = (low + high) // 2
         yield middle

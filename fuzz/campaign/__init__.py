@@ -1,1 +1,1 @@
-"""A campaign: units of search done by an executor, failures shrunk, everything kept in a store on disk."""
+"""A campaign: an executor does units of search, failures are shrunk, a store keeps it all on disk."""

@@ -45,6 +45,6 @@ class CampaignConfig(SearchOptions):
 
     @property
     def slower(self) -> int:
-        """How much less a unit does than for a quick compiled controller, whose steps take nanoseconds."""
+        """How much less a unit does than for a compiled controller, whose steps take nanoseconds."""
         controller = CONTROLLERS.get(self.scenario.controller)
         return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER

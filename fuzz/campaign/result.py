@@ -94,7 +94,7 @@ class SearchState:
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
     def after(self, result: UnitResult) -> SearchState:
-        """The memory with one more unit's result."""
+        """Return the memory with one more unit's result."""
         had = self.strategies.get(result.strategy, StrategyYield())
         strategy = replace(
             had,
@@ -117,11 +117,11 @@ class SearchState:
         )
 
     def is_interesting(self, kind: str, failure: Failure) -> bool:
-        """Whether a failure is the first of its class, or smaller than those known."""
+        """Return True if a failure is the first of its class, or smaller than those known."""
         before = self.failures.get(kind)
         return before is None or failure.size < before.size
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
-        """Whether a cell of the archive is empty, or holds less."""
+        """Return True if a cell of the archive is empty, or holds less."""
         before = self.elites.get(cell)
         return before is None or elite.quality > before.quality

@@ -263,7 +263,7 @@ class Campaign:
         return self._schedule.is_ready
 
     def pending(self) -> dict[str, Failure]:
-        """Failures by class that are proved but not shrunk yet.
+        """Return failures by class that are proved but not shrunk yet.
 
         Of use after an interruption, or when time is up.
         """
@@ -275,7 +275,7 @@ class Campaign:
         }
 
     def run(self) -> Generator[Progress, None, None]:
-        """Does the campaign, or what is left of it.
+        """Do the campaign, or what is left of it.
 
         Raises:
             KeyboardInterrupt: After Ctrl-C, once the units under way have handed in what they had.
@@ -349,7 +349,7 @@ class Campaign:
                 self._merge(unit, _Under(_finished(done.result), done.seconds))
 
     def _hand_out(self, executor: Executor) -> None:
-        """Gives each free worker something to do.
+        """Give each free worker something to do.
 
         The first failure of each class is shrunk before more is searched, the others after it.
         Where time is the budget, shrinking has its share of it: during the search and after it.
@@ -388,7 +388,7 @@ class Campaign:
                 )
 
     def _occupied(self) -> int:
-        """How many workers have something to do, or a result that is merged before they get more.
+        """Return how many workers have work, or a result that is merged before they get more.
 
         Units are merged in order. Those that are done behind one that is not keep nobody busy.
         """
@@ -398,14 +398,14 @@ class Campaign:
         return len(units) + len(self._shrinks)
 
     def _get_ready(self, executor: Executor) -> None:
-        """Waits until all that is needed is loaded; the time begins when it is."""
+        """Wait until all that is needed is loaded; the time begins when it is."""
         loading = [] if self._schedule.is_unlimited else executor.prepare(self.config)
         while loading and wait(loading, LISTEN).not_done:
             executor.listen()
         self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
     def _next_job(self, *, first_only: bool = False) -> _ShrinkJob | None:
-        """A failure to be shrunk, the first of each class before others.
+        """Return a failure to be shrunk, the first of each class before others.
 
         ``None`` when none has its turn.
         """
@@ -419,11 +419,11 @@ class Campaign:
         return job
 
     def _jobs_before(self, job: _ShrinkJob) -> int:
-        """How many of those that wait are as urgent, with those under way."""
+        """Return how many of those that wait are as urgent, with those under way."""
         return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
 
     def _queue(self, jobs: list[_ShrinkJob]) -> None:
-        """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
+        """Put what is to be shrunk with what waits; with what is done if it needs no work."""
         for job in jobs:
             done = self._store.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
             if done is None:
@@ -437,7 +437,7 @@ class Campaign:
         return self._next // self.config.epoch < len(self._known)
 
     def _unit(self, executor: Executor, unit: int) -> _Under[UnitResult] | None:
-        """The unit under way, or as the store has it.
+        """Return the unit under way, or as the store has it.
 
         ``None`` where there is none, or who does it is not ready.
         """
@@ -544,7 +544,7 @@ class Campaign:
         return jobs, kept
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
-        """A unit's result, or what an earlier run had of the same unit, if that came further."""
+        """Return a unit's result, or an earlier run's result of the same unit if that got further."""
         before = self._store.cut_unit(unit)
         if before is None or before.result.worlds <= result.worlds:
             return result
@@ -558,7 +558,7 @@ class Campaign:
         return self._whole(kind for kind in self._candidates if kind not in self.state.best)
 
     def _slid_already(self) -> list[_ShrinkJob]:
-        """The same of classes whose first world has slid, while others wait.
+        """Return the same of classes whose first world has slid, while others wait.
 
         They come before second worlds.
         """
@@ -578,7 +578,7 @@ class Campaign:
         ]  # each takes a second
 
     def _kept(self) -> Iterator[Discovery]:
-        """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
+        """Take finished results off the shrink list, and keep the smallest failure of each class."""
         for job, under in [one for one in self._shrinks if one[1].future.done()]:
             self._shrinks.remove((job, under))
             result = under.future.result()
@@ -603,7 +603,7 @@ class Campaign:
 def shrunk_or_same(
     failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
 ) -> Shrinking:
-    """The failure shrunk, with where it begins.
+    """Return the failure shrunk, with where it begins.
 
     As it was if it does not hold by shrinking's own terms.
 
@@ -649,7 +649,7 @@ def _by_turn(job: _ShrinkJob) -> tuple[int]:
 
 
 def _by_size(job: _ShrinkJob) -> tuple[int, int, tuple[tuple[int, ...], bytes]]:
-    """The first of each class, the smallest first: so the most are done by the end of the time."""
+    """Return the first failure of each class, smallest first, so that most get done in time."""
     return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
 
 

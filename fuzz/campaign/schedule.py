@@ -103,7 +103,7 @@ class Schedule:
         return Deadline(at + self._left(share), at + self._left(prove))
 
     def shrank_enough(self) -> bool:
-        """Return True if shrinking had its share of the search so far, and the search is to have its turn."""
+        """Return True if shrinking has had its share of the time and it is the search's turn."""
         if self._seconds is None:
             return False
         return self._shrinking > _SHRINKING * (self._search + self._shrinking)
@@ -155,7 +155,7 @@ class Schedule:
         return _SEARCH if urgent else _SEARCH_ON
 
     def _left(self, share: float = 1.0) -> float:
-        """Seconds until this share of the time is over; all of it before it began."""
+        """Return seconds until this share of the time is over; all of it before it began."""
         if self._seconds is None:
             return math.inf
         ours = max(self.start_up - self._own, 0.0)

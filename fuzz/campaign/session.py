@@ -187,7 +187,7 @@ class CampaignSession:
         self._summarised = time.monotonic()
 
     def run(self) -> int:
-        """Does the campaign; returns the exit code."""
+        """Do the campaign; return the exit code."""
         try:
             with contextlib.closing(self._store):
                 stopped = self._search_and_say_how_it_ended()
@@ -316,7 +316,7 @@ class CampaignSession:
         return summary_of(self._config, self._campaign.state, self._status, self._out).table()
 
     def _search(self) -> bool:
-        """Does the work; returns whether Ctrl-C stopped it."""
+        """Do the work; return whether Ctrl-C stopped it."""
         try:
             self._watch()
         except KeyboardInterrupt:
@@ -368,7 +368,7 @@ class CampaignSession:
         )
 
     def _so_far(self) -> str:
-        """The campaign in half a line."""
+        """Return the campaign in half a line."""
         if not self._campaign.is_ready:
             return "loading the simulator in each process"
         state = self._campaign.state
@@ -393,7 +393,7 @@ class CampaignSession:
             self._save(at_least_after=_SUMMARY_EVERY)
 
     def _save(self, at_least_after: float = 0.0) -> None:
-        """Writes the failures that are new, and from time to time what reports read."""
+        """Write the failures that are new, and from time to time what reports read."""
         for kind in sorted(self._unsaved):
             data = self._campaign.state.best[kind].dumps()
             path = self._path(kind)
@@ -405,7 +405,7 @@ class CampaignSession:
             self._summarised = time.monotonic()
 
     def _save_pending(self) -> dict[str, Failure]:
-        """What was proved but not shrunk yet is kept as it is.
+        """Return what was proved but not shrunk yet is kept as it is.
 
         Nothing where not even the earlier is gone through.
         """
@@ -475,7 +475,7 @@ class CampaignSession:
             click.echo(f"no {what} of {who} found{beside}")
 
     def _as_report(self) -> Report:
-        """The campaign for the programs that run tests for a team."""
+        """Return the campaign for the programs that run tests for a team."""
         state = self._campaign.state
         scenario = self._config.scenario
         best = sorted(state.best.items())

@@ -87,7 +87,7 @@ def _archive_of(state: CampaignState) -> Archive | None:
 
 
 def describe_strategies(state: CampaignState) -> str:
-    """A table of the strategies: what each had and what it brought."""
+    """Return a table of the strategies: what each had and what it brought."""
     rows = [["strategy", "units", "worlds", "steps", "failures", "new classes"]]
     for name, strategy in sorted(state.memory.strategies.items()):
         rows.append(

@@ -33,7 +33,7 @@ class Variation:
 
     @classmethod
     def parse(cls, text: str, scenario: Scenario) -> Variation:
-        """Reads ``NAME=VALUE,VALUE,...``.
+        """Read ``NAME=VALUE,VALUE,...``.
 
         Args:
             text: As the command line takes it.
@@ -78,7 +78,7 @@ class Variation:
 def applied(
     values: Mapping[str, Value], world: World, scenario: Scenario
 ) -> tuple[World, Scenario]:
-    """The world and the scenario with these values.
+    """Return the world and the scenario with these values.
 
     Args:
         values: By name, one of each :class:`Variation`.
@@ -100,7 +100,7 @@ def applied(
 
 
 def map_provenance(world: World) -> Provenance | None:
-    """How the cells came here if they are a foreign map's.
+    """Return how the cells came here if they are a foreign map's.
 
     True of them whichever robot drives there, and from where. It has the map's origin, so that a
     failure can go back to where the map is used. A family's says the whole world.

@@ -15,7 +15,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def output_options(command: F) -> F:
-    """``--junit``, ``--sarif`` and ``--summary``: reports for the programs that run tests for a team."""
+    """Add ``--junit``, ``--sarif`` and ``--summary``: reports for CI services."""
     for name, what in (
         (
             "--summary",
@@ -38,7 +38,7 @@ class Duration(click.ParamType[float]):
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Reads the time, s."""
+        """Read the time, s."""
         match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
         if not match or float(match[1]) <= 0:
             self.fail(f"{value!r} is no duration; write 30s, 5m or 1h", param, ctx)

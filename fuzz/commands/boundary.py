@@ -119,7 +119,7 @@ def _subject(
 
 
 def _scanned(axis: Axis, start: int) -> range:
-    """The indices of a scan, the own value among them where the axis has no end on the way."""
+    """Return the indices of a scan, with the scenario's own value among them if an axis has no end."""
     if axis.name == "depth":
         return range(axis.low, axis.low + _POINTS)
     if axis.name == "heading":

@@ -23,7 +23,7 @@ FILE = click.Path(path_type=Path)
 
 
 def _filters(command: F) -> F:
-    """``--controller``, ``--class`` and ``--verdict``, each with shell patterns and as often as wanted."""
+    """Add the options ``--controller``, ``--class`` and ``--verdict``, which take shell patterns."""
     for name, argument, what in (
         ("--verdict", "verdicts", "Only this verdict: 'loop', or a pattern like '*'."),
         ("--class", "kinds", "Only this class: 'tunnel-*'."),

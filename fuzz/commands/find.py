@@ -159,7 +159,7 @@ def find(
 
 
 def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
-    """Searches, and writes the nearest world however that ends; returns whether Ctrl-C ended it."""
+    """Search, and write the nearest world however that ends; return whether Ctrl-C ended it."""
     from fuzz.campaign.executors import WorkersLost
     from worldgen.errors import OutputError
     from worldgen.files.grid import write_world
@@ -197,7 +197,7 @@ def _watch(search: OutcomeSearch, out: Path, force: bool) -> bool:
 
 
 def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[str, Value]:
-    """What ``--set`` fixes, with the types that the families declare."""
+    """Return what ``--set`` fixes, with the types that the families declare."""
     from worldgen.errors import InvalidParameter
     from worldgen.family import FAMILIES
     from worldgen.parameters import parse_options
@@ -305,7 +305,7 @@ def _report(
 
 
 def _got(wish: OutcomeTarget, result: Result) -> str:
-    """An outcome in words: ``reached@330``, ``stalled in 20000 steps``, ``timeout, 10% of 20 seeds arrive``."""
+    """Describe an outcome: ``reached@330``, ``stalled in 20000 steps`` or a share of seeds."""
     if result.seeds > 1:
         words = (
             f"{result.verdict}@{result.steps:g}"

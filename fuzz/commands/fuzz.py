@@ -177,7 +177,7 @@ def fuzz(
 def _begin(
     run_budget: Budget, *, out: Path | None, seed: int | None, force: bool, **said: Any
 ) -> CampaignRun:
-    """A new campaign, or the same one again in its folder."""
+    """Return a new campaign, or the same one again in its folder."""
     from fuzz.campaign.session import configure
     from fuzz.campaign.store import begin, stored_seed
     from sim.commands.notes import note_unused

@@ -103,7 +103,7 @@ def init(
 
 
 def _service_of(folder: Path) -> str:
-    """The CI service that a project seems to use; GitHub's unless there is a sign of another."""
+    """Return the CI service that a project seems to use, GitHub's by default."""
     if (folder / ".github").is_dir():
         return "github"
     return (

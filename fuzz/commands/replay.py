@@ -1,4 +1,4 @@
-"""``worldgen replay``: how saved failures stand today, and whether they are as they were, to the bit."""
+"""``worldgen replay``: run saved failures again and compare them bit for bit."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ __all__ = ["shrink"]
 
 
 def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:
-    """Prints what gets simpler, and how, and ends."""
+    """Print what gets simpler, and how, and ends."""
     from fuzz.shrink import ORDER, PASSES
 
     if not wanted or context.resilient_parsing:

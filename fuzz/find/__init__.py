@@ -1,4 +1,4 @@
-"""Finds a world in which given controllers have given outcomes, exactly or as near as the budget allows.
+"""Find a world in which given controllers have given outcomes, or nearly so.
 
 Contents:
     parse_targets, Wish: what is wanted.

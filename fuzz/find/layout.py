@@ -49,7 +49,7 @@ class Layout:
     def of(
         cls, world: World, *, mirror: bool = False, fixed_target: bool = False, leash: int = -1
     ) -> Layout:
-        """A world's inner solid cells as boxes, the largest first.
+        """Return a world's inner solid cells as boxes, the largest first.
 
         Raises:
             InvalidParameter: If a world that is not square is to be mirrored.
@@ -74,20 +74,20 @@ class Layout:
         return home if leash < 0 else replace(home, leash=leash, home=home)
 
     def world(self) -> World:
-        """The world that the layout stands for."""
+        """Return the world that the layout stands for."""
         walls = self.empty.walls.copy()
         for x0, y0, x1, y1 in self.drawn():
             walls[y0:y1, x0:x1] = True
         return replace(self.empty, walls=walls)
 
     def drawn(self) -> tuple[Box, ...]:
-        """Every box, mirror images included."""
+        """Return every box, mirror images included."""
         if not self.mirror:
             return self.boxes
         return (*self.boxes, *(_mirrored(box, self.empty.width) for box in self.boxes))
 
     def edited(self, rng: RandomStream) -> Layout | None:
-        """The layout after one random edit; ``None`` if that edit cannot be made."""
+        """Return the layout after one random edit; ``None`` if that edit cannot be made."""
         kind = rng.below(16)
         if kind == 0:
             return self._with_target(rng)
@@ -111,7 +111,7 @@ class Layout:
         return self._kept((*self.boxes[:index], box, *self.boxes[index + 1 :]))
 
     def simpler(self) -> list[Layout]:
-        """Layouts with one box less, or one row of one box less, the largest step first."""
+        """Return layouts with one box less, or one row of one box less, the largest step first."""
         found = []
         if self.home is None:
             found = [
@@ -128,7 +128,7 @@ class Layout:
         return [layout for layout in found if layout is not None]
 
     def _kept(self, boxes: tuple[Box, ...]) -> Layout | None:
-        """The layout with other boxes, if they lie inside, on the leash, and leave start and target clear."""
+        """Return the layout with other boxes if they fit and keep start and target clear."""
         width = self.empty.width
         height = self.empty.height
         if any(
@@ -203,7 +203,7 @@ def _mirrored(box: Box, side: int) -> Box:
 
 
 def _half(walls: Walls) -> list[Box]:
-    """Boxes that with their mirror images are all of a symmetric world's solid cells.
+    """Return boxes that with their mirror images are all of a symmetric world's solid cells.
 
     Boxes on the diagonal stay whole. The box of a cell's mirror image may be another than the box's
     mirror image, so that both are left out; the cells that are missing then come in boxes of their
@@ -219,7 +219,7 @@ def _half(walls: Walls) -> list[Box]:
 
 
 def _boxes(walls: Walls) -> list[Box]:
-    """Solid cells as boxes that do not overlap.
+    """Return solid cells as boxes that do not overlap.
 
     From the lowest left cell on, as wide and then as high as it goes.
     """

@@ -83,7 +83,7 @@ class NearestWorld:
         return _distance(self.results)
 
     def rank(self) -> tuple[float, int]:
-        """The smaller the better: near first, then few solid cells."""
+        """Return the smaller the better: near first, then few solid cells."""
         return self.distance, self.world.solid_cells
 
 
@@ -146,7 +146,7 @@ class _Unit:
         self._cheap_first = sorted(config.wishes, key=lambda wish: wish.cost)
 
     def distance(self, world: World, most: float) -> float:
-        """Sum of the wishes' distances; more than ``most`` as soon as that is certain."""
+        """Return the sum of the distances to the targets; more than ``most`` once that is certain."""
         self.tried += 1
         total = 0.0
         for wish in self._cheap_first:
@@ -159,7 +159,7 @@ class _Unit:
         return total
 
     def keep(self, candidate: _Candidate) -> None:
-        """Keeps a candidate that is nearer than the best, or simpler, if its loops and its witness can be proved."""
+        """Keep a candidate that is nearer than the best, or simpler, if its proofs succeed."""
         if self.best is not None and candidate.rank() >= self.best.rank():
             return
         decision = decide(candidate.world)
@@ -180,7 +180,7 @@ class _Unit:
         return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
     def run(self) -> _UnitResult:
-        """Sample, climb, simplify.
+        """Return sample, climb, simplify.
 
         A run of a slow controller that is under way when the time is over is given up. So is one
         that Ctrl-C interrupts because it did not end in time: the best until then is kept.
@@ -231,7 +231,7 @@ class _Unit:
             past[step % _MEMORY] = held.distance
 
     def _simplify(self) -> None:
-        """Takes away what the outcome does not need."""
+        """Take away what the outcome does not need."""
         before = None
         while self.best is not None and self.best.distance == 0.0 and self.best is not before:
             before = self.best
@@ -248,7 +248,7 @@ class _Unit:
                         break
 
     def found(self) -> NearestWorld | None:
-        """The best until now."""
+        """Return the best until now."""
         best = self.best
         if best is None:
             return None
@@ -275,7 +275,7 @@ class _Unit:
 
 
 def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
-    """A layout to look at, or ``None`` where the draw comes to none."""
+    """Return a layout to look at, or ``None`` where the draw comes to none."""
     try:
         return _drawn(config, rng)
     except (InvalidWorld, InvalidParameter):
@@ -283,7 +283,7 @@ def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
 
 
 def draw(config: FindConfig) -> World:
-    """A world that the search might look at first.
+    """Return a world that the search might look at first.
 
     Raises:
         InvalidWorld, InvalidParameter: If as many draws as a unit makes come to none; that of the
@@ -298,7 +298,7 @@ def draw(config: FindConfig) -> World:
 
 
 def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
-    """A layout to look at; its provenance is that of a family as long as nothing was changed."""
+    """Return a layout to try; its provenance stays the family's as long as nothing was changed."""
     provenance = None
     if config.begin is not None:
         world = config.begin
@@ -319,7 +319,7 @@ def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
 
 
 def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[World, Provenance]:
-    """A world of a family as ``worldgen FAMILY --seed`` makes it, not proved yet."""
+    """Return a world of a family as ``worldgen FAMILY --seed`` makes it, not proved yet."""
     family = FAMILIES.get(name)
     own = {parameter.name for parameter in family.parameters}
     params: dict[str, Value] = {

@@ -122,7 +122,7 @@ class OutcomeTarget:
         )
 
     def look(self, world: World, *, prove: bool = False) -> Result:
-        """Runs the controller in a world.
+        """Run the controller in a world.
 
         One that draws random numbers there, with :data:`SEEDS` seeds.
 
@@ -172,7 +172,7 @@ class OutcomeTarget:
         ) else episode.steps
 
     def _over_seeds(self, runs: list[_Run]) -> Result:
-        """The outcome of many runs.
+        """Return the outcome of many runs.
 
         Nearly all as wanted and none through walls, or the median time as wanted.
         """
@@ -206,7 +206,7 @@ class OutcomeTarget:
         return _OTHERWISE
 
     def _off(self, number: float) -> float:
-        """How far a number of steps is from the range, as a share of its nearer end."""
+        """Return how far a number of steps is from the range, as a share of its nearer end."""
         if self.low is not None and number < self.low:
             return (self.low - number) / self.low
         if self.high is not None and number > self.high:
@@ -217,7 +217,7 @@ class OutcomeTarget:
 def parse_targets(
     text: str, *, motion: str = "swept", time_step: float = RunOptions.time_step
 ) -> tuple[OutcomeTarget, ...]:
-    """Reads ``CONTROLLER=OUTCOME, ...``.
+    """Read ``CONTROLLER=OUTCOME, ...``.
 
     Args:
         text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or

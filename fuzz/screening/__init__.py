@@ -1,4 +1,4 @@
-"""Native search: thousands of worlds a second, drawn, simulated and judged at first look in one call of the C core.
+"""Native search: the C core draws, simulates and judges thousands of worlds a second in one call.
 
 Contents:
     evaluate: runs of a compiled controller in the worlds of many layouts.

@@ -251,7 +251,7 @@ class Seat:
 
 @functools.cache
 def _discs(radii: tuple[float, ...]) -> tuple[list[tuple[int, int]], Ints]:
-    """Squared clear distances and reaches of a scene's robots, and squared radii of its targets, lattice units."""
+    """Return squared clear distances, reaches and target radii of a scene's robots, lattice units."""
     plain = bytes(layout_bytes.LAYOUT_BYTES)
     discs = [disc_numbers(decode_world(plain, robot_radius=radius)) for radius in radii]
     side = decode_world(plain).cell_size

@@ -232,11 +232,11 @@ class Screening:
         return larger
 
     def world(self, n: int) -> World:
-        """The world of a run, without certificate."""
+        """Return the world of a run, without certificate."""
         return _world_of(self.layouts, n, self.robot)
 
     def scenario_of(self, n: int) -> Scenario:
-        """What ran there, with its seed and time step."""
+        """Return what ran there, with its seed and time step."""
         return self.scenario.with_run(seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
 
 
@@ -291,7 +291,7 @@ def evaluate(
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
-    """Refuses what the core cannot take."""
+    """Refuse what the core cannot take."""
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
@@ -340,7 +340,7 @@ def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
-    """One value for each run."""
+    """Return one value for each run."""
     if values.shape not in ((), (count,)):
         raise InvalidParameter(
             "wrong-shape",
@@ -365,7 +365,7 @@ class _Packed:
     def of(
         cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]
     ) -> _Packed:
-        """Packs the simplest layout for each time step.
+        """Pack the simplest layout for each time step.
 
         The core puts in what other layouts have instead.
         """
@@ -378,7 +378,7 @@ class _Packed:
     def batch(
         self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints
     ) -> Batch:
-        """The runs of one call."""
+        """Return the runs of one call."""
         finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
         for run in self.runs:
             run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
@@ -389,7 +389,7 @@ class _Packed:
         return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
 
     def run(self, batch: Batch, world: Callable[[int], World]) -> None:
-        """Fills in the results."""
+        """Fill in the results."""
         if len(batch) == 0:
             return
         if isinstance(self.controller, CompiledController):

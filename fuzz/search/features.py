@@ -65,7 +65,7 @@ Walls = npt.NDArray[np.bool_]
 
 
 def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> World:
-    """The world that a layout string describes; any string of ``LAYOUT_BYTES`` bytes describes one.
+    """Return the world that a layout string describes; any ``LAYOUT_BYTES`` bytes describe one.
 
     Args:
         data: ``LAYOUT_BYTES`` bytes.
@@ -99,7 +99,7 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
 
 
 def decode_scene(data: bytes) -> World:
-    """The world that a scene describes.
+    """Return the world that a scene describes.
 
     A layout, and three bytes for the robot's radius, the target's and the heading. Three zeros
     change nothing, and neither do three bytes that are not there.
@@ -135,7 +135,7 @@ def _centre(index: int) -> float:
 
 
 def _draw(walls: Walls, feature: bytes) -> None:
-    """Draws one feature; what falls outside the arena is cut off."""
+    """Draw one feature; what falls outside the arena is cut off."""
     kind, x, y, length, depth, form = feature
     height, width = walls.shape
     x = 1 + x % (width - 2)
@@ -172,7 +172,7 @@ def _corner(length: int, depth: int, thickness: int) -> Walls:
 
 
 def _gate(length: int, depth: int, thickness: int) -> Walls:
-    """A long wall with an opening of 2 cells."""
+    """Return a long wall with an opening of 2 cells."""
     stamp = np.ones((thickness, length + depth + 2), bool)
     stamp[:, length : length + 2] = False
     return stamp

@@ -203,7 +203,7 @@ class Few:
                 del found[_OF_EACH_KEY:]
 
     def in_order(self, pace: Pace = _COMPILED) -> list[tuple[Screening, int]]:
-        """Return the smallest failure of each key, then the second smallest, up to the pace's limit."""
+        """Return the smallest failure of each key, then the second smallest, up to the limit."""
         ranked = sorted(
             (rank, solid, key, looks, n)
             for key, found in self._of_key.items()

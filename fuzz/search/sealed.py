@@ -33,7 +33,7 @@ Cells = list[tuple[int, int]]
 
 
 def decode_sealed(data: bytes) -> World:
-    """The world that a layout string describes; any string of ``SEALED_BYTES`` bytes describes one.
+    """Return the world that a layout string describes; any ``SEALED_BYTES`` bytes describe one.
 
     A wall of one cell, straight from side to side or bent round the target's corner, parts the
     target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` stand
@@ -65,7 +65,7 @@ def decode_sealed(data: bytes) -> World:
 
 
 def _beyond(wall: int, length: int, draw: int) -> int:
-    """A place behind a wall that stands at ``wall``; anywhere if that is 0."""
+    """Return a place behind a wall that stands at ``wall``; anywhere if that is 0."""
     first = max(wall + _ROOM, _INNER)
     return first + draw % (length - _INNER - first)
 
@@ -73,7 +73,7 @@ def _beyond(wall: int, length: int, draw: int) -> int:
 def _build(
     size: list[int], solid: Cells, start: tuple[int, int], target: tuple[int, int], data: bytes
 ) -> World:
-    """The arena, its features, then the wall through them."""
+    """Return the arena, its features, then the wall through them."""
     bytes_of_arena = [side - _ARENA for side in size]
     bytes_of_start = [place - _INNER for place in start]
     bytes_of_target = [side - 1 - _INNER - place for side, place in zip(size, target, strict=True)]

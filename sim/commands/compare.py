@@ -138,7 +138,7 @@ def compare(
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Earlier figures: those of ``--against``, or those that lie beside the worlds."""
+    """Return earlier figures: those of ``--against``, or those that lie beside the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 
@@ -173,7 +173,7 @@ def _motion(motion: str | None, figures: Sequence[PublishedRow]) -> str:
 def _scenarios(
     controllers: Sequence[str], motion: str, time_step: float | None, seed: int
 ) -> dict[str, Scenario]:
-    """Columns by label."""
+    """Return columns by label."""
     from sim.controllers import CONTROLLERS, CompiledController, ProcessController, names_in
     from sim.options.run import RunOptions
     from sim.runners.try_out import try_out
@@ -201,7 +201,7 @@ def _scenarios(
 
 
 def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
-    """The worlds of all files, with names of their own."""
+    """Return the worlds of all files, with names of their own."""
     from sim.compare.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
 
@@ -225,14 +225,14 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
 
 
 def _with_time(world: NamedWorld, figures: Sequence[PublishedRow]) -> NamedWorld:
-    """The world with time enough to come twice as late as published, and to prove what is said never to come."""
+    """Return the world with time to arrive in twice the published time, or to prove it never does."""
     own = [figure for figure in figures if figure.is_of(world)]
     times = [_TIME_FOR_NEVER if figure.never else 2.0 * (figure.time or 0.0) for figure in own]
     return replace(world, least_time=max(times, default=0.0))
 
 
 def _read(path: Path) -> Iterator[tuple[Path, World]]:
-    """The worlds of a folder, or, if there is none, of the folders below; of an archive.
+    """Return the worlds of a folder, or, if there is none, of the folders below; of an archive.
 
     Or of the one file.
     """
@@ -253,7 +253,7 @@ def _stem(file: Path) -> str:
 def _note_strangers(
     figures: Sequence[PublishedRow], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]
 ) -> None:
-    """Says which published figures have no world here, or were made under another motion model."""
+    """Say which published figures have no world here, or were made under another motion model."""
     from sim.compare.published import figures_of
 
     strange = sorted(

@@ -78,7 +78,7 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
 
 
 def _word(name: str) -> str:
-    """The name as Python takes it."""
+    """Return the name as Python takes it."""
     import keyword
 
     word = name.replace("-", "_")
@@ -98,7 +98,7 @@ def _word(name: str) -> str:
 
 
 def _suffix(kind: str) -> str:
-    """How a file of the kind ends."""
+    """Return how a file of the kind ends."""
     return f".{kind}" if kind in _COMPILERS else ".py"
 
 
@@ -130,18 +130,18 @@ def _build(path: Path, kind: str) -> str:
 
 
 def _renamed(text: str, word: str) -> str:
-    """The example under another name, without the notes to our own linter."""
+    """Return the example under another name, without the notes to our own linter."""
     text = re.sub(r"  # noqa: .*", "", text)
     return re.sub(r"\bExample\b", _title(word), re.sub(r"\bexample\b", word, text))
 
 
 def _title(word: str) -> str:
-    """The name of a class: ``MyRobot`` for ``my_robot``."""
+    """Return the name of a class: ``MyRobot`` for ``my_robot``."""
     return "".join(part[:1].upper() + part[1:] for part in word.split("_"))
 
 
 def _reference(path: Path, word: str, kind: str) -> str:
-    """How ``--controller`` names it."""
+    """Return how ``--controller`` names it."""
     import shlex
 
     place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"

@@ -17,7 +17,7 @@ __all__ = ["note_unused"]
 
 
 def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -> None:
-    """Say on standard error which options of these runs have no effect, or less than one would think.
+    """Report on stderr which options have no effect on these runs, or less than one might think.
 
     Args:
         scenarios: What is run.

@@ -132,7 +132,7 @@ def run(
 
 
 def _is_reachable(world: World, episode: Episode) -> bool | None:
-    """Whether the target can be reached at all; None where that is undecided.
+    """Return True if the target can be reached at all; None where that is undecided.
 
     A file without a certificate is decided only if the robot did not arrive, for that can take as
     long as the run.

@@ -100,7 +100,7 @@ class RunOptions:
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
 
     def motion_model(self) -> Motion:
-        """The motion model, with the tolerance that these options leave it.
+        """Return the motion model, with the tolerance that these options leave it.
 
         Raises:
             InvalidParameter: If no motion model has that name.
@@ -118,7 +118,7 @@ class RunOptions:
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
-        """Reads back what :meth:`parameters` stored.
+        """Read back what :meth:`parameters` stored.
 
         Raises:
             InvalidParameter: If a name is unknown or a value has the wrong type.
@@ -135,7 +135,7 @@ TIME_STEP = next(
 
 
 def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
-    """The set of options that goes with a motion model.
+    """Return the set of options that goes with a motion model.
 
     Raises:
         InvalidParameter: If no motion model has that name.
@@ -144,7 +144,7 @@ def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
 
 
 def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
-    """Named options as the arguments ``thesis`` and ``robot`` of :class:`RunOptions`.
+    """Return named options as the arguments ``thesis`` and ``robot`` of :class:`RunOptions`.
 
     Raises:
         InvalidParameter: If no motion model has that name, or it has no such option.
@@ -171,7 +171,7 @@ def option_without_effect(motion: str, name: str) -> InvalidParameter:
 
 
 def check_recordable(steps: int) -> None:
-    """Refuses to record a run that takes too much memory.
+    """Refuse to record a run that takes too much memory.
 
     Raises:
         InvalidParameter: If the run has more than ``MAX_RECORDED`` steps.
@@ -189,7 +189,7 @@ def check_recordable(steps: int) -> None:
 
 
 def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:
-    """Refuses a top speed that the simulator cannot represent at this time step.
+    """Refuse a top speed that the simulator cannot represent at this time step.
 
     Args:
         world: Whose robot it is.
@@ -223,7 +223,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
 
 
 def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
-    """Steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000.
+    """Return steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000.
 
     20,000 without one.
     """
@@ -234,7 +234,7 @@ def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
-    """Options from single settings: those of a run, and those of its motion model.
+    """Return the options from single settings: those of a run, and those of its motion model.
 
     Raises:
         InvalidParameter: If a name or a value is unknown or out of range.
@@ -275,7 +275,7 @@ def options_from(
 
 
 def check_world(world: object) -> World:
-    """The world; anything else is refused.
+    """Return the world; anything else is refused.
 
     Raises:
         InvalidParameter: If it is none.
@@ -293,7 +293,7 @@ def check_world(world: object) -> World:
 
 
 def worlds_of(worlds: object) -> list[World]:
-    """One world or many as a list.
+    """Return one world or many as a list.
 
     Raises:
         InvalidParameter: If one of them is none.
@@ -305,7 +305,7 @@ def worlds_of(worlds: object) -> list[World]:
 
 
 def poses_of(starts: object) -> tuple[Pose, ...]:
-    """Starts as a tuple.
+    """Start as a tuple.
 
     Raises:
         InvalidParameter: If they are no list of poses of finite numbers.
@@ -330,7 +330,7 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
 
 
 def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
-    """Seeds from a list of them, or those from 0 from their number.
+    """Return the seeds from a list of them, or those from 0 from their number.
 
     Raises:
         InvalidParameter: If a seed, or their number, is no whole number or out of range.
@@ -341,7 +341,7 @@ def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
-    """A whole number, Python's or NumPy's, from low to high.
+    """Return a whole number, Python's or NumPy's, from low to high.
 
     Raises:
         InvalidParameter: If it is none.

@@ -49,7 +49,7 @@ def configured(
     given: Collection[str],
     known: Collection[str],
 ) -> dict[str, Any]:
-    """Return the defaults that the project's file gives a command's options, by the names of its parameters.
+    """Return the defaults that the project's file sets for a command's options, by parameter name.
 
     Args:
         parameters: The command's.
@@ -104,7 +104,7 @@ def configured(
 def _value_of(
     parameters: Collection[click.Parameter], key: str, value: object, folder: Path, where: str
 ) -> tuple[str, Any]:
-    """The parameter's name, and its value as the command line would give it."""
+    """Return the parameter's name, and its value as the command line would give it."""
     options = {
         flag.removeprefix("--"): option
         for option in parameters
@@ -177,7 +177,7 @@ def _code_from_here(text: str, folder: Path) -> str:
 
 @functools.cache
 def _project(folder: Path) -> _Project | None:
-    """The nearest file at or above a folder that has a table for us."""
+    """Return the nearest file at or above a folder that has a table for us."""
     for place in (folder, *folder.parents):
         file = place / FILE
         try:

@@ -119,7 +119,7 @@ def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> 
 def _defaults(
     command: click.Command, context: click.Context, given: set[str], *, aloud: bool
 ) -> dict[str, Any]:
-    """What the project's file says of the command's options; with ``--verbose`` that is printed."""
+    """Return the settings in the project's file for the command; ``--verbose`` prints them."""
     group = context.find_root().command
     names: list[str] = []
     at: click.Context | None = context

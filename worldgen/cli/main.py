@@ -41,7 +41,7 @@ class LazyGroup(click.Group):
         return {point.name: point for point in points_of(group)}
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Families first, then the commands of every installed package."""
+        """Return families first, then the commands of every installed package."""
         return [
             *sorted(self._points("worldgen.families")),
             *sorted(self._points("worldgen.commands")),
@@ -77,7 +77,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Suggests the nearest command for a misspelt one."""
+        """Suggest the nearest command for a misspelt one."""
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             import difflib
@@ -163,7 +163,7 @@ def _say_how_to_import(error: NotAGrid) -> None:
 
 
 def main() -> NoReturn:
-    """Runs the command line and ends the process with the documented exit code."""
+    """Run the command line and ends the process with the documented exit code."""
     prefer_own_packages()
     try:
         with no_ctrl_c_lost(), display_on_stderr():

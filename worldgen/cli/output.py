@@ -125,7 +125,7 @@ def _finite(value: Any) -> Any:
 
 
 def draw_seed(seed: int | None) -> int:
-    """The given seed, or a fresh one, which is printed so that the run can be repeated."""
+    """Return the given seed, or a fresh one, which is printed so that the run can be repeated."""
     if seed is not None:
         return seed
     drawn = int.from_bytes(os.urandom(8), "big")

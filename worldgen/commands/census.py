@@ -159,7 +159,7 @@ def _maps(
     cell_size: float | None,
     unknown: str | None,
 ) -> list[FolderMaps | GeneratedMaps]:
-    """The maps of all sources: files and folders together.
+    """Return the maps of all sources: files and folders together.
 
     So that scenarios find their maps, then generators.
     """
@@ -257,7 +257,7 @@ def _file_name(question: CensusCase) -> str:
 
 
 def _check_any(found: Census) -> None:
-    """Refuses to print a table of nothing."""
+    """Refuse to print a table of nothing."""
     if found.questions or found.interrupted:
         return
     first = found.fault or (

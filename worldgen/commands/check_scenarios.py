@@ -1,4 +1,4 @@
-"""``worldgen check-scenarios``: the MovingAI benchmark's problems, solved on its maps as we read them."""
+"""``worldgen check-scenarios``: solve the MovingAI benchmark's problems on its maps as read here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``worldgen compose``: worlds of a recipe, with the options of every family and the recipe's own."""
+"""``worldgen compose``: make worlds of a recipe, with its own options and those of every family."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class _Recipes(click.Group):
     """A group whose commands are recipes, each with its own parameters."""
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a recipe."""
+        """Return the command of a recipe."""
         from worldgen.commands.family_command import family_command
         from worldgen.errors import InvalidParameter
 
@@ -27,7 +27,7 @@ class _Recipes(click.Group):
         return family_command(cmd_name)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """None: any file may be one."""
+        """Return None, because any file may be one."""
         return []
 
 

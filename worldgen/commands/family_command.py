@@ -30,7 +30,7 @@ __all__ = ["command_of", "family_command"]
 
 @functools.cache
 def family_command(name: str) -> click.Command:
-    """The command that generates worlds of one family.
+    """Return the command that generates worlds of one family.
 
     Raises:
         InvalidParameter: If no family is called so.
@@ -41,7 +41,7 @@ def family_command(name: str) -> click.Command:
 
 
 def command_of(made_by: Family, name: str) -> click.Command:
-    """The command that generates worlds of this family."""
+    """Return the command that generates worlds of this family."""
 
     def command(
         seed: int | None,
@@ -92,7 +92,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
 
 
 def _set_place(count: int | None, out: Path | None) -> Path | None:
-    """Where a set goes, if one is wanted and not a single file.
+    """Return where a set goes, if one is wanted and not a single file.
 
     Raises:
         UsageError: If there is no place for it, or the output's name is of the other kind.

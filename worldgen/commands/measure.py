@@ -99,7 +99,7 @@ def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
 
 
 def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
-    """One world below the other, or one metric a line where there is one world."""
+    """Return one world below the other, or one metric a line where there is one world."""
     from worldgen.difficulty import METRICS
     from worldgen.support.plain_text import aligned
 

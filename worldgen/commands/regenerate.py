@@ -1,4 +1,4 @@
-"""``worldgen regenerate``: a set again from its manifest, or whether it is what its manifest says."""
+"""``worldgen regenerate``: make a set again from its manifest, or check that it matches it."""
 
 from __future__ import annotations
 

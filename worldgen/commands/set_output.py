@@ -1,4 +1,4 @@
-"""What the commands that make sets share: how far they are, what an interruption leaves, one object of JSON."""
+"""Output shared by the commands that make sets: progress, interruptions, and the JSON object."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def make_many(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Makes a set, or goes on with it.
+    """Make a set, or go on with it.
 
     Args:
         plan: The set, from any seed on.
@@ -83,7 +83,7 @@ def _seed(
 
 
 def workers_for(count: int, workers: int | None) -> int:
-    """Processes for so many worlds, where nobody said how many."""
+    """Return the number of processes for this many worlds, if the user gave none."""
     return workers or (min(os.cpu_count() or 1, 256) if count >= _LARGE else 1)
 
 

@@ -82,7 +82,7 @@ def verify(
 def verify_world(
     world: World, radius: float | None = None, deadline: float | None = None
 ) -> dict[str, Any]:
-    """Checks a world's certificate, or decides the world and checks that.
+    """Check a world's certificate, or decide the world and check that.
 
     Args:
         world: The world.
@@ -156,7 +156,7 @@ def verify_world(
 
 
 def _answers(world: World, radius: float, deadline: float | None) -> bool:
-    """Whether the certificate in the file speaks of what is asked.
+    """Return True if the certificate in the file speaks of what is asked.
 
     If of that alone, it need not hold.
     """
@@ -176,7 +176,7 @@ def _answers(world: World, radius: float, deadline: float | None) -> bool:
 def _lateness(
     world: World, witness: Witness, radius: float, deadline: float | None
 ) -> dict[str, float | None]:
-    """How much later the witness may begin, and some path."""
+    """Return how much later the witness may begin, and some path."""
     from worldgen.reach import latest_start, witness_margin
 
     margin = witness_margin(world, witness, radius=radius) if world.is_dynamic else math.inf

@@ -1,4 +1,4 @@
-"""``worldgen FAMILY --where ... --difficulty ...``: worlds that are searched for, not only drawn."""
+"""``worldgen FAMILY --where ... --difficulty ...``: search for worlds instead of only drawing them."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ WISH_OPTIONS = (
 
 
 def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameters that were typed, not left at their defaults."""
+    """Return the parameters that were typed, not left at their defaults."""
     source = click.get_current_context().get_parameter_source
     default = click.core.ParameterSource.DEFAULT
     return {name: value for name, value in params.items() if source(name) is not default}
@@ -93,7 +93,7 @@ def make_wanted(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Searches and writes what is found: one world, or a set.
+    """Search and write what is found: one world, or a set.
 
     Raises:
         Exit: With code 1 if a world that fits was not found; those found before it stay.
@@ -165,7 +165,7 @@ def make_wanted(
 
 
 def _within(low: float, high: float, where: str | None) -> str:
-    """The wish for one world anywhere in a range of difficulty."""
+    """Return the wish for one world anywhere in a range of difficulty."""
     from worldgen.difficulty import parse
     from worldgen.difficulty.strata import check_range
 
@@ -189,7 +189,7 @@ def _make_stratified(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Make a set that is spread over a range of difficulty, and say how many worlds each stratum has."""
+    """Make a set spread over a range of difficulty, and print how many worlds each stratum has."""
     from worldgen.sets import manifest_of, plan_stratified_set, strata_of
 
     plan = plan_stratified_set(

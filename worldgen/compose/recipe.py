@@ -175,7 +175,7 @@ def _read_pieces(
 
 
 def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]:
-    """A file's piece, and what provenance keeps of it; ``given`` is what it kept."""
+    """Return a file's piece, and what provenance keeps of it; ``given`` is what it kept."""
     if given is not None and not given.startswith(_DIGEST):
         return of_world(loads(given.encode(), str(path))), given
     piece = read(path)

@@ -1,4 +1,4 @@
-"""The largest disc that could get from the start to the target at all, without trying disc after disc.
+"""Find the largest disc that can get from start to target, without trying disc after disc.
 
 A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from
 target (docs/explanation/reachability.md). So the gaps are taken from the narrowest on, and the cells on both
@@ -42,7 +42,7 @@ _LEAST = (
 
 
 def bottleneck(world: World, solid: Bools) -> float:
-    """Radius, m, of the largest disc that gets from the start to the target.
+    """Return radius, m, of the largest disc that gets from the start to the target.
 
     0 if none of 1/64 cell or more does.
 
@@ -72,7 +72,7 @@ def bottleneck(world: World, solid: Bools) -> float:
 
 
 def _halved(world: World, solid: Bools, low: float, high: float) -> float:
-    """The largest radius, cells, between two; ``low`` if nothing larger passes."""
+    """Return the largest radius, cells, between two; ``low`` if nothing larger passes."""
     question = _DiscQuery(world, solid)
     if not question.passes(max(low * (1 + _CLOSE), _LEAST)):
         return low
@@ -85,7 +85,7 @@ def _halved(world: World, solid: Bools, low: float, high: float) -> float:
 
 
 class _DiscQuery:
-    """Whether a disc that fits at the start gets to any pose of the target, asked for one radius after another.
+    """Answers, one radius after another, whether a disc that fits at the start reaches the target.
 
     No way is sought: a pose that no chain parts from the start can be reached
     (docs/explanation/reachability.md).
@@ -131,7 +131,7 @@ class _DiscQuery:
 
 
 def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int | None:
-    """Squared width, cells, of the narrowest gap that closes a chain between two poses.
+    """Return squared width, cells, of the narrowest gap that closes a chain between two poses.
 
     None from ``below`` on.
 
@@ -171,7 +171,7 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
 
 
 def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
-    """The solid cells beside free ones: (n, 2) padded (column, row); numbers by place; stride.
+    """Return solid cells next to free ones: (n, 2) padded (column, row), numbers by place, stride.
 
     Padding.
     """
@@ -184,7 +184,7 @@ def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
 
 
 def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
-    """Offsets between two cells by the squared gap between them, the narrowest first, each pair once."""
+    """Yield the offsets between two cells by their squared gap, narrowest first, each pair once."""
     found: dict[int, list[tuple[int, int]]] = {}
     reach = math.isqrt(max(below - 1, 0)) + 1
     for dy in range(reach + 1):
@@ -196,13 +196,13 @@ def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
 
 
 def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
-    """Indices of the cells that some link of theirs can join across the ray upwards from a pose."""
+    """Return the indices of cells that one of their links can join across the ray up from a pose."""
     column = math.floor(Fraction(pose[0]) / UNIT) + pad
     return np.flatnonzero(np.abs(cells[:, 0] - column) <= pad + 1)
 
 
 def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
-    """Whether each cell's link to the one at an offset crosses the ray upwards from a pose an odd number of times."""
+    """Return, per cell, if its link at an offset crosses the ray upwards an odd number of times."""
     fine = math.lcm(*(Fraction(value).denominator for value in pose))
     unit = UNIT * fine
     half = UNIT * fine // 2

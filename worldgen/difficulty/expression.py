@@ -80,19 +80,19 @@ class Expression:
     _wish: _Wish
 
     def violation(self, metrics: Values, robot_radius: float) -> float:
-        """How far a world is from it: 0 if it holds, else more the farther.
+        """Return how far a world is from it: 0 if it holds, else more the farther.
 
         A metric left out fulfils nothing.
         """
         return self._wish.violation(metrics, robot_radius)
 
     def holds(self, metrics: Values, robot_radius: float) -> bool:
-        """Whether the wish is fulfilled."""
+        """Return True if the wish is fulfilled."""
         return self.violation(metrics, robot_radius) == 0.0
 
 
 def parse(text: str) -> Expression:
-    """The wish that a text says.
+    """Return the wish that a text says.
 
     Raises:
         InvalidParameter: If it is none, with a mark under the place.

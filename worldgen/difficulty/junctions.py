@@ -27,7 +27,7 @@ __all__ = ["decision_points"]
 
 
 def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
-    """The decision points along a way, each once.
+    """Return the decision points along a way, each once.
 
     Column, row and squared radius of its largest disc, in half cells.
 
@@ -49,7 +49,7 @@ def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
 
 
 def _largest_discs(nodes: Nodes, away: Ints) -> Bools:
-    """Return whether the robot is clear at a node, none of its eight neighbours has a larger free disc, and it is near.
+    """Return True if the robot is clear at a near node and no neighbour has a larger free disc.
 
     Args:
         nodes: The world at rest.
@@ -137,7 +137,7 @@ class _Spots:
             self._boxes.setdefault((x // self._side, y // self._side), []).append(k)
 
     def _near(self, k: int) -> Iterator[tuple[int, int]]:
-        """Numbers of the places that may be in each other's discs, and their squared distances."""
+        """Yield pairs of places that may be in each other's discs, and their squared distances."""
         x, y, _ = self.spots[k]
         column = x // self._side
         row = y // self._side
@@ -146,7 +146,7 @@ class _Spots:
                 yield other, (self.spots[other][0] - x) ** 2 + (self.spots[other][1] - y) ** 2
 
     def groups(self) -> Iterator[list[tuple[int, int, int]]]:
-        """The places, those that lie in each other's discs together."""
+        """Yield the places, those that lie in each other's discs together."""
         left = set(range(len(self.spots)))
         while left:
             group = [left.pop()]

@@ -31,7 +31,7 @@ _POCKETS = frozenset({"concavity", "retreat"})
 
 
 def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
-    """How hard a world is, by every metric that has a meaning for it.
+    """Return how hard a world is, by every metric that has a meaning for it.
 
     What goes by a way goes by the world's own witness; a world without a certificate is decided
     first. Equal worlds with equal witnesses have equal metrics, to the last digit, on every
@@ -71,7 +71,7 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
 
 
 def with_metrics(world: World) -> World:
-    """The world with its metrics in its provenance.
+    """Return the world with its metrics in its provenance.
 
     One without provenance has no place for them and stays as it is.
     """
@@ -81,7 +81,7 @@ def with_metrics(world: World) -> World:
 
 
 def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, float]:
-    """What goes by the witness."""
+    """Return what goes by the witness."""
     length = way.length * world.cell_size / UNIT
     turns = way.turning
     found = {"length": length, "turns": turns, "duration": way.duration}
@@ -102,7 +102,7 @@ def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, fl
 def _round(
     world: World, solid: Bools, way: WitnessPath, wanted: frozenset[str]
 ) -> dict[str, float]:
-    """What the robot has round it, and where it may go."""
+    """Return what the robot has round it, and where it may go."""
     samples = samples_of(way)
     found: dict[str, float] = {}
     if wanted & _MEANS:

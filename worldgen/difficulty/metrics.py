@@ -68,7 +68,7 @@ METRICS: Final = {
 
 @dataclass(frozen=True)
 class Metrics:
-    """How hard a world is; each field as :data:`METRICS` says, to :data:`DIGITS` significant digits.
+    """The difficulty of a world, described in :data:`METRICS` and rounded to :data:`DIGITS` digits.
 
     A metric that has no meaning for the world is None: those along a way where none is known, those
     over the straight line where start and target coincide.
@@ -96,11 +96,11 @@ class Metrics:
     changing: float | None = None
 
     def as_dict(self) -> dict[str, float]:
-        """The metrics that have a value, by name, in the order of tables."""
+        """Return the metrics that have a value, by name, in the order of tables."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
 
 
 def rounded(value: float) -> float:
-    """A number to :data:`DIGITS` significant digits, the same on every machine; no minus zero."""
+    """Round to :data:`DIGITS` significant digits, the same on every machine; no minus zero."""
     return float(f"{value:.{DIGITS}g}") + 0.0

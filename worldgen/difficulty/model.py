@@ -32,7 +32,7 @@ def difficulty(
     weights: Mapping[str, tuple[float, float]] = WEIGHTS,
     offset: float = OFFSET,
 ) -> float:
-    """The difficulty, 0 to 1.
+    """Return the difficulty, 0 to 1.
 
     Args:
         metrics: At least those that have weights, :data:`INPUTS`.
@@ -47,7 +47,7 @@ def difficulty(
 
 
 def squashed(name: str, value: float, scale: float, robot_radius: float) -> float:
-    """A metric between 0 and 1; a detour counts from 1 on, lengths in radii of the robot."""
+    """Return a metric between 0 and 1; a detour counts from 1 on, lengths in radii of the robot."""
     if name == "detour":
         value = max(0.0, value - 1.0)
     elif name in _LENGTHS:

@@ -41,7 +41,10 @@ class Nodes:
     clearance_sq: Ints
 
     def beside(self, point: ExactPoint) -> list[int]:
-        """Flat indices of the clear nodes near a point (1/1024 cell) to which the robot may go straight from it."""
+        """Return flat indices of clear nodes near a point that the robot reaches straight from it.
+
+        The point is in 1/1024 cell.
+        """
         found = []
         rows, columns = self.graph.clear.shape
         for j in _near(point[1], rows):
@@ -58,7 +61,7 @@ def _near(value: Any, count: int) -> range:
 
 
 def nodes_of(world: World, solid: Bools) -> Nodes:
-    """The nodes of a world with these cells solid."""
+    """Return the nodes of a world with these cells solid."""
     radius = radius_in_cells(world)
     return Nodes(
         build_graph(solid, radius, 2), Walls(solid, radius), squared_distances(_in_walls(solid))
@@ -66,7 +69,7 @@ def nodes_of(world: World, solid: Bools) -> Nodes:
 
 
 def _in_walls(solid: Bools) -> Bools:
-    """Whether a node lies in a closed solid cell, or on the rim of the grid."""
+    """Return True if a node lies in a closed solid cell, or on the rim of the grid."""
     quarters = np.pad(solid.repeat(2, axis=0).repeat(2, axis=1), 1, constant_values=True)
     rows = quarters[:-1] | quarters[1:]
     found: Bools = rows[:, :-1] | rows[:, 1:]

@@ -58,7 +58,7 @@ class WitnessPath:
 
 
 def witness_path_of(world: World, witness: Witness) -> WitnessPath:
-    """The witness's points to the nearest 1/1024 cell, in which the prover gives them.
+    """Return the witness's points to the nearest 1/1024 cell, in which the prover gives them.
 
     Args:
         world: For its cell size.
@@ -77,12 +77,15 @@ def witness_path_of(world: World, witness: Witness) -> WitnessPath:
 
 
 def distance(ax: float, ay: float, bx: float, by: float) -> float:
-    """Straight distance; square root, not ``hypot``, whose last bit differs between machines."""
+    """Return the straight distance.
+
+    It uses a square root because the last bit of ``hypot`` differs between machines.
+    """
     return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
 
 
 def angle(dot: int, cross: int) -> float:
-    """Angle between two vectors, rad, 0 to pi, from their dot product and the size of their cross product.
+    """Return the angle between two vectors, 0 to pi rad, from their dot and |cross| products.
 
     The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and
     square roots, which are the same on every machine, as the arc tangents of C libraries are not.

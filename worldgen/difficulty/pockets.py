@@ -31,7 +31,7 @@ __all__ = ["pockets"]
 
 
 def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] | None:
-    """Depth of the deepest pocket, and how far every way must go back.
+    """Return the depth of the deepest pocket, and how far every way must go back.
 
     Of the pockets, those count that a robot can come to without going farther from the target than
     it has to.

@@ -59,7 +59,7 @@ class Nearest:
 
 
 def constraint_for(where: str | None, difficulty: float | None = None) -> Expression:
-    """The wish of ``--where`` and ``--difficulty`` together.
+    """Return the wish of ``--where`` and ``--difficulty`` together.
 
     Raises:
         InvalidParameter: If neither is given, one cannot be read, or the difficulty is outside 0 to
@@ -166,7 +166,7 @@ class Search:
         return found
 
     def _keep(self, found: Nearest) -> None:
-        """Makes it a parent if it is near enough.
+        """Make it a parent if it is near enough.
 
         Of equally near ones only the last, so that equals do not crowd.
         """
@@ -200,7 +200,7 @@ def search_world(
     progress: Callable[[Search], None] | None = None,
     **given: Value,
 ) -> World:
-    """A world of a family whose metrics are as wished.
+    """Return a world of a family whose metrics are as wished.
 
     It is an ordinary world: ``generate`` makes it again from its provenance.
 

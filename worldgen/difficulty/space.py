@@ -22,7 +22,7 @@ _CHOSEN = -1  # of a number: the family chooses
 
 
 def free_parameters(family: Family, given: Collection[str]) -> tuple[Parameter, ...]:
-    """The parameters that a search may vary.
+    """Return the parameters that a search may vary.
 
     Those not given, save the robot's and texts without a choice of words.
     """
@@ -36,14 +36,14 @@ def free_parameters(family: Family, given: Collection[str]) -> tuple[Parameter, 
 
 
 def drawn(free: Collection[Parameter], rng: RandomStream, share: float) -> dict[str, Value]:
-    """Random values for a share of the parameters; the others keep their defaults."""
+    """Return random values for a share of the parameters; the others keep their defaults."""
     return {known.name: _any_value(known, rng) for known in free if rng.random() < share}
 
 
 def varied(
     free: Collection[Parameter], values: Mapping[str, Value], rng: RandomStream
 ) -> dict[str, Value]:
-    """The values with one or two changed.
+    """Return the values with one or two changed.
 
     A step up or down, another word, or back to the default.
     """
@@ -59,7 +59,7 @@ def varied(
 def mixed(
     one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStream
 ) -> dict[str, Value]:
-    """Each value from one of two."""
+    """Return each value from one of two."""
     names = [*one, *(name for name in other if name not in one)]
     chosen = {name: (one if rng.below(2) else other).get(name) for name in names}
     return {name: value for name, value in chosen.items() if value is not None}
@@ -96,7 +96,7 @@ def _any_value(known: Parameter, rng: RandomStream) -> Value:
 
 
 def _next_value(known: Parameter, value: Value, rng: RandomStream) -> Value:
-    """A value near another, or once in four times any."""
+    """Return a value near another, or once in four times any."""
     if known.choices or isinstance(value, bool | str) or rng.below(4) == 0:
         return _any_value(known, rng)
     if rng.below(8) == 0:

@@ -215,13 +215,13 @@ class StrataSearch:
         return InStratum(world, difficulty, (self._edges[at], self._edges[at + 1]))
 
     def _stratum_of(self, difficulty: float) -> int | None:
-        """Number of the stratum with this difficulty; the upper end belongs to the last."""
+        """Return the number of the stratum with this difficulty; the upper end belongs to the last."""
         if not self._edges[0] <= difficulty <= self._edges[-1]:
             return None
         return min(bisect_right(self._edges, difficulty), len(self._strata)) - 1
 
     def _proposal(self, aim: int) -> tuple[int, dict[str, Value]]:
-        """Seed and parameters of the next world for a stratum."""
+        """Return the seed and parameters of the next world for a stratum."""
         rng = self._rng
         seed = rng.next64() >> (64 - _SEED_BITS)
         known = [k for k, stratum in enumerate(self._strata) if stratum.parents]
@@ -240,7 +240,7 @@ class StrataSearch:
         return seed, dict(varied(self._free, parent, rng))
 
     def _give_up(self, number: int) -> None:
-        """Close a stratum for which enough was tried in vain, and leave its worlds to the nearest that have some."""
+        """Close a stratum that was tried in vain, and give its worlds to the nearest that fill."""
         stratum = self._strata[number]
         if stratum.tried < self._tries and stratum.asked < _REFUSED * self._tries:
             return

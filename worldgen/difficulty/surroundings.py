@@ -59,7 +59,7 @@ class Samples:
     weight: Floats
 
     def nodes(self) -> Ints:
-        """(m, 2) int64, column and row of the nodes at the corners of the half cells that hold a sample."""
+        """Return a (m, 2) int64 array: column and row of corners of half cells with samples."""
         low, high = ([np.floor(2 * v), np.ceil(2 * v)] for v in (self.x, self.y))
         # One number for each pair sorts ten times as fast as pairs do.
         pairs = [a.astype(np.int64) << 32 | b.astype(np.int64) for a in low for b in high]
@@ -90,7 +90,7 @@ def samples_of(way: WitnessPath) -> Samples:
 
 
 def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
-    """Averages along the way, weighted by its length: distances in cells, and changes."""
+    """Return averages along the way, weighted by its length: distances in cells, and changes."""
     near, seen, narrow, changes = (np.zeros(len(samples.x)) for _ in range(4))
     table = _Walls(solid)
     for first in range(0, len(samples.x), _PART):
@@ -137,7 +137,7 @@ class _Walls:
         return found
 
     def rays(self, x: Floats, y: Floats) -> Floats:
-        """Return (n, 16) how far each ray gets before it touches a solid cell, in steps of its direction.
+        """Return a (n, 16) array: steps in its direction before each ray hits a solid cell.
 
         Cells are closed: a ray that touches a corner or runs along a wall ends there. Slanted rays
         between the axes and diagonals are followed for ``_REACH`` cells along the longer axis only.

@@ -45,7 +45,7 @@ class SupportsRead(Protocol):
     """What can be read piece by piece."""
 
     def read(self, size: int, /) -> bytes:
-        """The next bytes, none at the end."""
+        """Return the next bytes, none at the end."""
 
 
 class ArchiveWriter(Protocol):
@@ -55,7 +55,7 @@ class ArchiveWriter(Protocol):
         """Appends a file."""
 
     def close(self) -> None:
-        """Writes what comes last."""
+        """Write what comes last."""
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,12 @@ class _Tar:
 
 
 def is_archive(path: Path) -> bool:
-    """Whether a file of this name is taken for an archive."""
+    """Return True if a file of this name is taken for an archive."""
     return path.name.lower().endswith(ENDINGS)
 
 
 def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
-    """A writer of the kind that the path's name asks for.
+    """Return a writer of the kind that the path's name asks for.
 
     Args:
         path: Its ending counts.
@@ -144,7 +144,7 @@ def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
 
 @contextlib.contextmanager
 def _told(source: str) -> Iterator[None]:
-    """Makes one sentence of whatever a broken archive raises."""
+    """Make one sentence of whatever a broken archive raises."""
     try:
         yield
     except FileNotFoundError as error:
@@ -186,7 +186,7 @@ def _told(source: str) -> Iterator[None]:
 
 
 def members(path: Path) -> Iterator[Member]:
-    """The files of an archive in their order, one at a time.
+    """Yield the files of an archive in their order, one at a time.
 
     Raises:
         FormatError: If it cannot be read.
@@ -205,7 +205,7 @@ def members(path: Path) -> Iterator[Member]:
 
 
 def archive_in(path: Path) -> tuple[Path, str] | None:
-    """The archive of which a path names a file, and the file's name there.
+    """Return the archive of which a path names a file, and the file's name there.
 
     ``set.zip/maze-7.grid``.
     """
@@ -236,7 +236,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
 
 
 def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Member]:
-    """Reads tar by hand: the library takes the length of a long header at its word."""
+    """Read tar by hand: the library takes the length of a long header at its word."""
     while len(head := stream.read(_BLOCK)) == _BLOCK and head.strip(b"\0"):
         entry = tarfile.TarInfo.frombuf(head, "utf-8", "surrogateescape")
         if entry.size < 0:

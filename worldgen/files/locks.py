@@ -18,7 +18,7 @@ _LONGEST = 400  # bytes of what a locked file says
 
 
 def lock(descriptor: int) -> bool:
-    """Keeps an open file from every other process that asks, until it is closed or this process ends, killed maybe.
+    """Lock an open file against other processes until it is closed or this process ends.
 
     On another host it is kept only as far as the file system carries locks there, as NFS 4 does.
 
@@ -34,7 +34,7 @@ def lock(descriptor: int) -> bool:
 
 
 def sign(descriptor: int) -> None:
-    """Writes into a file that is ours, and that holds nothing else, which process has it.
+    """Write into a file that is ours, and that holds nothing else, which process has it.
 
     :func:`holder` reads it.
     """
@@ -45,7 +45,7 @@ def sign(descriptor: int) -> None:
 
 
 def holder(path: Path) -> int | None:
-    """The process of this machine that keeps a signed file.
+    """Return the process of this machine that keeps a signed file.
 
     ``None`` if none does, or that cannot be known here.
     """

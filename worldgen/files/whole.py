@@ -19,7 +19,7 @@ _MOST_BYTES = 64 << 20
 
 
 def check_output(path: Path, force: bool) -> None:
-    """Refuses before the work what could not be written after it.
+    """Refuse before the work what could not be written after it.
 
     Raises:
         OutputError: If the file is there and ``force`` is not set, or its folder is missing.
@@ -46,7 +46,7 @@ def check_output(path: Path, force: bool) -> None:
 
 
 def read_text(path: Path) -> str:
-    """The text of a small file.
+    """Return the text of a small file.
 
     Raises:
         FormatError: If it cannot be read, is larger than 64 MiB, or is no UTF-8.
@@ -81,7 +81,7 @@ def read_text(path: Path) -> str:
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
-    """Writes a file whole or not at all.
+    """Write a file whole or not at all.
 
     Raises:
         OutputError: If the file is there and ``force`` is not set, its folder is missing, or the

@@ -17,12 +17,12 @@ _ENDINGS = (".grid", ".grid.gz")
 
 
 def is_world_file(name: str) -> bool:
-    """Whether a file of this name is taken for a world."""
+    """Return True if a file of this name is taken for a world."""
     return name.endswith(_ENDINGS)
 
 
 def files_in(folder: Path) -> list[Path]:
-    """The files in a folder and below that are taken for worlds, sorted by name.
+    """Return the files in a folder and below that are taken for worlds, sorted by name.
 
     None in a folder called ``.name``.
     """
@@ -31,12 +31,12 @@ def files_in(folder: Path) -> list[Path]:
 
 
 def _is_hidden(path: Path) -> bool:
-    """Whether a program keeps it for itself, as a campaign its memory and pytest its cache."""
+    """Return True for files that programs keep for themselves, such as pytest's cache."""
     return any(part.startswith(".") for part in path.parts[:-1])
 
 
 def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
-    """The worlds of files, folders and archives, each read when its turn comes.
+    """Yield the worlds of files, folders and archives, each read when its turn comes.
 
     Args:
         paths: A folder stands for the ``.grid`` and ``.grid.gz`` files in it and below, sorted by

@@ -1,4 +1,4 @@
-"""A world becomes files of some other program, with a sidecar for what its format has no room for."""
+"""Write a world as files of another program, with a sidecar for what its format cannot store."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def export_world(
     origin: tuple[float, float] | None = None,
     sidecar: bool = True,
 ) -> Export:
-    """A world in a foreign format.
+    """Return a world in a foreign format.
 
     Args:
         world: The world.
@@ -108,7 +108,7 @@ def export_world(
 
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
-    """What the format has no room for, where ``import`` would not take the same value by itself."""
+    """Yield the values that the format cannot store and that ``import`` would not choose by itself."""
     radius = world.robot_radius
     speed = world.robot_speed
     cell_size = world.cell_size
@@ -158,7 +158,7 @@ def _notes(world: World, at: float | None, destination: Destination) -> Iterator
 
 
 def frozen_at(world: World, time: float) -> World:
-    """The world as it stands at a time, for ever.
+    """Return the world as it stands at a time, for ever.
 
     What burns then is solid, for no robot may touch it.
 
@@ -183,7 +183,7 @@ def frozen_at(world: World, time: float) -> World:
 
 
 def guess_format(file: str) -> str:
-    """The name of the one format whose files end like this.
+    """Return the name of the one format whose files end like this.
 
     Raises:
         InvalidParameter: If none or several do.
@@ -217,7 +217,7 @@ def guess_format(file: str) -> str:
 
 
 def write_export(export: Export, folder: Path, *, force: bool = False) -> list[Path]:
-    """Writes all files of an export; none if one of them is in the way.
+    """Write all files of an export; none if one of them is in the way.
 
     Args:
         export: As made.

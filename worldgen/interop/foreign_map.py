@@ -40,7 +40,7 @@ MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
 
 @dataclass(frozen=True)
 class UsualRobot:
-    """The robot that a kind of map is drawn for, taken where neither the user nor the file names one.
+    """The robot that a kind of map is drawn for, used if neither the user nor the file gives one.
 
     Args:
         size: Radius of its disc, in m or in cells.
@@ -53,7 +53,7 @@ class UsualRobot:
     source: str
 
     def radius(self, cell_size: float) -> float:
-        """The radius, m, on a map with cells of this side, m."""
+        """Return the radius, m, on a map with cells of this side, m."""
         return float(self.size * exact(cell_size) if self.in_cells else self.size)
 
 
@@ -102,7 +102,7 @@ class ForeignMap:
 
 
 def origin_of(world: World) -> tuple[float, float]:
-    """X and y, m, of the grid's lower-left corner in the frame of the map that the world was imported from; else 0."""
+    """Return x and y, m, of the grid's lower-left corner in the imported map's frame; 0 otherwise."""
     made = world.provenance
     origin = made.params.get("origin") if made is not None and made.family == "import" else None
     if (
@@ -116,7 +116,7 @@ def origin_of(world: World) -> tuple[float, float]:
 
 
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
-    """A file's bytes.
+    """Return a file's bytes.
 
     Raises:
         FormatError: If it is missing, unreadable, no regular file, or larger than ``limit`` bytes.
@@ -154,7 +154,7 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
 
 
 def unix_text(data: bytes) -> bytes:
-    """Text without a byte order mark, without the byte that ended files under DOS, and with LF for a lone CR."""
+    """Decode text; drop a byte order mark and DOS's end-of-file byte, and turn a lone CR into LF."""
     data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
     return data if b"\n" in data else data.replace(b"\r", b"\n")
 
@@ -162,7 +162,7 @@ def unix_text(data: bytes) -> bytes:
 def check_sides(
     width: int, height: int, *, line: int | None = None, source: str | None = None
 ) -> None:
-    """Refuses sizes that no world has.
+    """Refuse sizes that no world has.
 
     Raises:
         FormatError: If a side is 0 or above ``MAX_SIDE``, or there are more than ``MAX_CELLS``
@@ -184,5 +184,5 @@ def check_sides(
 
 
 def digest(data: bytes) -> str:
-    """SHA-256 in hex, for provenance."""
+    """Return SHA-256 in hex, for provenance."""
     return hashlib.sha256(data).hexdigest()

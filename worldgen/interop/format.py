@@ -72,7 +72,7 @@ class Destination:
             check_between(name, value, -_FURTHEST, _FURTHEST, "m")
 
     def sibling_file(self, ending: str) -> str:
-        """Name of a file beside it, ``office.pgm`` beside ``office.yaml``.
+        """Return the name of a file beside it, ``office.pgm`` beside ``office.yaml``.
 
         Raises:
             InvalidParameter: If that is the file's own name.
@@ -88,21 +88,21 @@ class Destination:
         return beside
 
     def x(self, value: float) -> str:
-        """An x of the world, m, in the file's frame: an exact decimal."""
+        """Return an x of the world, m, in the file's frame: an exact decimal."""
         return decimal(value, self.origin[0])
 
     def y(self, value: float) -> str:
-        """A y of the world, m, in the file's frame: an exact decimal."""
+        """Return a y of the world, m, in the file's frame: an exact decimal."""
         return decimal(value, self.origin[1])
 
 
 def decimal(value: float, shift: float = 0.0) -> str:
-    """A sum of two numbers as their shortest decimals say them, exactly, without exponent."""
+    """Return the sum of the shortest decimals of two numbers, exactly and without exponent."""
     return decimal_text(exact(value) + exact(shift))
 
 
 def decimal_text(value: Fraction) -> str:
-    """A fraction that is a decimal, exactly, without exponent."""
+    """Return a fraction that is a decimal, exactly, without exponent."""
     places = next(
         n for n in range(2000) if (value * 10**n).denominator == 1
     )  # sums and halves of decimals are some
@@ -199,7 +199,7 @@ class Format:
         return parameters_of(self.write, f"format {self.name!r}") if self.write else ()
 
     def accept(self, given: Mapping[str, Value | None], *, out: bool) -> dict[str, Value]:
-        """Options as given, their types checked; words from the command line are parsed.
+        """Return options as given, their types checked; words from the command line are parsed.
 
         Args:
             given: By name; of a word on the command line, the text behind ``=``, None without one.
@@ -236,7 +236,7 @@ def _accept(name: str, thing: Any) -> Format:
 
 
 def held_values(world: World, destination: Destination) -> dict[str, Value]:
-    """What :data:`HELD` names, of a world: m, rad, m/s.
+    """Return what :data:`HELD` names, of a world: m, rad, m/s.
 
     Two numbers of a point, from the grid's lower-left corner.
     """
@@ -253,7 +253,7 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
 
 
 def held_lines(world: World, destination: Destination) -> list[str]:
-    """What a text header says of a world beside its walls.
+    """Return what a text header says of a world beside its walls.
 
     A sentence, then ``name = value`` in TOML.
     """

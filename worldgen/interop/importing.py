@@ -86,7 +86,7 @@ class Imported:
 
 
 def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
-    """Two or three numbers between commas, as ``--start`` and ``--target`` take them.
+    """Return two or three numbers between commas, as ``--start`` and ``--target`` take them.
 
     Raises:
         InvalidParameter: If there are too few or too many, or one is no number.
@@ -111,7 +111,7 @@ def import_world(
     name: str | None = None,
     options: Mapping[str, Value | None] | None = None,
 ) -> Imported:
-    """Reads a map, puts a robot, a start and a target in it, and decides whether the target can be reached.
+    """Read a map, add a robot, a start and a target, and decide whether the target is reachable.
 
     Args:
         path: A file of any known format.
@@ -160,7 +160,7 @@ def import_world(
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
-    """Where the radius comes from that ``_with_scenario`` and ``_complete`` choose."""
+    """Return where the radius comes from that ``_with_scenario`` and ``_complete`` choose."""
     if robot.radius is not None:
         return "as given"
     if robot.scenario is not None:
@@ -192,7 +192,7 @@ def _with_scenario(
 
 
 def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
-    """Options with what a world of ours says, and with the default robot, where they are left out."""
+    """Fill in the options from a world of ours, or from the default robot."""
     old = found.world
     start = robot.start
     target = robot.target
@@ -211,7 +211,7 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
 def _at_programs_start(
     robot: ImportedRobot, found: ForeignMap
 ) -> tuple[ImportedRobot, tuple[str, ...]]:
-    """Options with the start that the format implies, if none is given and the robot fits there.
+    """Fill in the start that the format implies, if none is given and the robot fits there.
 
     Else why not.
     """
@@ -232,7 +232,7 @@ def _first(*values: float | None) -> float:
 
 
 def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
-    """The map with start and target, as given or placed."""
+    """Return the map with start and target, as given or placed."""
     # _complete has set them
     radius = robot.radius or 0.0
     speed = robot.speed or 0.0
@@ -251,7 +251,7 @@ def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, .
 
 
 def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
-    """What ``import --json`` prints."""
+    """Return what ``import --json`` prints."""
     world = imported.world
     decision = imported.decision
     return {
@@ -272,7 +272,7 @@ def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
 
 
 def describe(file: str | None, imported: Imported) -> list[str]:
-    """What ``import`` prints for people."""
+    """Return what ``import`` prints for people."""
     world = imported.world
     decision = imported.decision
     start = world.start

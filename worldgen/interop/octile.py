@@ -121,7 +121,7 @@ def _numbers(cells: Cells, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64
 
 
 def _graph(walls: npt.NDArray[np.bool_]) -> Any:
-    """Return all moves between free cells, each in one of its two directions, as a sparse matrix."""
+    """Return all moves between free cells as a sparse matrix, each in one direction."""
     free = ~walls
     numbers = np.arange(walls.size, dtype=np.int32).reshape(walls.shape)
     across = free[:, :-1] & free[:, 1:]

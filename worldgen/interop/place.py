@@ -107,7 +107,7 @@ def place(
 
 
 class _Region(NamedTuple):
-    """The largest region: a place in it, how many it has, its share of all, the number of regions."""
+    """The largest region: a place in it, its size, its share of all, and the number of regions."""
 
     root: int
     size: int
@@ -142,12 +142,12 @@ class _ClearPoints:
         return _Region(found.root, found.largest, found.largest / found.places, found.regions)
 
     def any_of(self, region: _Region, rng: RandomStream) -> int:
-        """One of a region's places, all equally likely."""
+        """Return one of a region's places, all equally likely."""
         self._floods.regions(region.root, region.root + 1)
         return int(self._floods.queue[rng.below(region.size)])
 
     def farthest(self, source: int) -> int:
-        """The place with room to turn that takes most steps from ``source``.
+        """Return the place with room to turn that takes most steps from ``source``.
 
         The last such in the order of the flood. A place without room is taken if all that have it
         are near: a start beside its target tests nothing.
@@ -162,13 +162,13 @@ class _ClearPoints:
         return int(self._floods.queue[size - 1])
 
     def _clear_for(self, times: Fraction) -> npt.NDArray[np.bool_]:
-        """Which places are clear for a disc of so many radii, flat."""
+        """Return which places are clear for a disc of so many radii, flat."""
         if times not in self._wider:
             self._wider[times] = build_graph(self._grid, times * self._cells, 2).clear.ravel()
         return self._wider[times]
 
     def near(self, point: _Point) -> int:
-        """A clear place that the disc reaches straight from a point, or else the nearest in its own disc."""
+        """Return a clear place the disc reaches straight from a point, or the nearest one."""
         x, y = (metres_to_lattice(value, self._cell_size) for value in point)
         found = []
         for j in range(y // _HALF - 1, y // _HALF + 3):
@@ -191,7 +191,7 @@ class _ClearPoints:
         return min(found)[2]
 
     def nearest_to(self, point: _Point) -> _Point | None:
-        """The clear place nearest to a point, m."""
+        """Return the clear place nearest to a point, m."""
         x, y = (metres_to_lattice(value, self._cell_size) / _HALF for value in point)
         reach = 8
         while True:
@@ -238,7 +238,7 @@ def _on_lattice(point: _Point, cell_size: float) -> _Point:
 
 
 def is_clear(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, point: _Point) -> bool:
-    """Whether a disc of ``radius`` m at a point, m, moved to the nearest of the pose lattice, is clear of walls."""
+    """Return True if a disc of ``radius`` m is clear at the lattice point nearest to a point."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in point)
     return _is_clear_of(solid, _nearest_wall(solid, (x, y))[0])
@@ -251,7 +251,7 @@ def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
 def _check_start(
     walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point
 ) -> None:
-    """Refuses a start at which the disc cuts a wall."""
+    """Refuse a start at which the disc cuts a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)
     distance_sq, cell = _nearest_wall(solid, (x, y))
@@ -280,7 +280,7 @@ def _check_start(
 
 
 def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple[int, int]]:
-    """Squared distance in lattice units to the nearest solid cell, and the cell."""
+    """Return squared distance in lattice units to the nearest solid cell, and the cell."""
     reach = UNIT
     while True:  # the outside is solid, so there is an end to it
         near = [
@@ -292,7 +292,7 @@ def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple
 
 
 def heading_towards(start: _Point, target: _Point) -> float:
-    """The heading from start to target, on the heading lattice; 0 where they coincide."""
+    """Return the heading from start to target, on the heading lattice; 0 where they coincide."""
     angle = math.atan2(
         float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0]))
     )

@@ -29,7 +29,7 @@ _WAY_OUT = (
 
 
 def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
-    """Formats that can be read, in order of their names, those of plug-ins last."""
+    """Yield formats that can be read, in order of their names, those of plug-ins last."""
     points = FORMATS.entry_points()
     for ours in (True, False) if plug_ins else (True,):
         for name in sorted(points):
@@ -40,7 +40,7 @@ def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
 
 
 def find_format(path: Path, name: str | None = None) -> Format:
-    """The format of a file: as said, or by its contents, or by the ending of its name.
+    """Return the format of a file: as said, or by its contents, or by the ending of its name.
 
     Raises:
         InvalidParameter: If no format has that name, or it can only be written.
@@ -87,7 +87,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
 
 
 def _unknown(suffix: str) -> Message:
-    """What is wrong with a file that is of no format that can be read, and the way out."""
+    """Return what is wrong with a file that is of no format that can be read, and the way out."""
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
         problem = "ends in {suffix}, and {formats} is written, not read"
@@ -126,7 +126,7 @@ def _only(found: list[Format], path: Path) -> Format:
 
 
 def _by_contents(path: Path, head: bytes) -> list[Format]:
-    """Formats whose beginning matches; of several, those that the file's ending fits too.
+    """Return formats whose beginning matches; of several, those that the file's ending fits too.
 
     Ours before plug-ins'.
     """
@@ -144,7 +144,7 @@ def _by_contents(path: Path, head: bytes) -> list[Format]:
 
 
 def looks_like_a_map(path: Path) -> bool:
-    """Whether a file among others is worth reading as a map.
+    """Return True if a file among others is worth reading as a map.
 
     By its contents, or by an ending that only maps have.
     """
@@ -172,7 +172,7 @@ def _head(path: Path) -> bytes:
 def read_map(
     path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None
 ) -> ForeignMap:
-    """Reads a map of any known format; what its sidecar says, the file does not.
+    """Read a map of any known format; what its sidecar says, the file does not.
 
     Args:
         path: The file.

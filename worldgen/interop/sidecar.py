@@ -47,7 +47,7 @@ class Sidecar:
 
 
 def sidecar_text(world: World, destination: Destination, missing: Collection[str]) -> bytes:
-    """The sidecar's contents.
+    """Return the sidecar's contents.
 
     Args:
         world: The world that was exported.
@@ -66,7 +66,7 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
 
 
 def read_sidecar(path: Path) -> Sidecar | None:
-    """The sidecar beside a file; None where there is none.
+    """Return the sidecar beside a file; None where there is none.
 
     Args:
         path: The map's file.
@@ -125,7 +125,7 @@ def _bytes(path: Path) -> bytes:
 
 
 def _numbers(header: Header, key: str) -> tuple[float, ...]:
-    """The numbers of a key, as many as it must have, finite, lengths above 0."""
+    """Return the numbers of a key, as many as it must have, finite, lengths above 0."""
     value = header.data.get(key)
     items = value if isinstance(value, list) else [value]
     count = 2 if key in (*_PAIRS, _SIZE) else 1
@@ -147,7 +147,7 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
 
 
 def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
-    """The map with what its file could not hold.
+    """Return the map with what its file could not hold.
 
     As it is, with a warning, where the sidecar is another map's.
     """
@@ -178,7 +178,7 @@ def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
 def _joined(
     point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...] | None
 ) -> tuple[float, ...] | None:
-    """A point of the sidecar's or the file's own, with the sidecar's third number or the file's own."""
+    """Return a point of the sidecar or the file, with the sidecar's third number or the file's own."""
     if point is None and own is None:
         return None
     rest = third or (own[2:] if own else ())

@@ -65,7 +65,7 @@ Floats = npt.NDArray[np.float64]
 def draw_gif(
     world: World, drives: Sequence[Drive], *, title: str = "", pixels: int = DEFAULT_SIDE
 ) -> bytes:
-    """Robots driving in a world, as the bytes of an animated GIF that begins again at its end.
+    """Return robots driving in a world as the bytes of an endlessly repeating animated GIF.
 
     Args:
         world: Where they drive.
@@ -142,7 +142,7 @@ class _Stage:
         return ROBOTS[robot % len(ROBOTS)] if len(self.drives) > 1 else LOOP
 
     def at(self, time: float) -> Image.Image:
-        """The picture at a time, which is later than all before."""
+        """Return the picture at a time, which is later than all before."""
         picture = self._ground_at(time).copy()
         for trail, mask in zip(self.trails, self.masks, strict=True):
             trail.drawn_until(time, mask)
@@ -237,7 +237,7 @@ class _GrowingTrail:
         self.done = 0
 
     def drawn_until(self, time: float, mask: Image.Image) -> None:
-        """Draws on what was not drawn before."""
+        """Draw on what was not drawn before."""
         until = int(np.searchsorted(self.times, time + 1e-9, side="right"))
         if until <= max(self.done, 1):
             return
@@ -251,7 +251,7 @@ class _GrowingTrail:
 
 
 def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
-    """The way there, and the cycle, each in its own colour."""
+    """Yield the way there, and the cycle, each in its own colour."""
     points = frame.points(drive.trail.points)
     unit = frame.unit
     entry = drive.trail.loop_from
@@ -264,7 +264,7 @@ def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
 
 
 def _fitted(text: str, room: float, size: float) -> str:
-    """The text, or as much of it as there is room for, px, with three dots."""
+    """Return the text, or as much of it as there is room for, px, with three dots."""
     text = printable(text)
     if text_width(text, size) <= room:
         return text
@@ -274,7 +274,7 @@ def _fitted(text: str, room: float, size: float) -> str:
 
 
 def _palette() -> Image.Image:
-    """All colours of all frames.
+    """Return all colours of all frames.
 
     Each meaning's own, and its edges against floor, wall and paper.
     """

@@ -45,7 +45,7 @@ Sample = Callable[[float, float, float], list[Primitive]]
 
 
 def facts(world: World) -> str:
-    """The scale, where the world came from, and what failed in it, in one line."""
+    """Return the scale, where the world came from, and what failed in it, in one line."""
     width = world.width * world.cell_size
     height = world.height * world.cell_size
     parts = [
@@ -62,7 +62,7 @@ def facts(world: World) -> str:
 
 
 def printable(text: str) -> str:
-    """The text with everything that no file format can hold, and every line end.
+    """Return the text with everything that no file format can hold, and every line end.
 
     As a blank or ``?``.
     """
@@ -80,7 +80,7 @@ def text_width(text: str, size: float) -> float:
 
 
 def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
-    """The text as at most ``most`` lines that fit; what does not fit ends in three dots."""
+    """Return the text as at most ``most`` lines that fit; what does not fit ends in three dots."""
     lines: list[str] = []
     for word in text.split():
         joined = f"{lines[-1]} {word}" if lines else word
@@ -105,7 +105,7 @@ def _cut_off(line: str, width: float, size: float) -> str:
 
 
 def caption(content: Content) -> tuple[list[Primitive], int]:
-    """The strip's primitives, and the height of the whole picture in px."""
+    """Return the strip's primitives, and the height of the whole picture in px."""
     frame = content.frame
     unit = frame.unit
     left = float(frame.margin)

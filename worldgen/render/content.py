@@ -33,7 +33,7 @@ class Changes:
 
     @classmethod
     def of(cls, world: World) -> Changes:
-        """The changes of a world; nothing is set in a static one."""
+        """Return the changes of a world; nothing is set in a static one."""
         line = world.timeline
         shape = world.walls.shape
         burns = line.cells_that_become(CellState.BURNING, shape=shape)

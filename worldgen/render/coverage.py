@@ -15,7 +15,7 @@ BLOCK = 1024  # rows shrunk together: bounds the memory for worlds of 20,000 cel
 
 
 def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.uint8]:
-    """How much of each pixel the set cells cover, top row first.
+    """Return how much of each pixel the set cells cover, top row first.
 
     Args:
         mask: (rows, columns) bool, row 0 the lowest y.

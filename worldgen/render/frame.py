@@ -51,7 +51,7 @@ class Frame:
 
     @classmethod
     def of(cls, world: World, pixels: int = DEFAULT_PIXELS) -> Frame:
-        """The frame of a world's picture whose map has ``pixels`` along its longer side, at most.
+        """Return the frame of a world's picture with a map of at most ``pixels`` on either side.
 
         Raises:
             InvalidParameter: If ``pixels`` is out of range.
@@ -92,15 +92,15 @@ class Frame:
         return round(MARGIN * self.unit)
 
     def to_pixels(self, x: float, y: float) -> tuple[float, float]:
-        """The picture's point for a place in m."""
+        """Return the picture's point for a place in m."""
         return self.left + x * self.scale, self.bottom - y * self.scale
 
     def points(self, metres: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """(n, 2) float64, px, for (n, 2) m."""
+        """Return a (n, 2) float64 array in px: for (n, 2) m."""
         return _placed(metres, self.left, self.bottom, self.scale)
 
     def corners(self, cells: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """(n, 2) float64, px, for (n, 2) cell corners: (0, 0) is the grid's lowest left."""
+        """Return a (n, 2) float64 array of px for (n, 2) cell corners; (0, 0) is lower left."""
         return _placed(cells, self.left, self.bottom, self.cell)
 
 

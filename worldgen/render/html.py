@@ -41,7 +41,7 @@ def draw_html(
     title: str = "",
     pixels: int = DEFAULT_PIXELS,
 ) -> str:
-    """The picture of a world as an HTML page, with a table of what is known about it.
+    """Return the picture of a world as an HTML page, with a table of what is known about it.
 
     Args:
         world: What to draw.

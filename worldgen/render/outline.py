@@ -14,12 +14,12 @@ def _parity(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
 
 
 def corner_count(mask: npt.NDArray[np.bool_]) -> int:
-    """How many corners the outlines have together."""
+    """Return how many corners the outlines have together."""
     return int(np.count_nonzero(_parity(mask)))
 
 
 def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
-    """Closed lines that, filled by the even-odd rule, cover exactly the cells that are set.
+    """Return closed lines that, filled by the even-odd rule, cover exactly the cells that are set.
 
     A corner is a grid point with an odd number of set cells around it. Along each row of grid
     points the first corner is joined to the second, the third to the fourth and so on; the same

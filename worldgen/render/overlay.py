@@ -134,7 +134,7 @@ class Trail:
         )
 
     def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
-        """(k, 2) float64, m: where marks of one kind lie."""
+        """Return a (k, 2) float64 array in m: where marks of one kind lie."""
         return np.array(
             [(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64
         ).reshape(-1, 2)
@@ -178,7 +178,7 @@ class Drive:
         return float(self.times[-1])
 
     def moment(self, time: float) -> float:
-        """The recorded time that stands for a later one, s.
+        """Return the recorded time that stands for a later one, s.
 
         A loop goes round for ever, another robot stays.
         """
@@ -188,7 +188,7 @@ class Drive:
         return entry + (time - entry) % (self.end - entry) if self.end > entry else self.end
 
     def pose(self, time: float) -> tuple[float, float, float]:
-        """Place, m, and heading, rad, at a time that is recorded."""
+        """Return the place, m, and the heading, rad, at a time that is recorded."""
         x, y = (
             float(np.interp(time, self.times, values)) for values in (self.trail.x, self.trail.y)
         )

@@ -50,7 +50,7 @@ def rgb(colour: str) -> tuple[int, int, int]:
 
 
 def mix(first: str, second: str, share: float) -> str:
-    """The colour with ``share`` (0 to 1) of the second in it."""
+    """Return the colour with ``share`` (0 to 1) of the second in it."""
     parts = (round(a + (b - a) * share) for a, b in zip(rgb(first), rgb(second), strict=True))
     return "#" + "".join(f"{part:02X}" for part in parts)
 

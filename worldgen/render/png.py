@@ -46,7 +46,7 @@ def draw_png(
     title: str = "",
     pixels: int = DEFAULT_PIXELS,
 ) -> bytes:
-    """The picture of a world, and of a run in it, as the bytes of a PNG file.
+    """Return the picture of a world, and of a run in it, as the bytes of a PNG file.
 
     Args:
         world: What to draw.
@@ -72,7 +72,7 @@ def draw_parts(
     *,
     onto: Image.Image | None = None,
 ) -> Image.Image:
-    """The picture of primitives, the lowest first.
+    """Return the picture of primitives, the lowest first.
 
     Args:
         parts: What to draw.
@@ -101,7 +101,7 @@ class _Canvas:
         self.times = FINE if max(size) <= LARGE else COARSE
 
     def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> None:
-        """Lays one primitive on the picture."""
+        """Lay one primitive on the picture."""
         if isinstance(part, DrawnCircle):
             self._circle(part)
         elif isinstance(part, DrawnLine):
@@ -120,7 +120,7 @@ class _Canvas:
     def _box(
         self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool
     ) -> tuple[int, int, int, int]:
-        """The pixels that a shape can touch: left, top, right, bottom."""
+        """Return the pixels that a shape can touch: left, top, right, bottom."""
         x0, y0 = np.asarray(low, np.float64) - grow
         x1, y1 = np.asarray(high, np.float64) + grow
         left, top, right, bottom = self._map_box() if clipped else (0, 0, *self.image.size)
@@ -227,7 +227,10 @@ class _Canvas:
 
 
 def _fill(pen: ImageDraw.ImageDraw, points: list[tuple[float, float]]) -> None:
-    """Fills a polygon; a rectangle up to its edges, for Pillow counts the pixel beyond the right and lower one in."""
+    """Fill a polygon.
+
+    A rectangle ends one pixel early, because Pillow includes its right and lower edges.
+    """
     across = sorted({x for x, _ in points})
     up = sorted({y for _, y in points})
     if len(points) == 4 and len(across) == len(up) == 2 and len(set(points)) == 4:

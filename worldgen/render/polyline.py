@@ -14,7 +14,7 @@ CHUNK = 2000  # points thinned together: bounds the work on a long scribble
 
 
 def simplified(points: Points, tolerance: float) -> Points:
-    """The line with fewer points, nowhere further than ``tolerance`` from the given one.
+    """Return the line with fewer points, nowhere further than ``tolerance`` from the given one.
 
     Args:
         points: (n, 2).
@@ -58,18 +58,18 @@ def _keep_far(
 
 
 def arc_length(points: Points) -> npt.NDArray[np.float64]:
-    """(n,) float64: way along the line to each of its (n, 2) points."""
+    """Return a (n,) float64 array: way along the line to each of its (n, 2) points."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
 
 
 def along(points: Points, distance: Sequence[float] | Points) -> Points:
-    """(k, 2) float64: the points that lie ``distance`` (k,) along the line."""
+    """Return a (k, 2) float64 array: the points that lie ``distance`` (k,) along the line."""
     length = arc_length(points)
     return np.column_stack([np.interp(distance, length, points[:, axis]) for axis in (0, 1)])
 
 
 def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[float, float, float]]:
-    """Where arrow heads sit well: about ``spacing`` apart, on straight pieces, none on another.
+    """Return places for arrow heads: about ``spacing`` apart, on straight pieces.
 
     Args:
         points: (n, 2).
@@ -98,7 +98,7 @@ def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[flo
 
 
 def corners(points: Points, sharpest: float = 0.5) -> Points:
-    """The (k, 2) points at which the line turns by more than ``sharpest`` radians."""
+    """Return the (k, 2) points at which the line turns by more than ``sharpest`` radians."""
     if len(points) < 3:
         return points[:0]
     ways = np.diff(points, axis=0)
@@ -108,7 +108,7 @@ def corners(points: Points, sharpest: float = 0.5) -> Points:
 
 
 def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
-    """The drawn pieces of a dashed line, each (k, 2).
+    """Return the drawn pieces of a dashed line, each (k, 2).
 
     Args:
         points: (n, 2).

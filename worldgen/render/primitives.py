@@ -95,7 +95,7 @@ class Glow:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A line of text; ``x`` is its left end, ``y`` its baseline, ``size`` the type's height, all px."""
+    """A line of text; ``x`` is its left end, ``y`` its baseline, ``size`` its height, px."""
 
     x: float
     y: float

@@ -62,7 +62,7 @@ class Picture:
 def compose(
     world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
 ) -> Picture:
-    """The whole picture of a world, lowest layer first.
+    """Return the whole picture of a world, lowest layer first.
 
     Args:
         world: What to draw.
@@ -83,7 +83,7 @@ def compose(
 
 
 def map_parts(world: World, frame: Frame) -> list[Primitive]:
-    """A world's map alone, without caption, signal or proof, lowest layer first."""
+    """Return a world's map alone, without caption, signal or proof, lowest layer first."""
     paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, PAPER)
     return [paper, *_map(Content(world, None, False, False, "", frame, Changes.of(world)))]
 
@@ -95,7 +95,7 @@ def moment_parts(
     burning: npt.NDArray[np.bool_],
     height: int,
 ) -> list[Primitive]:
-    """A world's map at one moment, lowest layer first, with room for words below.
+    """Return a world's map at one moment, lowest layer first, with room for words below.
 
     Args:
         world: What to draw.
@@ -145,7 +145,7 @@ def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Dra
 
 
 def _band(frame: Frame) -> DrawnLine:
-    """Everything outside the grid is solid, so the map has a wall around it."""
+    """Return everything outside the grid is solid, so the map has a wall around it."""
     band = frame.band
     return _box(
         frame.left - band,
@@ -210,7 +210,7 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _onto_the_border(points: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.float64]:
-    """Cells of a cut that are outside the grid stand on the wall drawn round it, clear of the caption."""
+    """Return the cut's cells outside the grid, drawn on the wall around it, clear of the caption."""
     beyond = BAND / 2 * frame.unit
     corner = np.array((frame.left, frame.top))
     ends = corner + np.array((frame.width, frame.height))
@@ -233,7 +233,7 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _start_disc(world: World, frame: Frame) -> list[Primitive]:
-    """The robot's disc, true to scale; a ring finds it where it is too small to see."""
+    """Return the robot's disc, true to scale; a ring finds it where it is too small to see."""
     unit = frame.unit
     x, y = frame.to_pixels(world.start.x, world.start.y)
     radius = world.robot_radius * frame.scale
@@ -250,7 +250,7 @@ def _start_disc(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _start_heading(world: World, frame: Frame) -> Primitive:
-    """A tick on the rim of the start's disc, or of the ring around it."""
+    """Return a tick on the rim of the start's disc, or of the ring around it."""
     x, y = frame.to_pixels(world.start.x, world.start.y)
     rim = world.robot_radius * frame.scale
     if rim < HIDDEN * frame.unit:

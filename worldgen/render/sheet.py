@@ -52,7 +52,7 @@ class Panel:
 def draw_sheet(
     panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0, pixels: int = _PANEL
 ) -> bytes:
-    """The worlds side by side, as the bytes of a PNG file.
+    """Return the worlds side by side, as the bytes of a PNG file.
 
     Args:
         panels: The worlds.
@@ -122,7 +122,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
 
 
 def _way(trail: Trail | None, frame: Frame, index: int, count: int) -> list[Primitive]:
-    """A robot's way, set off a little from the others', so that equal ways stay visible."""
+    """Return a robot's way, set off a little from the others', so that equal ways stay visible."""
     if trail is None:
         return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)

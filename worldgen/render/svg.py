@@ -36,7 +36,7 @@ def draw_svg(
     title: str = "",
     pixels: int = DEFAULT_PIXELS,
 ) -> str:
-    """The picture of a world, and of a run in it, as the text of an SVG file.
+    """Return the picture of a world, and of a run in it, as the text of an SVG file.
 
     Args:
         world: What to draw.
@@ -54,7 +54,7 @@ def draw_svg(
 
 
 def svg_element(scene: Picture, *, standalone: bool) -> str:
-    """The ``<svg>`` element; ``standalone`` adds the name space that a file of its own needs."""
+    """Return the ``<svg>`` element; ``standalone`` adds the name space that a separate file needs."""
     writer = _Writer(scene)
     body = [writer.draw(part) for part in scene.primitives]
     space = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
@@ -97,7 +97,7 @@ class _Writer:
         self.definitions: dict[str, str] = {}
 
     def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> str:
-        """The element of one primitive."""
+        """Return the element of one primitive."""
         if isinstance(part, DrawnCircle):
             return self._circle(part)
         if isinstance(part, DrawnLine):
@@ -111,7 +111,7 @@ class _Writer:
         return f'<text {place} fill="{part.fill}">{html.escape(part.text)}</text>'
 
     def _define(self, template: str) -> str:
-        """Adds a definition with ``{id}`` in it.
+        """Add a definition with ``{id}`` in it.
 
         Equal ids are equal definitions, even across pictures.
         """
@@ -199,7 +199,7 @@ class _Writer:
 
 
 def _closed_line(line: npt.NDArray[np.int64]) -> str:
-    """A rectilinear closed line as relative path steps: across, up, across, ..."""
+    """Return a rectilinear closed line as relative path steps: across, up, across, ..."""
     x, y = line[0]
     steps = np.diff(line, axis=0)
     words = [f"h{dx}" if dx else f"v{dy}" for dx, dy in steps.tolist()]

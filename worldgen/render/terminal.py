@@ -73,7 +73,7 @@ SIGNS = {
 
 
 def wants_color(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that shows colours and half blocks.
+    """Return True if a stream is a terminal that shows colours and half blocks.
 
     NO_COLOR, FORCE_COLOR and TERM=dumb are obeyed.
     """
@@ -96,7 +96,7 @@ def draw_terminal(
     color: bool = True,
     truecolor: bool | None = None,
 ) -> str:
-    """A world, and a run in it, as lines of text.
+    """Return a world, and a run in it, as lines of text.
 
     Without colours one character is one cell, as in a ``.grid`` file. With colours a character is
     two dots, one above the other, and a small world gets several dots a cell. A world too large for
@@ -150,7 +150,7 @@ class _Grid:
         return cls(cells, fine, world.cell_size * cells / fine)
 
     def shrunk(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
-        """(rows, columns) float64: the share of each dot's cells that are set."""
+        """Return a (rows, columns) float64 array: the share of each dot's cells that are set."""
         if self.cells == 1:
             return (
                 mask.repeat(self.dots_per_cell, 0).repeat(self.dots_per_cell, 1).astype(np.float64)
@@ -164,7 +164,7 @@ class _Grid:
         return np.asarray(sums / np.outer(*sizes), np.float64)
 
     def dots(self, world: World, trail: Trail | None) -> Dots:
-        """(rows, columns) uint8: what each dot shows, row 0 the lowest."""
+        """Return a (rows, columns) uint8 array: what each dot shows, row 0 the lowest."""
         solid = self.shrunk(world.walls)
         dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
         if world.is_dynamic:
@@ -271,7 +271,7 @@ LEVELS = (0, 95, 135, 175, 215, 255)  # xterm's 6 x 6 x 6 cube; 24 greys follow 
 
 
 def _xterm(colour: list[int]) -> int:
-    """The nearest of xterm's 240 fixed colours."""
+    """Return the nearest of xterm's 240 fixed colours."""
     steps = [min(range(6), key=lambda k, c=channel: abs(LEVELS[k] - c)) for channel in colour]  # type: ignore[misc]
     grey = min(max(round((sum(colour) / 3 - 8) / 10), 0), 23)
     off_cube = sum(

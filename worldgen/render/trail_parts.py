@@ -49,7 +49,7 @@ MOST_DOTS = 400  # more bumps than this hide the map; those that would overlap a
 
 
 def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
-    """The floor that the robot's disc covers in its cycle.
+    """Return the floor that the robot's disc covers in its cycle.
 
     Shows which gaps it does not fit through.
 
@@ -67,7 +67,7 @@ def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
 
 
 def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
-    """The lines, footprints and marks of a trail, lowest first.
+    """Return the lines, footprints and marks of a trail, lowest first.
 
     Args:
         trail: The run.
@@ -125,7 +125,7 @@ def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
 
 
 def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
-    """Whether the cycle is too small to see as a line. ``robot_radius`` in m."""
+    """Return True if the cycle is too small to see as a line. ``robot_radius`` in m."""
     if trail.loop_from is None:
         return False
     spread = float(np.max(np.ptp(trail.loop, axis=0))) * frame.scale
@@ -133,7 +133,7 @@ def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
 
 
 def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
-    """A cycle that stays on its spot: the robot's disc, strong. No arrow: it may turn or push."""
+    """Return a cycle on one spot as the robot's disc, without an arrow: it may be turning."""
     x = float(centre[0])
     y = float(centre[1])
     shown = max(radius, 7.0 * unit)
@@ -146,7 +146,7 @@ def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
 
 
 def _footprint_places(loop: Points, radius: float) -> Points:
-    """Where the robot's disc is drawn: at the cycle's corners, for there it met something."""
+    """Return where the robot's disc is drawn: the cycle's corners, where it hit something."""
     found: list[npt.NDArray[np.float64]] = []
     for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
         if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
@@ -174,7 +174,7 @@ def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
 def pierced_parts(
     cells: Sequence[WallPenetration], shape: tuple[int, int], frame: Frame
 ) -> list[Primitive]:
-    """Walls that were gone into.
+    """Return walls that were gone into.
 
     Red stripes on a light ground, and a frame, so that colour is not all.
 
@@ -204,7 +204,7 @@ def pierced_parts(
 
 
 def breach_crosses(cells: Sequence[WallPenetration], frame: Frame) -> list[Primitive]:
-    """A red cross wherever the robot broke into a wall that the verdict names; above all else."""
+    """Return a red cross wherever the robot entered a wall that the verdict names, above all else."""
     parts: list[Primitive] = []
     unit = frame.unit
     for cell in cells:
@@ -247,14 +247,14 @@ def _distinct(points: Points, grain: float) -> Points:
 
 
 def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[Primitive]:
-    """An x-shaped mark."""
+    """Return an x-shaped mark."""
     paint = Paint(stroke=colour, width=width)
     arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
     return [DrawnLine(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
 
 
 def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> DrawnLine:
-    """A barbed head, its middle on the point, pointing along ``angle`` (rad, pixels' axes)."""
+    """Return a barbed head, its middle on the point, pointing along ``angle`` (rad, in pixel axes)."""
     shape = size * np.array(((0.6, 0.0), (-0.5, 0.45), (-0.25, 0.0), (-0.5, -0.45)))
     turn = np.array(((math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))))
     return DrawnLine(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)

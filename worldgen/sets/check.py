@@ -31,7 +31,7 @@ class SetDifference:
 
 
 def manifest_of(path: Path) -> Manifest:
-    """The manifest of a set.
+    """Return the manifest of a set.
 
     Args:
         path: The set's folder, its archive, or the manifest itself.
@@ -63,7 +63,7 @@ def manifest_of(path: Path) -> Manifest:
 
 
 def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
-    """Every way in which a set differs from a manifest, in the manifest's order, then what is extra.
+    """Return every difference between a set and a manifest, in its order, then extra files.
 
     Args:
         place: The set's folder or archive.

@@ -13,7 +13,7 @@ __all__ = ["entry_jobs"]
 
 
 def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -> list[Job]:
-    """What is to be made for these lines.
+    """Return what is to be made for these lines.
 
     Args:
         entries: The lines.

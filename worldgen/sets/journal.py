@@ -15,7 +15,9 @@ __all__ = ["Journal"]
 
 
 class Journal:
-    """A manifest that grows by whole lines, whatever ends the process, and that one process writes at a time.
+    """A manifest that grows by whole lines, written by one process at a time.
+
+    A process that is killed leaves whole lines.
 
     Args:
         path: The file.
@@ -27,7 +29,7 @@ class Journal:
         self._end = 0  # bytes of whole lines
 
     def read(self, *, force: bool = False) -> Manifest | None:
-        """What is there already, kept from other processes until ``close``.
+        """Return what is there already, kept from other processes until ``close``.
 
         Args:
             force: Whether it may be something else, that is to be replaced.
@@ -55,7 +57,7 @@ class Journal:
             raise
 
     def start(self, header: bytes) -> None:
-        """Begins anew with this line.
+        """Begin anew with this line.
 
         Raises:
             OutputError: If it cannot be written, or another process has begun, or even ended, since
@@ -82,7 +84,7 @@ class Journal:
         self._end = end
 
     def append(self, line: bytes) -> None:
-        """Adds a line, or leaves all as it was.
+        """Add a line, or leave all as it was.
 
         Raises:
             OutputError: If it cannot be written.
@@ -102,7 +104,7 @@ class Journal:
             os.fsync(self._opened())
 
     def close(self) -> None:
-        """Lets other processes at it."""
+        """Let other processes at it."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
@@ -136,7 +138,7 @@ class Journal:
 
 
 def append_at(file: int, end: int, data: bytes) -> None:
-    """Writes all of the data behind ``end`` bytes of an open file."""
+    """Write all of the data behind ``end`` bytes of an open file."""
     os.lseek(file, end, os.SEEK_SET)
     left = memoryview(data)
     while left:

@@ -58,7 +58,7 @@ class _Work:
 
 
 def begun_set(out: Path) -> ManifestHeader | None:
-    """What an unfinished set in this place is to be; ``None`` if there is none that can be read."""
+    """Return what an unfinished set in this place is meant to be; ``None`` if unreadable."""
     folder = out if out.is_dir() else out.with_name(out.name + PART)
     try:
         found = read_manifest(folder / MANIFEST)
@@ -75,7 +75,7 @@ def make_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Makes a set as a folder or an archive; goes on with the same one where that is unfinished.
+    """Make a set as a folder or an archive; go on with the same one where that is unfinished.
 
     Args:
         plan: What it is to hold.
@@ -116,7 +116,7 @@ def regenerate_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Makes a set again from its manifest, byte for byte, each world compared before it is written.
+    """Make a set again from its manifest, byte for byte, each world compared before it is written.
 
     Args:
         manifest: The manifest.
@@ -156,7 +156,7 @@ def restore_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Makes again what is missing in the folder of a set.
+    """Make again what is missing in the folder of a set.
 
     Args:
         manifest: The manifest.

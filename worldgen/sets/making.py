@@ -70,7 +70,7 @@ class Made:
 
     @classmethod
     def of(cls, world: World, params: Mapping[str, Value], metrics: Mapping[str, float]) -> Made:
-        """The file of a world whose provenance is to name these parameters and metrics."""
+        """Return the file of a world whose provenance is to name these parameters and metrics."""
         made = cast("Provenance", world.provenance)  # generate() gives no world without one
         data = dumps(replace(world, provenance=replace(made, params=params, metrics=metrics)))
         return cls(
@@ -82,7 +82,7 @@ _Done = tuple[list[Made], WorldgenError | None]
 
 
 def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
-    """Makes worlds in the order of the jobs.
+    """Make worlds in the order of the jobs.
 
     Args:
         jobs: What is wanted.

@@ -59,7 +59,7 @@ class ManifestHeader:
     strata: tuple[float, ...] = ()
 
     def line(self) -> bytes:
-        """The line, with its end."""
+        """Return the line, with its end."""
         head = {
             "format": FORMAT,
             "worldgen": self.worldgen,
@@ -106,7 +106,7 @@ class ManifestEntry:
     stratum: tuple[float, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys and values as the line has them, and all parameters."""
+        """Return keys and values as the line has them, and all parameters."""
         return {
             "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
             "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
@@ -114,7 +114,7 @@ class ManifestEntry:
         }  # fmt: skip
 
     def line(self, header: ManifestHeader) -> bytes:
-        """The line, with its end.
+        """Return the line, with its end.
 
         Of the parameters only those that differ from the first line's.
         """
@@ -145,7 +145,7 @@ class Manifest:
 
 
 def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
-    """Reads a manifest; a last line without its end, as an interruption leaves it, is left out.
+    """Read a manifest; a last line without its end, as an interruption leaves it, is left out.
 
     Args:
         lines: The lines, ends included.
@@ -191,7 +191,7 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
 
 
 def read_manifest(path: Path) -> Manifest:
-    """The manifest in a file.
+    """Return the manifest in a file.
 
     Raises:
         FormatError: If it cannot be read, or is none.
@@ -259,7 +259,7 @@ class _Fields:
     source: str
 
     def header(self) -> ManifestHeader:
-        """The set."""
+        """Return the set."""
         if self.found.get("format") != FORMAT:
             raise self._wrong(
                 "format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?'
@@ -286,7 +286,7 @@ class _Fields:
         )
 
     def entry(self, header: ManifestHeader) -> ManifestEntry:
-        """A world; its parameters that differ from the set's stand in its line, or all.
+        """Return a world; its parameters that differ from the set's stand in its line, or all.
 
         As older sets have them.
         """
@@ -320,7 +320,7 @@ class _Fields:
         )
 
     def _params(self, header: ManifestHeader) -> Mapping[str, Value]:
-        """The set's, which a hundred thousand worlds share, or a world's own over them."""
+        """Return the set's, which a hundred thousand worlds share, or a world's own over them."""
         own = _differing(self._table("params"), header)
         return {**header.params, **own} if own else header.params
 
@@ -343,7 +343,7 @@ class _Fields:
         return value
 
     def _numbers(self, key: str) -> tuple[float, ...]:
-        """Rising numbers, or none where the line has no such key."""
+        """Return rising numbers, or none where the line has no such key."""
         value = self.found.get(key, [])
         if not isinstance(value, list) or not all(type(one) in (int, float) for one in value):
             raise self._wrong(key, "must be numbers in a list")
@@ -369,7 +369,7 @@ def _line(value: Mapping[str, Any]) -> bytes:
 
 
 def _differing(params: Mapping[str, Value], header: ManifestHeader) -> dict[str, Value]:
-    """Parameters that are not the first line's; 1 is not 1.0, nor is 0.0 -0.0."""
+    """Return parameters that are not the first line's; 1 is not 1.0, nor is 0.0 -0.0."""
     rest = header.params
     return {
         name: value

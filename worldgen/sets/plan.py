@@ -34,31 +34,31 @@ class SetPlan:
     header: ManifestHeader
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
-        """The worlds from this one on, counted from 0."""
+        """Yield the worlds from this one on, counted from 0."""
         for k in range(first, self.header.count):
             yield Job(
                 self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
             )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Makes the worlds from this one on, in so many processes."""
+        """Make the worlds from this one on, in so many processes."""
         return make_all(self.jobs(first), workers)
 
     def seed(self, k: int) -> int:
-        """Seed of the world counted ``k`` from 0."""
+        """Return the seed of the world counted ``k`` from 0."""
         return (self.header.seed + k) & MASK64
 
     def with_seed(self, seed: int) -> SetPlan:
-        """The same, from another seed on."""
+        """Return the same, from another seed on."""
         return replace(self, header=replace(self.header, seed=seed))
 
     def file(self, k: int) -> str:
-        """Name of the file of the world counted ``k`` from 0."""
+        """Return the name of the file of the world counted ``k`` from 0."""
         return file_name(self.header, k, str(self.seed(k)))
 
 
 def file_name(header: ManifestHeader, k: int, called: str) -> str:
-    """Name of the file of the world counted ``k`` from 0, in a subfolder where there are many."""
+    """Return the file name of the world counted ``k`` from 0, in a subfolder if there are many."""
     name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{called}.grid"
     return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
 
@@ -66,7 +66,7 @@ def file_name(header: ManifestHeader, k: int, called: str) -> str:
 def plan_set(
     family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True
 ) -> SetPlan:
-    """The plan of ``count`` worlds with seeds from ``seed`` on.
+    """Return the plan of ``count`` worlds with seeds from ``seed`` on.
 
     Args:
         family: Name of a registered family, or ``./file.py:name``.

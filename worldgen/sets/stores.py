@@ -28,7 +28,7 @@ class Store(Protocol):
     """
 
     def find(self, *, force: bool) -> Manifest | None:
-        """What an earlier run left there.
+        """Return what an earlier run left there.
 
         Args:
             force: Whether something else may be there.
@@ -38,7 +38,7 @@ class Store(Protocol):
         """
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Begins a set.
+        """Begin a set.
 
         Args:
             header: The first line of its manifest.
@@ -46,20 +46,20 @@ class Store(Protocol):
         """
 
     def resume(self, old: Manifest) -> int:
-        """Goes on with a set; gives the number of worlds, from the first, that are there whole."""
+        """Go on with a set; give the number of worlds, from the first, that are there whole."""
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Adds a file and then its line in the manifest."""
+        """Add a file and then its line in the manifest."""
 
     def finish(self) -> None:
-        """Makes a whole of it."""
+        """Make a whole of it."""
 
     def close(self) -> None:
-        """Lets go of it, finished or not."""
+        """Let go of it, finished or not."""
 
 
 def store_for(out: Path) -> Store:
-    """An archive where the name is one's, else a folder.
+    """Return an archive where the name is one's, else a folder.
 
     Raises:
         OutputError: If a folder has an archive's name, or something else another's.
@@ -97,7 +97,7 @@ class SetFolder:
         self._made: set[Path] = set()
 
     def find(self, *, force: bool) -> Manifest | None:
-        """What an earlier run left; a folder with other files in it is refused."""
+        """Return what an earlier run left; a folder with other files in it is refused."""
         self._over_others = force
         found = self._journal.read(force=force)
         if found is None and not force and self._folder.is_dir():
@@ -131,7 +131,7 @@ class SetFolder:
         self._journal.start(header)
 
     def resume(self, old: Manifest) -> int:
-        """Counts the files that are there as said.
+        """Count the files that are there as said.
 
         Behind one that is gone or empty all are made again.
         """
@@ -146,7 +146,7 @@ class SetFolder:
         return done
 
     def holds(self, entry: ManifestEntry, *, force: bool) -> bool:
-        """Whether a world's file is there as said.
+        """Return True if a world's file is there as said.
 
         One that is gone or empty, as after a power cut, is not.
 
@@ -168,7 +168,7 @@ class SetFolder:
         return same
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Puts the file there, then adds the line."""
+        """Put the file there, then add the line."""
         file = self._folder / name
         if not self._over_others and file.is_file():
             with refused_writes(file):
@@ -185,7 +185,7 @@ class SetFolder:
         self._journal.append(line)
 
     def put(self, name: str, data: bytes) -> None:
-        """Writes a file under another name first, so that it is there whole or not at all."""
+        """Write a file under another name first, so that it is there whole or not at all."""
         file = self._folder / name
         with refused_writes(file):
             if file.parent not in self._made:
@@ -194,16 +194,16 @@ class SetFolder:
             place_file(file, data)
 
     def finish(self) -> None:
-        """Waits until the disk has the manifest."""
+        """Wait until the disk has the manifest."""
         self._journal.sync()
 
     def close(self) -> None:
-        """Lets other commands at it."""
+        """Let other commands at it."""
         self._journal.close()
 
 
 class ArchiveStore:
-    """An archive; until it is whole, its manifest and its worlds' bytes are two files in a folder beside it.
+    """An archive; while incomplete, its manifest and worlds are two files in a folder next to it.
 
     Args:
         archive: The archive.
@@ -218,7 +218,7 @@ class ArchiveStore:
         self._end = 0
 
     def find(self, *, force: bool) -> Manifest | None:
-        """What an earlier run left of an archive that is not whole; a whole one is refused."""
+        """Return what an earlier run left of an incomplete archive; refuse a complete one."""
         self._over_others = force
         found = self._journal.read(force=force)
         if self._archive.exists() and not force:
@@ -258,7 +258,7 @@ class ArchiveStore:
         self._open_worlds(0)
 
     def resume(self, old: Manifest) -> int:
-        """Counts the worlds whose bytes are there as said.
+        """Count the worlds whose bytes are there as said.
 
         Behind one that is not all are made again.
         """
@@ -291,7 +291,7 @@ class ArchiveStore:
         self._end += len(data)
 
     def finish(self) -> None:
-        """Packs what was made, the manifest first."""
+        """Pack what was made, the manifest first."""
         packed = self._part / "packed"
         manifest = read_manifest(self._journal.path)
         with refused_writes(self._archive):
@@ -307,7 +307,7 @@ class ArchiveStore:
         self._remove_part()
 
     def close(self) -> None:
-        """Lets other commands at it."""
+        """Let other commands at it."""
         self._journal.close()
         if self._worlds is not None:
             os.close(self._worlds)
@@ -329,7 +329,7 @@ class ArchiveStore:
 
 
 def place_file(file: Path, data: bytes) -> None:
-    """Puts a file where it belongs in one step.
+    """Put a file where it belongs in one step.
 
     Without waiting for the disk, whose faults ``resume`` finds.
     """

@@ -39,11 +39,11 @@ class StratifiedPlan:
     tries: int
 
     def with_seed(self, seed: int) -> StratifiedPlan:
-        """The same by a search with another seed."""
+        """Return the same by a search with another seed."""
         return replace(self, header=replace(self.header, seed=seed))
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """The worlds from this one on.
+        """Yield the worlds from this one on.
 
         What the search found before it is found again, for the next depend on it.
         """
@@ -75,7 +75,7 @@ class StratifiedPlan:
                 yield replace(Made.of(one.world, params, metrics), stratum=one.stratum)
 
     def file(self, k: int) -> str:
-        """Name of the file of the world counted ``k`` from 0.
+        """Return the name of the file of the world counted ``k`` from 0.
 
         Its number, for two may have one seed.
         """
@@ -93,7 +93,7 @@ def plan_stratified_set(
     tries: int = TRIES,
     metrics: bool = True,
 ) -> StratifiedPlan:
-    """The plan of ``count`` different worlds, spread evenly over a range of difficulty.
+    """Return the plan of ``count`` different worlds, spread evenly over a range of difficulty.
 
     Args:
         family: The family, or the name of a registered one.

@@ -35,11 +35,11 @@ class WantedPlan:
     tell: Callable[[Search], None] | None = None
 
     def with_seed(self, seed: int) -> WantedPlan:
-        """The same by a search with another seed."""
+        """Return the same by a search with another seed."""
         return replace(self, header=replace(self.header, seed=seed))
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """The worlds from this one on.
+        """Yield the worlds from this one on.
 
         What the search found before it is found again, for the next depend on it.
         """
@@ -56,7 +56,7 @@ class WantedPlan:
                 yield Made.of(one.world, provenance.params, metrics)
 
     def file(self, k: int) -> str:
-        """Name of the file of the world counted ``k`` from 0.
+        """Return the name of the file of the world counted ``k`` from 0.
 
         Its number, for two may have one seed.
         """
@@ -75,7 +75,7 @@ def plan_wanted_set(
     metrics: bool = True,
     tell: Callable[[Search], None] | None = None,
 ) -> WantedPlan:
-    """The plan of ``count`` different worlds whose metrics are as wished.
+    """Return the plan of ``count`` different worlds whose metrics are as wished.
 
     Args:
         family: The family, or the name of a registered one.

@@ -13,7 +13,7 @@ _DIGITS = 10**30
 
 
 def _sine(degrees: int) -> int:
-    """The sine of 0 to 90 degrees, times ``SCALE``, rounded; by its series in whole numbers."""
+    """Return the sine of 0 to 90 degrees, times ``SCALE``, rounded; from its series in integers."""
     x = _PI * degrees // 180
     term = x
     total = 0
@@ -28,7 +28,7 @@ def _sine(degrees: int) -> int:
 
 @functools.cache
 def direction(degrees: int) -> tuple[int, int]:
-    """Cosine and sine of any whole angle, times ``SCALE``.
+    """Return the cosine and sine of any whole angle, times ``SCALE``.
 
     Exactly symmetric under quarter turns.
     """

@@ -21,7 +21,9 @@ _ours: weakref.WeakValueDictionary[int, npt.NDArray[np.generic]] = weakref.WeakV
 
 
 def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generic]:
-    """The values as an array that nobody can write to; a copy, unless they come from here already.
+    """Return the values as a read-only array.
+
+    They are copied, unless this function has already frozen them.
 
     Args:
         values: Anything that NumPy makes an array of.
@@ -44,7 +46,7 @@ class HoldsFrozen:
     """
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """Takes over what ``pickle`` or ``copy`` brings."""
+        """Take over what ``pickle`` or ``copy`` brings."""
         for name, value in state.items():
             object.__setattr__(
                 self, name, frozen(value, value.dtype) if isinstance(value, np.ndarray) else value
@@ -52,7 +54,7 @@ class HoldsFrozen:
 
 
 def freeze(array: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Freezes an array in place and says that it need not be copied.
+    """Freeze an array in place and say that it need not be copied.
 
     The caller keeps no writable view of it.
 
@@ -71,5 +73,5 @@ def _keep(array: npt.NDArray[T]) -> npt.NDArray[T]:
 
 
 def _is_ours(array: npt.NDArray[np.generic]) -> bool:
-    """Whether this very array was kept, and nobody made it writable since."""
+    """Return whether this very array was kept, and nobody made it writable since."""
     return not array.flags.writeable and _ours.get(id(array)) is array

@@ -6,7 +6,7 @@ __all__ = ["interval_95"]
 
 
 def interval_95(count: int, total: int) -> tuple[float, float]:
-    """Two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
+    """Return two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
 
     Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated
         in the

@@ -1,4 +1,4 @@
-"""Packages whose names are imported when they are first used, and which list them for ``dir`` and tab completion."""
+"""Import a package's names when they are first used, and list them for ``dir`` and tab completion."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ _BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 1_000
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
-    """Rows as lines, each column as wide as its widest cell.
+    """Return rows as lines, each column as wide as its widest cell.
 
     Cells that a row lacks at its end are empty.
 
@@ -41,12 +41,12 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
 
 
 def counted(count: int, one: str, many: str = "") -> str:
-    """The count and its noun: ``1 map``, ``2 maps``; ``many`` where an s is not enough."""
+    """Return the count and its noun: ``1 map``, ``2 maps``; ``many`` where an s is not enough."""
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
 def quote(text: object, limit: int = 40) -> str:
-    """Return text from outside in quotes, short enough for a message, with nothing that a terminal would obey.
+    """Quote text from outside, short enough for a message and without terminal control codes.
 
     Args:
         text: Bytes that are not UTF-8 are shown as escapes, numbers (NumPy's too) as they print,
@@ -69,7 +69,7 @@ def _shown_value(value: object) -> str:
 
 
 def shown(text: object) -> str:
-    """A text with what a terminal would obey.
+    """Return a text with what a terminal would obey.
 
     As in the names of strangers' files, written as escapes.
     """
@@ -77,12 +77,12 @@ def shown(text: object) -> str:
 
 
 def shown_lines(text: str) -> str:
-    """The same for a text of several lines, which stay so."""
+    """Return the same for a text of several lines, which stay so."""
     return "\n".join(map(shown, text.split("\n")))
 
 
 def describe_value(value: object) -> str:
-    """A value of a file's header, lists and tables in it included, on one line.
+    """Return a value of a file's header, lists and tables in it included, on one line.
 
     Numbers with six digits.
     """

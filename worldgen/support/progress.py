@@ -1,4 +1,4 @@
-"""Say what takes long: nothing for two seconds, then a line every few seconds, or one live line on a terminal.
+"""Report slow work: nothing for two seconds, then a line every few seconds, or one live line.
 
 Code anywhere wraps slow work in :func:`working`. Only the command line installs a :class:`Display`;
 in library use the same messages go to the logger ``worldgen`` at level INFO, so nothing is printed
@@ -83,7 +83,7 @@ class Work:
         self._detail = lambda: self._counted(done, total, noun)
 
     def text(self) -> str:
-        """The message with its detail, on one line."""
+        """Return the message with its detail, on one line."""
         detail = self._detail if isinstance(self._detail, str) else self._detail()
         return shown(f"{self.message}: {detail}" if detail else self.message)
 
@@ -356,7 +356,7 @@ def _columns() -> int:
 
 
 def _fitted(parts: list[str], end: str, columns: int) -> str:
-    """One line for a terminal.
+    """Return one line for a terminal.
 
     Without the outer parts if it would be too long, then cut before its end.
     """

@@ -13,7 +13,7 @@ T = TypeVar("T", bound=np.generic)
 
 
 def flip_rows(array: npt.NDArray[T]) -> npt.NDArray[T]:
-    """Turns lowest-row-first into top-row-first, and back: it is its own inverse.
+    """Turn lowest-row-first into top-row-first, and back: it is its own inverse.
 
     Args:
         array: (height, ...) cells, pixels or rows of anything.

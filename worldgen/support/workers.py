@@ -30,7 +30,7 @@ _TO_TERMINATE = 1.0  # s that all processes have together
 
 @contextlib.contextmanager
 def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
-    """Hold Ctrl-C back until the function this yields is called, which raises ``KeyboardInterrupt``.
+    """Hold back Ctrl-C until the function this yields is called; that raises ``KeyboardInterrupt``.
 
     Every driver of work hears Ctrl-C in this one way. An exception between any two instructions
     could leave locks of queues and futures locked forever, or be swallowed by other code. A second
@@ -70,7 +70,7 @@ def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Cal
 
 
 class WorkerPool(ProcessPoolExecutor):
-    """Processes that leave Ctrl-C to the one that started them, and end when that one ends, even if it is killed.
+    """Processes that ignore Ctrl-C and end with the process that started them, even if killed.
 
     They are started when work is first submitted.
 
@@ -139,7 +139,7 @@ def _start_worker(initializer: Callable[..., None] | None, args: tuple[Any, ...]
 
 
 def become_worker() -> None:
-    """Ignore Ctrl-C in this process, and end when the process that started it ends, even if that is killed."""
+    """Ignore Ctrl-C, and end this process with the one that started it, even if that is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_driver, daemon=True).start()
 

@@ -56,7 +56,7 @@ def _grid(path: Path) -> Grid:
 
 
 def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
-    """Serves the protocol on stdin and stdout until stdin ends."""
+    """Serve the protocol on stdin and stdout until stdin ends."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever else prints, prints to stderr
     try:

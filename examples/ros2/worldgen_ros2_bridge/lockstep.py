@@ -91,7 +91,7 @@ class Ports(Protocol):
         ...
 
     def wait(self, seconds: float) -> Twist | None:
-        """The newest command since the last :meth:`publish`, waiting so long for one.
+        """Return the newest command since the last :meth:`publish`, waiting so long for one.
 
         None if none comes.
         """
@@ -127,7 +127,7 @@ class Bridge:
         self._episode = _Episode(0.0)
 
     def answer(self, line: str) -> str | None:
-        """What is to be said to a line: nothing to a reset, a command to an observation.
+        """Return what is to be said to a line: nothing to a reset, a command to an observation.
 
         Raises:
             ValueError: If the line is of no version that we know.
@@ -194,7 +194,7 @@ def _situation(
 
 
 def serve(bridge: Bridge, lines: Iterable[str], answers: TextIO) -> None:
-    """Answers line by line until there are no more."""
+    """Answer line by line until there are no more."""
     for line in lines:
         said = bridge.answer(line)
         if said is not None:

@@ -67,7 +67,7 @@ class Scan:
 
 
 def grid_of(text: str) -> Grid:
-    """The map in a ``.grid`` file; of an imported ROS map with the origin that it had.
+    """Return the map in a ``.grid`` file; of an imported ROS map with the origin that it had.
 
     Args:
         text: The file's contents, ``docs/reference/grid-format.md``; the cells are those at time 0.
@@ -95,7 +95,7 @@ def grid_of(text: str) -> Grid:
 
 
 def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
-    """Range beams as a scan in the frame of the robot's base.
+    """Return range beams as a scan in the frame of the robot's base.
 
     Args:
         beams: Distances, m, counter-clockwise, as the observation has them.
@@ -119,18 +119,18 @@ def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
 
 
 def quaternion(heading: float) -> tuple[float, float, float, float]:
-    """x, y, z, w of a turn about z."""
+    """Return x, y, z, w of a turn about z."""
     return 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)
 
 
 def stamp(seconds: float) -> tuple[int, int]:
-    """Seconds and nanoseconds of a builtin_interfaces/Time, to the nearest nanosecond."""
+    """Return a time as the seconds and nanoseconds of builtin_interfaces/Time, rounded to nearest."""
     total = round(seconds * 1e9)
     return total // 10**9, total % 10**9
 
 
 def composed(first: Pose, then: Pose) -> Pose:
-    """The pose ``then``, told in the frame of ``first``, in the frame in which ``first`` is told."""
+    """Convert the pose ``then`` from the frame of ``first`` to the frame that ``first`` is in."""
     cos = math.cos(first.heading)
     sin = math.sin(first.heading)
     x = first.x + cos * then.x - sin * then.y
@@ -139,26 +139,26 @@ def composed(first: Pose, then: Pose) -> Pose:
 
 
 def inverse(pose: Pose) -> Pose:
-    """The other frame's origin, as ``pose`` sees it."""
+    """Return the other frame's origin, as ``pose`` sees it."""
     cos = math.cos(pose.heading)
     sin = math.sin(pose.heading)
     return Pose(-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.heading)
 
 
 def between(parent: Pose, child: Pose) -> Pose:
-    """``child`` in the frame of ``parent``, both told in one frame."""
+    """Return ``child`` in the frame of ``parent``, both told in one frame."""
     return composed(inverse(parent), child)
 
 
 def pose_in_map(pose: Pose, grid: Grid | None) -> Pose:
-    """A pose of the world in the frame ``map``, whose grid need not begin at 0."""
+    """Return a pose of the world in the frame ``map``, whose grid need not begin at 0."""
     return (
         pose if grid is None else Pose(pose.x + grid.origin.x, pose.y + grid.origin.y, pose.heading)
     )
 
 
 def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
-    """The mean velocity between two poses, in the frame of the base as nav_msgs/Odometry wants it."""
+    """Return the mean velocity between two poses, in the base frame as nav_msgs/Odometry requires."""
     x = after.x - before.x
     y = after.y - before.y
     ahead = (

@@ -38,7 +38,10 @@ LATCHED = QoSProfile(
 
 
 class RosPorts:
-    """Topics ``/clock /map /tf /odom /scan /goal_pose /signal /signal_heading /bump`` out, ``/cmd_vel`` in.
+    """ROS node that publishes the robot's sensors and listens to its commands.
+
+    It publishes ``/clock /map /tf /odom /scan /goal_pose /signal /signal_heading /bump`` and
+    subscribes to ``/cmd_vel``.
 
     Args:
         node: Made by the caller, who has called ``rclpy.init``.
@@ -114,7 +117,7 @@ class RosPorts:
             self._scan.publish(_laser_scan(situation.scan, situation.time))
 
     def wait(self, seconds: float) -> Twist | None:
-        """The first command that comes; None if none does."""
+        """Return the first command that comes; None if none does."""
         end = time.monotonic() + seconds
         while self._heard is None and (left := end - time.monotonic()) > 0.0:
             rclpy.spin_once(self._node, timeout_sec=left)

@@ -24,7 +24,7 @@ __all__ = [
 
 
 def cluster_executor(address: str, config: CampaignConfig) -> Executor:
-    """The workers of the Dask cluster with this scheduler.
+    """Return the workers of the Dask cluster with this scheduler.
 
     Raises:
         InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration

@@ -81,7 +81,7 @@ class DaskExecutor:
         return max(self._room, _PER_WORKER)  # without any worker they wait at the scheduler
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Gives it to the scheduler."""
+        """Give it to the scheduler."""
         future: Future[T] = self._pool.submit(self._job.run, work, args, kwargs)
         return future
 
@@ -93,7 +93,7 @@ class DaskExecutor:
         """Nothing: what is under way is cancelled at the end."""
 
     def listen(self) -> None:
-        """Raises ``KeyboardInterrupt`` if Ctrl-C came.
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came.
 
         Raises:
             WorkersLost: If the scheduler is gone.
@@ -103,7 +103,7 @@ class DaskExecutor:
             raise WorkersLost("scheduler-lost", _GONE, address=self._address)
 
     def __enter__(self) -> Self:
-        """Connects.
+        """Connect.
 
         Raises:
             InvalidParameter: If no scheduler answers.
@@ -135,7 +135,7 @@ class DaskExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Disconnects; what is under way is cancelled.
+        """Disconnect; what is under way is cancelled.
 
         Raises:
             WorkersLost: If the scheduler is gone, or work killed worker after worker.
@@ -149,7 +149,7 @@ class DaskExecutor:
 
 
 def _retell(error: BaseException, address: str) -> None:
-    """Raises what went wrong as a sentence, where it is not our fault."""
+    """Raise what went wrong as a sentence, where it is not our fault."""
     if isinstance(error, KilledWorker):
         raise WorkersLost(
             "killed-worker",

@@ -28,7 +28,7 @@ class Executor(Protocol):
         """How many units may be under way at a time."""
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Begins a piece of work, or puts it behind what is under way."""
+        """Begin a piece of work, or put it behind what is under way."""
 
     def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Begin to load what the first units need, wherever work will be done.
@@ -37,13 +37,13 @@ class Executor(Protocol):
         """
 
     def listen(self) -> None:
-        """Raises ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""
 
     def stop(self) -> None:
         """Tell whatever is under way to end with what it has; nobody waits for what does not."""
 
     def __enter__(self) -> Self:
-        """Starts what is needed."""
+        """Start what is needed."""
 
     def __exit__(
         self,
@@ -51,7 +51,7 @@ class Executor(Protocol):
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Ends it, at once if something went wrong.
+        """End it, at once if something went wrong.
 
         Raises:
             WorkersLost: Instead of what went wrong, if it was that.

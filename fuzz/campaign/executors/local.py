@@ -151,7 +151,7 @@ class ProcessExecutor:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        """Ends the processes; at once if something went wrong, or they were told to stop.
+        """End the processes; at once if something went wrong, or they were told to stop.
 
         Raises:
             WorkersLost: If one of them died.

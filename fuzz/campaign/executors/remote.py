@@ -64,7 +64,7 @@ class RemoteJob:
         )
 
     def run(self, work: Callable[P, T], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> T:
-        """Does the work in this process, whose code is looked at first.
+        """Do the work in this process, whose code is looked at first.
 
         Raises:
             InvalidParameter: If it is other code.
@@ -80,7 +80,7 @@ class RemoteJob:
 
 
 def _places(config: CampaignConfig) -> list[str]:
-    """The Python files that a configuration names."""
+    """Return the Python files that a configuration names."""
     names = [
         config.scenario.controller,
         *config.families,
@@ -120,7 +120,7 @@ def _be_alike(job: RemoteJob) -> None:
 
 
 def _copy(name: str, data: bytes) -> Path:
-    """A file of this content, in a folder that goes when this process does."""
+    """Return a file of this content, in a folder that goes when this process does."""
     folder = Path(_folder().name) / hashlib.sha256(data).hexdigest()
     folder.mkdir(exist_ok=True)
     (folder / name).write_bytes(data)

@@ -35,7 +35,7 @@ class Done:
 
 
 def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, str]) -> bytes:
-    """The text of an entry.
+    """Return the text of an entry.
 
     Args:
         unit: Its number.
@@ -62,7 +62,7 @@ def write_entry(unit: int, done: Done, fingerprint: str, failures: Mapping[str, 
 
 
 def read_entry(text: str, unit: int, fingerprint: str, failure: Callable[[str], Failure]) -> Done:
-    """The unit that an entry tells of.
+    """Return the unit that an entry tells of.
 
     Args:
         text: The entry's file.

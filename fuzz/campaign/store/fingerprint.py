@@ -66,7 +66,7 @@ class Fingerprint:
         return digest_of([self.configuration, self.code])
 
     def differences(self, now: Fingerprint) -> list[str]:
-        """How another fingerprint differs from this one, in words: ``seed is 5, not 6``."""
+        """Return how another fingerprint differs from this one, in words: ``seed is 5, not 6``."""
         found = []
         for name in sorted(self.configuration.keys() | now.configuration.keys()):
             before = self.configuration.get(name)
@@ -82,7 +82,7 @@ class Fingerprint:
 
 
 def fingerprint_of(config: CampaignConfig) -> Fingerprint:
-    """The fingerprint of a configuration, with the code as it is here and now.
+    """Return the fingerprint of a configuration, with the code as it is here and now.
 
     Raises:
         InvalidParameter: If a controller, family or oracle cannot be found.
@@ -96,7 +96,7 @@ def fingerprint_of(config: CampaignConfig) -> Fingerprint:
 
 
 def digest_of(value: Any) -> str:
-    """The first hex digits of the SHA-256 of a value in JSON's types."""
+    """Return the first hex digits of the SHA-256 of a value in JSON's types."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
 
@@ -118,7 +118,7 @@ def _configuration(config: CampaignConfig) -> dict[str, Any]:
 
 
 def config_of(configuration: Mapping[str, Any]) -> CampaignConfig:
-    """The configuration that was stored.
+    """Return the configuration that was stored.
 
     Raises:
         WorldgenError: If a part of it is out of range.
@@ -153,12 +153,12 @@ def _own_folders() -> list[Path]:
 
 @functools.cache
 def _own_sources() -> str:
-    """A digest of our own files: which of them a unit hangs on is hard to say."""
+    """Return a digest of our own files: which of them a unit hangs on is hard to say."""
     return digest_of_sources(_own_folders())
 
 
 def digest_of_sources(folders: Sequence[Path]) -> str:
-    """A digest of packages' files, comments and tables included, without those that only show what was found.
+    """Return a digest of packages' files, without those that only present results.
 
     What is compiled of them is left out: another compiler's core computes the same.
 
@@ -181,7 +181,7 @@ def digest_of_sources(folders: Sequence[Path]) -> str:
 
 
 def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
-    """What is not our own, and its digest."""
+    """Yield what is not our own, and its digest."""
     controller = config.scenario.controller
     found = CONTROLLERS.get(controller)
     if isinstance(found, ProcessController):
@@ -198,14 +198,14 @@ def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
 
 
 def _digest_of_source(registry: Registry[Any], name: str) -> str:
-    """The digest of the file that defines a thing; empty of our own and of what no file defines."""
+    """Return the digest of the file that defines an object; empty if it is ours or has no file."""
     file = registry.source(name)
     ours = file is not None and any(file.is_relative_to(folder) for folder in _own_folders())
     return "" if file is None or ours else _digest_of_files(file)
 
 
 def _digest_of_program(command: Sequence[str]) -> str:
-    """The digest of what runs: those of a command's words that are files here."""
+    """Return the digest of what runs: those of a command's words that are files here."""
     paths = [Path(shutil.which(word) or word) for word in command]
     return _digest_of_files(*(path for path in paths if path.is_file()))
 

@@ -46,33 +46,33 @@ class CampaignStore:
     """A campaign's memory; this one remembers nothing, for a campaign that nobody goes on with."""
 
     def unit(self, unit: int) -> Done | None:
-        """A unit that was done before; ``None`` if it is to be done."""
+        """Return a unit that was done before; ``None`` if it is to be done."""
         return None
 
     def cut_unit(self, unit: int) -> Done | None:
-        """What a unit had met when it was cut short.
+        """Return what a unit had met when it was cut short.
 
         ``None`` if there is nothing of it, or it was done since.
         """
         return None
 
     def units_cut(self) -> list[int]:
-        """Numbers of the units that were cut short and not done since."""
+        """Return the numbers of the units that were cut short and not done since."""
         return []
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keeps a unit; one that was cut short apart from those that are done."""
+        """Keep a unit; one that was cut short apart from those that are done."""
 
     def seconds(self) -> float:
         """Return how long earlier runs took, as far as that is known."""
         return 0.0
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
+        """Return what a failure was shrunk to before; ``None`` if it is to be shrunk."""
         return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Keeps what a failure was shrunk to."""
+        """Keep what a failure was shrunk to."""
 
 
 class FolderStore(CampaignStore):
@@ -107,7 +107,7 @@ class FolderStore(CampaignStore):
 
     @staticmethod
     def stored_in(out: Path) -> tuple[Fingerprint, dict[str, Any]] | None:
-        """The fingerprint of the campaign in a folder, and how long it was to search.
+        """Return the fingerprint of the campaign in a folder, and how long it was to search.
 
         ``None`` if there is none.
 
@@ -137,7 +137,7 @@ class FolderStore(CampaignStore):
             ) from error
 
     def units_done(self) -> int:
-        """How many units it holds, from the first on: one more than the last number."""
+        """Return how many units it holds, from the first on: one more than the last number."""
         numbers = [
             int(file.stem)
             for file in (self._path / "units").glob("*.json")
@@ -146,11 +146,11 @@ class FolderStore(CampaignStore):
         return max(numbers, default=-1) + 1
 
     def close(self) -> None:
-        """Lets other processes at it."""
+        """Let other processes at it."""
         os.close(self._lock)
 
     def begin(self, fingerprint: Fingerprint, budget: dict[str, Any]) -> None:
-        """Stores the fingerprint of a new campaign, or the new budget of the one that is there.
+        """Store the fingerprint of a new campaign, or the new budget of the one that is there.
 
         Raises:
             OutputError: If it cannot be written.
@@ -172,7 +172,7 @@ class FolderStore(CampaignStore):
         self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
 
     def forget(self) -> None:
-        """Removes what is there of an earlier campaign; its failures in the folder outside stay.
+        """Remove what is there of an earlier campaign; its failures in the folder outside stay.
 
         Raises:
             OutputError: If it cannot be removed.
@@ -188,11 +188,11 @@ class FolderStore(CampaignStore):
                     shutil.rmtree(self._path / part)
 
     def unit(self, unit: int) -> Done | None:
-        """A unit that was done before; ``None`` if it is to be done, or its entry is not whole."""
+        """Return a unit that was done before; ``None`` if there is no complete entry of it."""
         return self._read_unit(unit, self._unit_file(unit))
 
     def cut_unit(self, unit: int) -> Done | None:
-        """What a unit had met when it was cut short.
+        """Return what a unit had met when it was cut short.
 
         ``None`` if there is nothing of it, or it was done since.
         """
@@ -200,7 +200,7 @@ class FolderStore(CampaignStore):
         return done and replace(done, result=replace(done.result, cut=True))
 
     def units_cut(self) -> list[int]:
-        """Numbers of the units that were cut short and not done since."""
+        """Return the numbers of the units that were cut short and not done since."""
         names = [file.name.removesuffix(_CUT) for file in (self._path / "units").glob(f"*{_CUT}")]
         return sorted(int(name) for name in names if name.isdecimal())
 
@@ -213,7 +213,7 @@ class FolderStore(CampaignStore):
             return None
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keeps a unit: its failures first, then its entry.
+        """Keep a unit: its failures first, then its entry.
 
         One that was cut short is begun again by who goes on.
 
@@ -230,7 +230,7 @@ class FolderStore(CampaignStore):
             self._cut_file(unit).unlink(missing_ok=True)
 
     def shrunk(self, failure: Failure, kept: str) -> Failure | None:
-        """What a failure was shrunk to before.
+        """Return what a failure was shrunk to before.
 
         ``None`` if it is to be shrunk, or the file is not whole.
         """
@@ -243,7 +243,7 @@ class FolderStore(CampaignStore):
             return None
 
     def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
-        """Keeps what a failure was shrunk to.
+        """Keep what a failure was shrunk to.
 
         Args:
             failure: Before.
@@ -257,7 +257,7 @@ class FolderStore(CampaignStore):
         self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
 
     def written(self) -> dict[str, str]:
-        """Names of the failures that this campaign wrote into its folder, with a digest of each one's content."""
+        """Return a digest of each failure that this campaign wrote into its folder, by file name."""
         try:
             said = json.loads(read_text(self._path / _WRITTEN))
             return {
@@ -312,7 +312,7 @@ class FolderStore(CampaignStore):
         return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
 
     def save_summary(self, summary: dict[str, Any]) -> None:
-        """Writes what reports read.
+        """Write what reports read.
 
         Raises:
             OutputError: If it cannot be written.
@@ -351,7 +351,7 @@ class FolderStore(CampaignStore):
 
 
 def _whole_failure(file: Path, content: str) -> Failure:
-    """The failure in a file that is named by its content.
+    """Return the failure in a file that is named by its content.
 
     Raises:
         ValueError: If the content is another; as FormatError if it cannot be read.

@@ -51,7 +51,7 @@ class CampaignRun:
 
 
 def stored_seed(out: Path) -> int | None:
-    """The seed of the campaign in a folder, ``None`` if there is none, or none that can be read."""
+    """Return the seed of the campaign in a folder, or ``None`` if none can be read."""
     try:
         stored = FolderStore.stored_in(out)
         return None if stored is None else int(stored[0].configuration["seed"])
@@ -60,7 +60,7 @@ def stored_seed(out: Path) -> int | None:
 
 
 def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = False) -> CampaignRun:
-    """Begins a campaign in a folder, or goes on with the same one.
+    """Begin a campaign in a folder, or go on with the same one.
 
     One that did nothing yet makes room for another.
 
@@ -102,7 +102,7 @@ def begin(config: CampaignConfig, out: Path, budget: Budget, *, force: bool = Fa
 
 
 def resume(out: Path, budget: Budget | None = None) -> CampaignRun:
-    """Goes on with the campaign in a folder.
+    """Go on with the campaign in a folder.
 
     Args:
         out: The folder.

@@ -172,7 +172,7 @@ class Summary:
 
 
 def read_summary(folder: Path) -> Summary | None:
-    """The summary of the campaign whose folder this is; ``None`` if there is none.
+    """Return the summary of the campaign whose folder this is; ``None`` if there is none.
 
     Raises:
         FormatError: If it cannot be read, or is no summary of version 1.

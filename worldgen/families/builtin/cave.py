@@ -51,7 +51,7 @@ def cave(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A cave of irregular halls and passages, the start at one end, the target at another.
+    """Build a cave of irregular halls and passages, the start at one end, the target at another.
 
     No wall is straight, and hollows of every size catch a robot that follows a signal or a wall.
     Whatever is free can be reached by the robot: hollows that hang apart are joined by tunnels,

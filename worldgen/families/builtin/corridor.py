@@ -78,7 +78,7 @@ def corridor(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A corridor from the start, at one end, to the target, at the other, through solid rock.
+    """Build a corridor through solid rock from the start at one end to the target at the other.
 
     Right angles and side ways are where a robot that reverses or turns by rote loses its direction.
     The corridor is reachable by construction and spans the square.

@@ -75,7 +75,7 @@ def fire(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A world of another family in which fire breaks out on the way to the target.
+    """Build a world of another family in which fire breaks out on the way to the target.
 
     What is true when the robot sets out is not true when it arrives: ways burn, fall shut behind
     the fire, and open where walls burn through. The floor round the start never burns, so that the

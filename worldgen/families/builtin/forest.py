@@ -46,7 +46,7 @@ def forest(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A forest of round trunks, with the start on one side and the target on the other.
+    """Build a forest of round trunks, with the start on one side and the target on the other.
 
     There is a way between any two trunks, so a robot that goes round what it meets arrives; one
     that turns by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk

@@ -69,7 +69,7 @@ def maze(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A maze from one corner of the square to the opposite one.
+    """Build a maze from one corner of the square to the opposite one.
 
     Dead ends and long ways round defeat a robot that only turns away from what it bumps into. A
     maze is a lattice of chambers, each a passage wide. Every chamber is reachable by construction;

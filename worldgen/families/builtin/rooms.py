@@ -44,7 +44,7 @@ def rooms(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """One floor of an office: rooms, corridors and doors, the start in one room, the target in a far one.
+    """Build one floor of an office: rooms, corridors and doors, start and target far apart.
 
     A robot that is drawn to the target ends up behind the wall of the room next door, and must find
     a door that it may have to go away for. Every room can be reached by construction, unless doors

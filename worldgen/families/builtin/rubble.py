@@ -60,7 +60,9 @@ def rubble(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A collapsed building: the robot comes in where it still stands, and looks for a survivor in a pocket.
+    """Build a collapsed building in which the robot looks for a survivor in a pocket.
+
+    It comes in where the building still stands.
 
     Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they
     stood and bars ways that the plan has. The survivor, the target, lies in a pocket that debris

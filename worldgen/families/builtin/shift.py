@@ -42,7 +42,7 @@ def shift(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """A world of another family whose cells change places.
+    """Build a world of another family whose cells change places.
 
     As the thesis's world shifter moves them. Again and again, with some chance, a cell drawn from
     the whole square is swapped with its mirror image along the diagonal from the upper left to the
@@ -88,7 +88,7 @@ def shift(
 def shifted(
     world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0
 ) -> World:
-    """Return a world whose cells change places over time, as in :func:`shift`.
+    """Build a world whose cells change places over time, as in :func:`shift`.
 
     The result has no certificate, even if the given world had one.
 

@@ -71,7 +71,7 @@ def trap(
     robot_radius: RobotRadius = 0.07,
     robot_speed: RobotSpeed = 2.0,
 ) -> World:
-    """An open arena with a concave obstacle on the straight line from start to target.
+    """Build an open arena with a concave obstacle on the straight line from start to target.
 
     A robot that is drawn to the target runs into the hollow and must first go away from the target
     to get round. There is a way round on both sides where the square has room for it, else on one.

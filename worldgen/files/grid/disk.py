@@ -29,11 +29,11 @@ class _SupportsRead(Protocol):
     """What can be read piece by piece."""
 
     def read(self, size: int, /) -> bytes:
-        """The next bytes, none at the end."""
+        """Return the next bytes, none at the end."""
 
 
 def read_world(path: str | PathLike[str]) -> World:
-    """The world in a file; names ending in ``.gz`` are decompressed.
+    """Return the world in a file; names ending in ``.gz`` are decompressed.
 
     Args:
         path: The file; one in an archive has the archive's path and then its own name,
@@ -84,7 +84,7 @@ def read_world(path: str | PathLike[str]) -> World:
 
 
 def unpack_world(member: Member, source: str) -> World:
-    """The world in a file of an archive.
+    """Return the world in a file of an archive.
 
     Args:
         member: The file.
@@ -122,7 +122,7 @@ def _read_archived(archive: Path, name: str, source: str) -> World:
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
-    """Writes the canonical text of a world; names ending in ``.gz`` are compressed.
+    """Write the canonical text of a world; names ending in ``.gz`` are compressed.
 
     Args:
         world: What to write.
@@ -160,7 +160,7 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
 
 
 def expansion_limit(compressed: int) -> int:
-    """Bytes that a compressed file of this size may expand to."""
+    """Return bytes that a compressed file of this size may expand to."""
     return min(MAX_FILE_BYTES, max(EXPANSION_FLOOR, EXPANSION_RATIO * compressed))
 
 
@@ -169,7 +169,7 @@ def _is_compressed(name: str) -> bool:
 
 
 def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
-    """Gzip data without name or time, so that equal worlds are equal files.
+    """Return gzip data without name or time, so that equal worlds are equal files.
 
     And the length of what is in it.
     """
@@ -214,7 +214,7 @@ def _expand(data: bytes, source: str) -> bytes:
 
 
 def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
-    """All of a stream, or nothing if it is longer than ``limit``: a device may never end."""
+    """Return all of a stream, or nothing if it is longer than ``limit``: a device may never end."""
     pieces: list[bytes] = []
     left = limit
     while piece := stream.read(_PIECE):

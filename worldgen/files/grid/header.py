@@ -66,7 +66,7 @@ class Header:
             self._fail_toml(str(error))
 
     def line_of(self, *path: str) -> int:
-        """Line of the file that holds a key: its own statement, or the nearest one around it."""
+        """Return the line of the file that sets a key, or the nearest one around it."""
         best = 0
         found = self._line
         for offset, statement in self._statement_paths():
@@ -78,15 +78,15 @@ class Header:
         return found
 
     def statements(self) -> list[tuple[int, tuple[str, ...]]]:
-        """Line and full key path of every table line and every ``key = value``, in order."""
+        """Return line and full key path of every table line and every ``key = value``, in order."""
         return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
 
     def fault(self, message: Message, *path: str) -> FormatError:
-        """An error at the line of a key."""
+        """Return an error at the line of a key."""
         return FormatError.of(message, line=self.line_of(*path), source=self.source)
 
     def missing(self, message: Message) -> FormatError:
-        """An error at the end of the header, for what should stand in it."""
+        """Return an error at the end of the header, for what should stand in it."""
         return FormatError.of(message, line=self._line_at(len(self._text)), source=self.source)
 
     def _line_at(self, offset: int) -> int:
@@ -113,7 +113,7 @@ class Header:
         )
 
     def _guard(self) -> None:
-        """Refuses what tomllib would take too long over, or too many frames."""
+        """Refuse what tomllib would take too long over, or too many frames."""
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
@@ -153,7 +153,7 @@ class Header:
         raise FormatError.of(said, line=self._line_at(offset), source=self.source)
 
     def _statement_paths(self) -> Iterator[tuple[int, tuple[str, ...]]]:
-        """Offset and full key path of every table line and every ``key = value``, in order."""
+        """Yield offset and full key path of every table line and every ``key = value``, in order."""
         table: tuple[str, ...] = ()
         for offset, text in _statements(self._text):
             path = _key_path(text)
@@ -165,7 +165,7 @@ class Header:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Offset and key part of every statement: ``[table]``, or what stands before ``=``."""
+    """Yield offset and key part of every statement: ``[table]``, or what stands before ``=``."""
     depth = 0
     begin = -1
     key_done = False
@@ -185,7 +185,7 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
 
 
 def _key_path(text: str) -> tuple[str, ...]:
-    """Parts of a key or a table line; the text is part of a header that tomllib has read."""
+    """Return the parts of a key or a table line, which tomllib has already accepted."""
     node: Any = tomllib.loads(text if text.startswith("[") else f"{text}=0")
     path: list[str] = []
     while node and isinstance(node, dict | list):

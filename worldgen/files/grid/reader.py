@@ -45,7 +45,7 @@ _CARRIAGE_RETURN = Message(
 
 
 def loads(data: bytes, source: str | None = None) -> World:
-    """The world that a ``.grid`` text describes.
+    """Return the world that a ``.grid`` text describes.
 
     Time and memory stay within a small multiple of the text's size, whatever it says.
 
@@ -96,12 +96,12 @@ class _File(NamedTuple):
         return len(MAGIC) + 1
 
     def fault(self, message: Message, at: int) -> FormatError:
-        """An error in the line that holds byte ``at``."""
+        """Return an error in the line that holds byte ``at``."""
         return FormatError.of(message, line=self.data.count(b"\n", 0, at) + 1, source=self.source)
 
 
 def _header_end(file: _File) -> int:
-    """Checks the first line and the line ends; gives the offset of the first section's line."""
+    """Check the first line and the line ends; give the offset of the first section's line."""
     data = file.data
     magic = MAGIC.encode("ascii")
     if data[: len(magic) + 1] != magic + b"\n":
@@ -179,7 +179,7 @@ def _decode(file: _File, begin: int, end: int) -> str:
 
 
 def _split(file: _File, at: int) -> dict[str, Block]:
-    """The sections by name, in order, up to ``%end`` and nothing after it."""
+    """Return the sections by name, in order, up to ``%end`` and nothing after it."""
     data, source = file
     blocks: dict[str, Block] = {}
     line = data.count(b"\n", 0, at) + 1
@@ -288,7 +288,7 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
 
 
 def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
-    """Centre of a cell, m, correctly rounded."""
+    """Return the centre of a cell, m, correctly rounded."""
     return (
         lattice_to_metres(mark.ix * UNIT + UNIT // 2, cell_size),
         lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
@@ -342,7 +342,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
 
 
 def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None:
-    """The certificate; its section is there if and only if the header says so."""
+    """Return the certificate; its section is there if and only if the header says so."""
     record = read_certificate(header)
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record[0] != kind):

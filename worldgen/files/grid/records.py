@@ -42,7 +42,7 @@ _KINDS = {
 
 
 def check_keys(header: Header) -> None:
-    """Refuses every key and table that version 1 does not know.
+    """Refuse every key and table that version 1 does not know.
 
     Raises:
         FormatError: At the unknown key, with the nearest known one.
@@ -88,7 +88,7 @@ def _unknown(what: str, name: str, known: Iterable[str]) -> Message:
 
 
 def _kind(value: object) -> str:
-    """A TOML value's kind, for messages."""
+    """Return a TOML value's kind, for messages."""
     return _KINDS.get(type(value), "a date or time")
 
 
@@ -123,7 +123,7 @@ def _finite(header: Header, value: object, what: str, path: tuple[str, ...]) -> 
 
 
 def read_number(header: Header, key: str, *, default: float | None = None) -> float:
-    """A length or speed, above 0."""
+    """Return a length or speed, above 0."""
     if key not in header.data:
         if default is not None:
             return default
@@ -152,7 +152,7 @@ def read_number(header: Header, key: str, *, default: float | None = None) -> fl
 
 
 def read_triple(header: Header, key: str) -> tuple[float, float, float]:
-    """The three numbers of ``start`` or ``target``."""
+    """Return the three numbers of ``start`` or ``target``."""
     value = header.data[key]
     if not isinstance(value, list) or len(value) != 3:
         came = f"a list of {len(value)}" if isinstance(value, list) else _kind(value)
@@ -182,7 +182,7 @@ def read_triple(header: Header, key: str) -> tuple[float, float, float]:
 
 
 def read_provenance(header: Header) -> Provenance | None:
-    """The ``[provenance]`` table."""
+    """Return the ``[provenance]`` table."""
     table = _table(header, "provenance")
     if table is None:
         return None
@@ -196,7 +196,7 @@ def read_provenance(header: Header) -> Provenance | None:
 
 
 def read_certificate(header: Header) -> tuple[str, float] | None:
-    """Kind and clearance of the ``[certificate]`` table."""
+    """Return the kind and clearance of the ``[certificate]`` table."""
     table = _table(header, "certificate")
     if table is None:
         return None
@@ -215,7 +215,7 @@ def read_certificate(header: Header) -> tuple[str, float] | None:
 
 
 def read_failure(header: Header) -> FailureRecord | None:
-    """The ``[failure]`` table."""
+    """Return the ``[failure]`` table."""
     table = _table(header, "failure")
     if table is None:
         return None
@@ -310,7 +310,7 @@ def _values(header: Header, table: Mapping[str, object], name: str, key: str) ->
 
 
 def _numbers(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, float]:
-    """A table of numbers; whole ones stay whole."""
+    """Return a table of numbers; whole ones stay whole."""
     found: dict[str, float] = {}
     for part, value in _values(header, table, name, key).items():
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -37,7 +37,7 @@ class Block(NamedTuple):
     source: str | None
 
     def fault(self, message: Message, row: int) -> FormatError:
-        """An error in line ``row`` of the block, counted from 0."""
+        """Return an error in line ``row`` of the block, counted from 0."""
         return FormatError.of(message, line=self.line + row, source=self.source)
 
 
@@ -58,7 +58,7 @@ class CellBlock(NamedTuple):
 
 
 def read_cells(block: Block) -> CellBlock:
-    """Cells from their rows.
+    """Return the cells from their rows.
 
     Raises:
         FormatError: If there are no rows, too many, too long ones, ones of different length, a
@@ -94,7 +94,7 @@ def read_cells(block: Block) -> CellBlock:
 
 
 def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
-    """The one cell with a letter, in a block whose rows are right."""
+    """Return the one cell with a letter, in a block whose rows are right."""
     code = letter.encode("ascii")
     first = block.data.find(code, block.begin, block.end)
     if first < 0:
@@ -117,7 +117,7 @@ def _mark(block: Block, letter: str, width: int) -> LetterMark | None:
 
 
 def _check_rows(block: Block, width: int) -> None:
-    """Raises for the first row that breaks a rule.
+    """Raise for the first row that breaks a rule.
 
     What comes before it is at most a world's size.
     """
@@ -194,7 +194,7 @@ def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
 
 
 def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
-    """The words of a section, one array a field.
+    """Return the words of a section, one array a field.
 
     Raises:
         FormatError: If a line has other words than the section's form, or a number is beyond 64

@@ -26,7 +26,7 @@ _ESCAPE_TABLE = str.maketrans(
 
 
 def number_text(value: float, what: str) -> str:
-    """The shortest decimal that reads back as the same float64; minus zero is zero.
+    """Return the shortest decimal that reads back as the same float64; minus zero is zero.
 
     Raises:
         InvalidWorld: If it is not finite, naming ``what``.
@@ -44,7 +44,7 @@ def number_text(value: float, what: str) -> str:
 
 
 def value_text(value: object, what: str, depth: int = 1) -> str:
-    """One value on one line: inline tables with sorted keys, lists, text, numbers, truth.
+    """Return one value on one line: inline tables with sorted keys, lists, text, numbers, truth.
 
     Args:
         value: A ``Value``.

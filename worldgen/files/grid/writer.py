@@ -29,7 +29,7 @@ _PIECE = 1 << 20  # cells written at a time
 
 
 def dumps(world: World) -> bytes:
-    """The canonical ``.grid`` text of a world.
+    """Return the canonical ``.grid`` text of a world.
 
     Returns:
         UTF-8 with LF line ends; :func:`worldgen.files.grid.loads` gives an equal world back.
@@ -42,7 +42,7 @@ def dumps(world: World) -> bytes:
 
 
 def pieces(world: World) -> Iterator[bytes]:
-    """The same text in pieces of moderate size, so that a large world need not be in memory twice.
+    """Yield the same text in pieces, so that a large world is not held in memory twice.
 
     Raises:
         InvalidWorld: As :func:`dumps`, for the header before the first piece.
@@ -63,7 +63,7 @@ def pieces(world: World) -> Iterator[bytes]:
 
 
 def world_digest(world: World) -> str:
-    """The world's id: SHA-256, in hex, of its canonical bytes without provenance and failure."""
+    """Return the world's id: SHA-256 in hex of its canonical bytes without provenance and failure."""
     digest = hashlib.sha256()
     for piece in pieces(replace(world, provenance=None, failure=None)):
         digest.update(piece)
@@ -125,7 +125,7 @@ def _table_line(table: str, key: str, values: Mapping[str, Value]) -> Iterator[s
 
 
 def _cells(world: World) -> Iterator[bytes]:
-    """The rows, top row first, some at a time."""
+    """Yield the rows, top row first, some at a time."""
     rows = flip_rows(world.walls)
     at_once = max(1, _PIECE // world.width)
     letters = np.array([ord(FREE), ord(SOLID)], np.uint8)

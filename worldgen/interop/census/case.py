@@ -47,7 +47,7 @@ class Radius:
 
     @classmethod
     def parse(cls, text: str) -> Radius:
-        """``0.3`` or ``0.3m`` is m, ``0.7c`` cells.
+        """Return ``0.3`` or ``0.3m`` is m, ``0.7c`` cells.
 
         Raises:
             InvalidParameter: If it is neither, or out of range.

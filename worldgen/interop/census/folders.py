@@ -77,7 +77,7 @@ class FolderMaps:
         yield CensusMap(name, found.walls, found.cell_size, ends, found.params, found.warnings)
 
     def _scenario_ends(self, name: str, path: Path, found: ForeignMap) -> tuple[Ends, ...]:
-        """Problems of the map's scenario files, drawn without repetition, in the files' order."""
+        """Return problems of the map's scenario files, drawn without repetition, in file order."""
         files = self.scenarios.get(path.name, ())
         rng = RandomStream(self.seed).child("census", name, "scenarios")
         left = list(range(sum(count for _, count in files)))

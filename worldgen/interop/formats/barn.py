@@ -51,7 +51,7 @@ _HEAD = """\
 
 
 def write_barn(world: World, destination: Destination) -> Exported:
-    """The world file.
+    """Return the world file.
 
     Args:
         world: The world.
@@ -93,14 +93,14 @@ def write_barn(world: World, destination: Destination) -> Exported:
 
 
 def _posts(world: World) -> Iterator[tuple[int, int]]:
-    """Columns and rows of the solid cells, and of a ring round a world whose border is open."""
+    """Yield columns and rows of the solid cells, and of a ring around a world with an open border."""
     yield from ((int(ix), int(iy)) for iy, ix in np.argwhere(world.walls))
     for left, low, right, high in closing_boxes(world).tolist():
         yield from ((ix, iy) for iy in range(low, high) for ix in range(left, right))
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """What the format has no words for.
+    """Yield what the format has no words for.
 
     Corner, sides and cell size of the grid, and the robot's speed.
     """

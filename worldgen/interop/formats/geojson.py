@@ -24,7 +24,7 @@ __all__ = ["geojson", "write_geojson"]
 
 
 def write_geojson(world: World, destination: Destination) -> Exported:
-    """A feature collection.
+    """Return a feature collection.
 
     ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
 
@@ -60,7 +60,7 @@ geojson = Format(
 
 
 def _text(document: dict[str, Any]) -> bytes:
-    """The document, a feature a line."""
+    """Return the document, a feature a line."""
     features = document.pop("features")
     head = json.dumps(document)[:-1]
     body = ",\n".join(json.dumps(feature) for feature in features)
@@ -102,7 +102,7 @@ def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
 
 
 def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
-    """Coordinates of polygons, outlines counter-clockwise, holes clockwise.
+    """Return the coordinates of polygons, outlines counter-clockwise, holes clockwise.
 
     ``first`` is the first cell's index.
     """

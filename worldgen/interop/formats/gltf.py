@@ -49,7 +49,7 @@ def write_glb(
     floor: bool = False,
     markers: bool = False,
 ) -> Exported:
-    """A scene in metres, y up: (x, y, z) of the world is (x, z, -y) here.
+    """Return a scene in metres, y up: (x, y, z) of the world is (x, z, -y) here.
 
     No node above another turns or scales: some readers put that together in the wrong order.
 
@@ -107,7 +107,7 @@ gltf = Format(
 
 
 def _extras(world: World, destination: Destination) -> dict[str, Value]:
-    """Size in cells and what else the world has, all plain numbers.
+    """Return size in cells and what else the world has, all plain numbers.
 
     Lists in here end Assimp 5.2 with an assertion.
     """
@@ -128,7 +128,7 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
 def _places(
     world: World, destination: Destination, *, first: int, kinds: list[str]
 ) -> list[dict[str, Any]]:
-    """Nodes of start and target, and of their discs if wanted.
+    """Return nodes of start and target, and of their discs if wanted.
 
     The first has the number ``first``.
     """
@@ -204,7 +204,7 @@ def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
 
 
 def _mesh(kind: str, number: int) -> dict[str, Any]:
-    """A mesh of its own for each colour.
+    """Return a mesh of its own for each colour.
 
     Walls and floor share the cube, robot and target the disc.
     """
@@ -257,7 +257,7 @@ def _cube() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
 
 
 def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """A prism of many sides about the y axis, radius 1, from y = 0 to 1."""
+    """Return a prism of many sides about the y axis, radius 1, from y = 0 to 1."""
     turns = [_sine_cosine(2.0 * math.pi * k / _SIDES) for k in range(_SIDES)]
     corners = np.array([(cosine, y, -sine) for y in (0, 1) for sine, cosine in turns], "<f4")
     lower = list(range(_SIDES))
@@ -266,14 +266,14 @@ def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
 
 
 def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
-    """Convex faces as fans."""
+    """Return convex faces as fans."""
     return np.array(
         [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2"
     )
 
 
 def _sine_cosine(angle: float) -> tuple[float, float]:
-    """Sine and cosine, correctly rounded, the same on every machine.
+    """Return sine and cosine, correctly rounded, the same on every machine.
 
     A math library's last bit is its own.
 

@@ -40,7 +40,7 @@ def write_irsim(
     lidar: bool = False,
     step_time: float = 0.1,
 ) -> Exported:
-    """The YAML file, and with ``walls=image`` the picture that it names.
+    """Return the YAML file, and with ``walls=image`` the picture that it names.
 
     Args:
         world: The world.
@@ -112,7 +112,7 @@ def _robot(world: World, destination: Destination, kinematics: str, lidar: bool)
 
 
 def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
-    """The boxes, those of one size together."""
+    """Yield the boxes, those of one size together."""
     if boxes:
         yield "obstacle:"
     sizes: dict[tuple[Fraction, ...], list[tuple[Fraction, ...]]] = {}
@@ -132,7 +132,7 @@ def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
 def _altered(
     world: World, destination: Destination, boxes: list[PlacedBox], picture: str | None
 ) -> Iterator[tuple[str, str]]:
-    """The cell size, where the walls fit larger cells too."""
+    """Yield the cell size, where the walls fit larger cells too."""
     side = exact(world.cell_size)
     x, y = map(exact, destination.origin)
     ends = ((*box.low[:2], *box.high[:2]) for box in boxes)

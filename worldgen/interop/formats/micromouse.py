@@ -37,7 +37,7 @@ _SQUARE = re.compile(rb" [SG ] ")
 
 
 def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A maze, the top row first.
+    """Return a maze, the top row first.
 
     The start is the square with ``S``, the target the first with ``G``.
 
@@ -95,7 +95,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
 
 
 def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
-    """Whether each cell of a row is solid, and what mark it has."""
+    """Return whether each cell of a row is solid, and what mark it has."""
     parts = []
     for at in range(0, len(line), 4):
         narrow = line[at : at + 1]
@@ -132,7 +132,7 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
 
 
 def write_micromouse(world: World, destination: Destination) -> Exported:
-    """A maze, the top row first.
+    """Return a maze, the top row first.
 
     Args:
         world: Of odd sides; every cell in an even column and an even row, from 0, is a post and

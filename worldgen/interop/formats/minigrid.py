@@ -45,7 +45,7 @@ def read_minigrid(
     things: Literal["free", "solid"] = "solid",
     cell_size: float = DEFAULT_CELL_SIZE,
 ) -> ForeignMap:
-    """A printed grid, the top row first.
+    """Return a printed grid, the top row first.
 
     The agent is the robot with its heading, the first goal the target.
 
@@ -148,7 +148,7 @@ def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
 
 
 def write_minigrid(world: World, destination: Destination) -> Exported:
-    """A printed grid of grey walls, one agent and one green goal, the top row first.
+    """Return a printed grid of grey walls, one agent and one green goal, the top row first.
 
     Args:
         world: The world.

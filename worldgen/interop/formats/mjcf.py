@@ -40,7 +40,7 @@ def write_mjcf(
     robot: bool = False,
     timestep: float = 0.002,
 ) -> Exported:
-    """The model, and of a world that changes a script and the table that it plays.
+    """Return the model, and of a world that changes a script and the table that it plays.
 
     Args:
         world: The world.
@@ -85,7 +85,7 @@ def write_mjcf(
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """What has no place among the geometry, as the numbers that a model may carry."""
+    """Yield what has no place among the geometry, as the numbers that a model may carry."""
     x, y = (decimal(value) for value in destination.origin)
     numbers = {
         "cell_size": decimal(world.cell_size),
@@ -117,7 +117,7 @@ def _surroundings(parts: SolidScene, height: float) -> Iterator[str]:
 
 
 def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
-    """Values divided by a number: sizes are halves here."""
+    """Return values divided by a number: sizes are halves here."""
     return " ".join(text(value / share) for value in values)
 
 
@@ -143,7 +143,7 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _mocap(body: Body, height: float) -> Iterator[str]:
-    """A cell that the script moves.
+    """Yield a cell that the script moves.
 
     It is solid, or a site where it burns, for fire stops nothing.
     """
@@ -159,7 +159,7 @@ def _mocap(body: Body, height: float) -> Iterator[str]:
 
 
 def _robot(world: World, destination: Destination, height: float, timestep: float) -> Iterator[str]:
-    """A disc that hovers, so that the floor's friction is no part of it.
+    """Yield a disc that hovers, so that the floor's friction is no part of it.
 
     Its coordinates are the file's own.
     """
@@ -188,7 +188,7 @@ def _robot(world: World, destination: Destination, height: float, timestep: floa
 
 
 def _actuators(world: World) -> Iterator[str]:
-    """One velocity a joint: along x, along y, m/s, and turning, rad/s."""
+    """Yield one velocity a joint: along x, along y, m/s, and turning, rad/s."""
     fastest = decimal(world.robot_speed)
     yield "  <actuator>"
     for axis in ("x", "y"):

@@ -72,7 +72,7 @@ for _letters, _terrain in ((PASSABLE, GROUND), (b"@O", OUTSIDE), (b"W", WATER), 
 
 
 def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A map of ``type octile``.
+    """Return a map of ``type octile``.
 
     Args:
         path: The ``.map`` file; LF or CRLF.
@@ -89,7 +89,9 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
 
 
 def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
-    """The map with start and goal of the scenario file beside it, where that has exactly one problem.
+    """Return the map with start and goal of the scenario file next to it.
+
+    The scenario file counts only if it has exactly one problem.
 
     A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as
     ``export`` writes it, there is no choice to be made.
@@ -118,7 +120,7 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
 
 
 def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
-    """What a map's cells are.
+    """Return what a map's cells are.
 
     (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``. The
     benchmark's problems may begin on water or among trees; their paths stay there, as those on
@@ -134,7 +136,7 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
 
 
 def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
-    """Terrain, top row first."""
+    """Return terrain, top row first."""
     head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type", source).lower()
@@ -293,7 +295,7 @@ class Problem:
 
 
 def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Problem:
-    """Problem number ``row``, counted from 1, of a scenario file.
+    """Return problem number ``row``, counted from 1, of a scenario file.
 
     Args:
         path: The ``.scen`` file.
@@ -367,7 +369,7 @@ def _check_version(line: bytes, source: str) -> None:
 
 
 def scenario_contents(path: Path) -> tuple[str, int]:
-    """The file name of the map that a ``.scen`` file is for, and how many problems it has.
+    """Return the file name of the map that a ``.scen`` file is for, and how many problems it has.
 
     Args:
         path: The scenario file; its first problem names the map.
@@ -408,7 +410,7 @@ class Problems:
 
 
 def read_problems(path: Path) -> Problems:
-    """A scenario file whole.
+    """Return a scenario file whole.
 
     Args:
         path: The ``.scen`` file.
@@ -477,7 +479,10 @@ def _map_name(field: bytes) -> str:
 
 
 def _fields(line: bytes, number: int, source: str) -> list[bytes]:
-    """The nine words of a problem. Names may hold spaces, but only where tabs part the fields."""
+    """Split a problem into its nine fields.
+
+    Names may contain spaces only if tabs separate the fields.
+    """
     too_long = len(line) > _MAX_SCENARIO_LINE
     parts = [] if too_long else line.split(b"\t") if b"\t" in line else line.split()
     fields = [part.strip() for part in parts]
@@ -495,7 +500,7 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:
-    """A map of ``.`` and ``@``, and beside it a scenario file with one problem.
+    """Return a map of ``.`` and ``@``, and beside it a scenario file with one problem.
 
     From the start's cell to the target's.
 
@@ -532,7 +537,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
 
 
 def _decimals(straight: int, diagonal: int) -> str:
-    """``straight + diagonal * sqrt(2)`` with eight decimals.
+    """Return ``straight + diagonal * sqrt(2)`` with eight decimals.
 
     As the benchmark's files have it, correctly rounded.
     """

@@ -33,7 +33,7 @@ _HEADER_FAULTS = (
 
 
 def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """An array of two axes, bool or whole numbers; True and 1 are solid.
+    """Return an array of two axes, bool or whole numbers; True and 1 are solid.
 
     Row 0 is the top row, as NumPy prints it.
 
@@ -112,7 +112,7 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
 
 
 def write_numpy_map(world: World, destination: Destination) -> Exported:
-    """An array of bool, True solid, the top row first.
+    """Return an array of bool, True solid, the top row first.
 
     Args:
         world: The world.

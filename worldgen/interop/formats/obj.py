@@ -19,7 +19,7 @@ __all__ = ["obj", "write_obj"]
 def write_obj(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """One object a box, four corners a face, m, z up.
+    """Return one object a box, four corners a face, m, z up.
 
     What else the world has stands in comments, as TOML.
 
@@ -58,7 +58,7 @@ def _comments(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _object(box: PlacedBox, first: int) -> Iterator[str]:
-    """An object; its corners are numbered from ``first`` on."""
+    """Yield an object; its corners are numbered from ``first`` on."""
     yield f"o {box.name}"
     ends = [[decimal_text(value) for value in end] for end in (box.low, box.high)]
     for pick in BOX_CORNERS:

@@ -19,7 +19,7 @@ __all__ = ["ply", "write_ply"]
 def write_ply(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """The binary form: eight vertices and twelve triangles a box, m, z up.
+    """Return the binary form: eight vertices and twelve triangles a box, m, z up.
 
     Args:
         world: A world that stands still.

@@ -40,7 +40,7 @@ def read_picture(
     threshold: int = 128,
     background: Literal["free", "solid"] = "free",
 ) -> ForeignMap:
-    """A picture whose dark pixels are solid cells.
+    """Return a picture whose dark pixels are solid cells.
 
     Args:
         path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
@@ -95,7 +95,7 @@ def read_picture(
 
 
 def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArray[np.bool_], int]:
-    """Solid pixels, top row first, and how many are neither black nor white."""
+    """Return solid pixels, top row first, and how many are neither black nor white."""
     values: npt.NDArray[np.integer[Any]] = image.values
     maximum = image.maximum
     if image.alpha is not None:  # laid on its background, 255 times as fine
@@ -107,7 +107,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArr
 
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
-    """Cell size, origin and places of a picture of ours; None, 0 and none of any other."""
+    """Return cell size, origin and places of a picture of ours; None, 0 and none of any other."""
     text = image.text
     if _MARK not in text:
         return None, (0.0, 0.0), Places()
@@ -128,7 +128,7 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
 
 
 def write_png(world: World, destination: Destination) -> Exported:
-    """A grey picture, a pixel a cell: solid black, free white; the rest as its text (``tEXt``).
+    """Return a grey picture, one pixel a cell, black for solid, with its facts in ``tEXt``.
 
     Args:
         world: The world.

@@ -32,7 +32,7 @@ _CELL = rb"[.#a-zA-Z@$!]"
 def read_pogema(
     path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL_SIZE
 ) -> ForeignMap:
-    """A map as GridConfig takes it, the top row first.
+    """Return a map as GridConfig takes it, the top row first.
 
     One agent is the robot, others and their targets are free cells.
 
@@ -109,7 +109,7 @@ def read_pogema(
 def _letters(
     drawn: npt.NDArray[np.uint8], numbers: list[int], source: str
 ) -> dict[str, tuple[int, int]]:
-    """Row and column of each letter."""
+    """Return the row and column of each letter."""
     found: dict[str, tuple[int, int]] = {}
     for row, column in np.argwhere(
         (drawn | 0x20 >= ord("a")) & (drawn | 0x20 <= ord("z"))
@@ -128,7 +128,7 @@ def _letters(
 
 
 def write_pogema(world: World, destination: Destination) -> Exported:
-    """A map with one agent, ``a`` to ``A``, the top row first.
+    """Return a map with one agent, ``a`` to ``A``, the top row first.
 
     Args:
         world: The world.

@@ -18,7 +18,7 @@ __all__ = ["pointmaze", "write_pointmaze"]
 
 
 def write_pointmaze(world: World, destination: Destination) -> Exported:
-    """A JSON list of rows, the top one first.
+    """Return a JSON list of rows, the top one first.
 
     1 is a wall, 0 free, "r" the start, "g" the goal, "c" both.
 

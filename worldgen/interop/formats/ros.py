@@ -1,4 +1,4 @@
-"""ROS map_server maps: a YAML file of a few keys, and a picture whose grey says how occupied a cell is.
+"""ROS map_server maps: a short YAML file, and a picture whose greys say how occupied a cell is.
 
 Source: the map_server of ROS navigation2 (``map_io.cpp``) and its documentation.
 """
@@ -89,7 +89,7 @@ class RosMetadata:
 
 
 def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
-    """A map_server pair.
+    """Return a map_server pair.
 
     Args:
         path: The YAML file; it names the picture.
@@ -135,14 +135,14 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
 
 
 def _quarters(yaw: float) -> int:
-    """The nearest number of quarter turns."""
+    """Return the nearest number of quarter turns."""
     return round(yaw / (math.pi / 2))
 
 
 def _turned(
     walls: npt.NDArray[np.bool_], metadata: RosMetadata, source: str
 ) -> tuple[npt.NDArray[np.bool_], tuple[float, float]]:
-    """The picture, top row first, turned by whole quarters, and where its new lower-left corner lies.
+    """Return the picture, top row first, turned by whole quarters, and its new lower-left corner.
 
     Raises:
         FormatError: If the yaw is so far from whole quarters that a cell would move by half its
@@ -168,7 +168,7 @@ def _turned(
 
 
 def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
-    """The values that map_server would publish.
+    """Return the values that map_server would publish.
 
     Returns:
         (height, width) int8, top row first: -1 unknown, 0 free to 100 occupied.
@@ -181,7 +181,10 @@ def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
 
 
 def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
-    """Occupancy of one grey value. Thresholds are decimals and count exactly, both inclusive."""
+    """Return the occupancy of a grey value.
+
+    Thresholds are exact decimals, and both are inclusive.
+    """
     if metadata.mode == "raw":
         byte = math.floor(Fraction(255 * value, maximum) + Fraction(1, 2))
         return byte if byte <= OCCUPIED else UNKNOWN
@@ -198,7 +201,7 @@ def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
 def solid_cells(
     cells: npt.NDArray[np.int8], metadata: RosMetadata
 ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-    """Which cells are surely occupied, and which are neither that nor surely free.
+    """Return which cells are surely occupied, and which are neither that nor surely free.
 
     In mode ``raw`` the thresholds part the published values; else 100 is occupied and 0 is free.
     """
@@ -229,7 +232,7 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
 
 
 def read_metadata(text: bytes, path: Path) -> RosMetadata:
-    """Checks the YAML file's keys.
+    """Check the YAML file's keys.
 
     Args:
         text: The file.
@@ -322,7 +325,7 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
 
 
 def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
-    """What a map of ours says under a key of its own, which map_server passes over."""
+    """Return what a map of ours says under a key of its own, which map_server passes over."""
     if _OURS not in table:
         return Places()
     ours = table.tables(_OURS)
@@ -376,7 +379,7 @@ def write_ros_map(
     mode: Literal["trinary", "scale", "raw"] = "trinary",
     negate: bool = False,
 ) -> Exported:
-    """A map_server pair; every cell is surely occupied or surely free, in every mode.
+    """Return a map_server pair; every cell is surely occupied or surely free, in every mode.
 
     Args:
         world: The world.
@@ -407,7 +410,7 @@ def write_ros_map(
 
 
 def _yaml_text(name: str) -> str:
-    """A file name as a plain word where that is safe, else in quotes."""
+    """Return a file name as a plain word where that is safe, else in quotes."""
     if re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
         return name
     return json.dumps(name, ensure_ascii=False)  # YAML's double quotes know JSON's escapes

@@ -48,7 +48,7 @@ def write_sdf(
     plugins: Literal["none", "fortress", "harmonic"] = "none",
     timestep: float = 0.001,
 ) -> Exported:
-    """The world file, and of a world that changes a script and the table that it plays.
+    """Return the world file, and of a world that changes a script and the table that it plays.
 
     Args:
         world: The world.
@@ -103,7 +103,7 @@ def write_sdf(
 
 
 def _head(world: World, destination: Destination, timestep: float) -> Iterator[str]:
-    """Engine and gravity, the grid's corner as a frame, and in our own elements what SDFormat has no words for."""
+    """Yield physics, gravity and the grid's frame, and our own elements for facts SDFormat lacks."""
     rate = text(Fraction(round(1 / exact(timestep))))
     x, y = (decimal(value) for value in destination.origin)
     yield from (
@@ -134,7 +134,7 @@ def _light(floor: PlacedBox, tall: Fraction) -> Iterator[str]:
 
 
 def _shapes(kind: str, name: str, geometry: str, colour: str, pose: str = "") -> Iterator[str]:
-    """``kind`` is what a shape is: solid, or only seen."""
+    """Yield ``kind`` is what a shape is: solid, or only seen."""
     inside = f"{f'<pose>{pose}</pose>' if pose else ''}<geometry>{geometry}</geometry>"
     if kind == "solid":
         yield f'        <collision name="{name}">{inside}</collision>'
@@ -143,7 +143,10 @@ def _shapes(kind: str, name: str, geometry: str, colour: str, pose: str = "") ->
 
 
 def _model(name: str, pose: str, shapes: Iterator[str]) -> Iterator[str]:
-    """A static model; ``1`` and not ``true``, which some readers take for 0, so that walls fall."""
+    """Yield a static model.
+
+    It writes ``1`` because some readers take ``true`` for 0 and let the walls fall.
+    """
     yield f'    <model name="{name}">'
     yield "      <static>1</static>"
     if pose:
@@ -198,7 +201,10 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _moving(body: Body, tall: Fraction) -> Iterator[str]:
-    """A cell that the script moves; where it burns it is only seen, for fire stops nothing."""
+    """Yield a cell that the script moves.
+
+    A burning cell has no collision, because fire stops nothing.
+    """
     pose = _pose(body.box, body.box.centre[2] if body.shown else -tall)
     kind, colour = ("seen", _COLOURS["fire"]) if body.burning else ("solid", _COLOURS["cell"])
     yield from _model(body.name, pose, _shapes(kind, "box", _cuboid(body.box), colour))

@@ -61,7 +61,7 @@ _TURN_RATE = "360"  # degrees/s; a world of ours has no limit
 
 
 def write_stage(world: World, destination: Destination, *, lidar: bool = False) -> Exported:
-    """The world file, and the picture of the walls.
+    """Return the world file, and the picture of the walls.
 
     Args:
         world: The world.
@@ -98,7 +98,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
 
 
 def _disc() -> str:
-    """The definition of a round robot."""
+    """Return the definition of a round robot."""
     points = [(x, y) for x, y in _QUADRANT]
     for _ in range(3):
         points += [(_minus(y), x) for x, y in points[-len(_QUADRANT) :]]

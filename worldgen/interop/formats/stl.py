@@ -19,7 +19,7 @@ _HEADER = 80  # bytes; must not begin with "solid", as the text form does
 def write_stl(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """The binary form: twelve triangles a box, m, z up.
+    """Return the binary form: twelve triangles a box, m, z up.
 
     Args:
         world: A world that stands still.
@@ -39,7 +39,7 @@ def write_stl(
 
 
 def _header(world: World, destination: Destination) -> bytes:
-    """The grid, for ``import``, if 80 bytes can hold it; the sidecar has it in any case."""
+    """Return the grid, for ``import``, if 80 bytes can hold it; the sidecar has it in any case."""
     x, y = (decimal(value) for value in destination.origin)
     grid = f"size {world.width} {world.height}; cell {decimal(world.cell_size)}; origin {x} {y}"
     whole = f"worldgen: m, z up; {grid}".encode()

@@ -38,7 +38,7 @@ _STYLE = (
 def write_svg(
     world: World, destination: Destination, *, scale: float = 20.0, witness: bool = True
 ) -> Exported:
-    """The plan: floor, walls, target, robot at its start, and the path that proves the target reachable.
+    """Return the plan: floor, walls, target, robot, and the path that proves reachability.
 
     Args:
         world: A world that stands still.
@@ -114,7 +114,7 @@ def _cells(world: World, lines: GridLines) -> Iterator[str]:
 
 
 def _outline(polygon: Polygon, xs: dict[int, str], ys: dict[int, str]) -> str:
-    """Path data; every side of a ring runs along an axis."""
+    """Return path data; every side of a ring runs along an axis."""
     words = []
     for ring in polygon:
         words.append(f"M{xs[ring[0][0]]} {ys[ring[0][1]]}")

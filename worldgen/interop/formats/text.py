@@ -38,7 +38,7 @@ _TABLE[list(_SOLID)] = 1
 
 
 def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target.
+    """Read a drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target.
 
     The top row first. The start is its cell's centre, the target the disc inscribed in its cell.
 
@@ -81,7 +81,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
 
 
 def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
-    """The characters of rows that must have one length.
+    """Return the characters of rows that must have one length.
 
     Args:
         rows: Line in the file and text of each.
@@ -110,7 +110,7 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
 
 
 def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
-    """Centre of a cell, m; row 0 is the lowest."""
+    """Return the centre of a cell, m; row 0 is the lowest."""
     half = UNIT // 2
     return lattice_to_metres(column * UNIT + half, cell_size), lattice_to_metres(
         row * UNIT + half, cell_size
@@ -118,7 +118,7 @@ def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
 
 
 def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
-    """Column and row, from the top, of the cell that a point lies in.
+    """Return column and row, from the top, of the cell that a point lies in.
 
     On its right or upper side, the next one's.
     """
@@ -127,7 +127,7 @@ def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
 
 
 def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> dict[str, str]:
-    """What of start and target is not what a file says that has cells for them, with a sentence each.
+    """Return a sentence for each fact about start and target that the file's cells cannot hold.
 
     Args:
         world: The world.
@@ -165,7 +165,7 @@ def _place(
 
 
 def write_text_map(world: World, destination: Destination) -> Exported:
-    """A drawing: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target; the top row first.
+    """Write a drawing, top row first: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target.
 
     Args:
         world: The world.

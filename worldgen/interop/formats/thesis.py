@@ -1,4 +1,4 @@
-"""A world as a map file of the thesis's simulator, the bytes that its own save routine would write."""
+"""Map files of the thesis's simulator, with the bytes that its own save routine would write."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def write_thesis_map(
     *,
     noise: Literal["as-imported", "on", "off"] = "as-imported",
 ) -> Exported:
-    """The map file, with the cells at time 0.
+    """Return the map file, with the cells at time 0.
 
     Args:
         world: A square with walls all round.
@@ -110,7 +110,7 @@ def _check_shape(world: World) -> None:
 
 
 def _target_cell(world: World) -> tuple[int, int]:
-    """Column and row, from the top, of the cell that the target's centre lies in."""
+    """Return column and row, from the top, of the cell that the target's centre lies in."""
     ix, iy = (
         math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y)
     )
@@ -126,7 +126,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
-    """What the file does not say and its program would have otherwise."""
+    """Yield what the file does not say and its program would have otherwise."""
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
     if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:

@@ -55,7 +55,7 @@ _RELATIONS = (
 def write_3mf(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """A model in metres, z up; names of walls are part numbers.
+    """Return a model in metres, z up; names of walls are part numbers.
 
     Args:
         world: A world that stands still.
@@ -116,7 +116,7 @@ def read_3mf(
     up: Literal["z", "y"] = "z",
     floor: int = 0,
 ) -> ForeignMap:
-    """A mesh, cut at a height; the file says its unit.
+    """Return a mesh, cut at a height; the file says its unit.
 
     Args:
         path: The file.

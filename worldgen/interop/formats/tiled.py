@@ -50,7 +50,7 @@ _MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's 
 
 
 def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
-    """A map of square tiles: a cell is solid where the layer of walls has a tile.
+    """Return a map of square tiles: a cell is solid where the layer of walls has a tile.
 
     The start is an object called start, spawn or robot, the target one called target, goal, end or
     finish.
@@ -116,7 +116,7 @@ def _above_0(said: Mapping[str, float], name: str) -> float | None:
 
 
 def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
-    """x, y and heading: as the object's properties say, where it has not been moved or turned since."""
+    """Return x, y and heading from the object's properties unless it has been moved since."""
     shape = numbers_of(part, "x", "y", "width", "height", "rotation")
     said = numbers_of(part)
     heading = said.get("heading", 0.0)
@@ -127,7 +127,7 @@ def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 
 
 def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
-    """x, y and radius, likewise; a point has no radius."""
+    """Return x, y and radius, likewise; a point has no radius."""
     shape = numbers_of(part, "x", "y", "width", "height")
     said = numbers_of(part)
     centre = _point(shape, said, scale, top)
@@ -141,7 +141,7 @@ def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 def _point(
     shape: Mapping[str, float], said: Mapping[str, float], scale: Fraction, top: Fraction
 ) -> tuple[float, float]:
-    """Centre of an object, m from the grid's lower-left corner, y up.
+    """Return the centre of an object, m from the grid's lower-left corner, y up.
 
     Its pixels go down from the top.
     """
@@ -156,7 +156,7 @@ def _point(
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
-    """A map of one layer of tiles and one of objects; beside it the picture of its one tile.
+    """Return a map of one layer of tiles and one of objects; beside it the picture of its one tile.
 
     Args:
         world: The world.

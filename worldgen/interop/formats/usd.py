@@ -31,7 +31,7 @@ _CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
 def write_usd(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """A stage in metres, z up.
+    """Return a stage in metres, z up.
 
     Args:
         world: A world that stands still.

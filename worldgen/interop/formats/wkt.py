@@ -16,7 +16,7 @@ __all__ = ["wkt", "write_wkt"]
 
 
 def write_wkt(world: World, destination: Destination) -> Exported:
-    """One MULTIPOLYGON on one line, coordinates as exact decimals.
+    """Return one MULTIPOLYGON on one line, coordinates as exact decimals.
 
     Args:
         world: A world that stands still.

@@ -14,7 +14,7 @@ __all__ = ["box_mesh"]
 
 
 def box_mesh(boxes: Sequence[PlacedBox]) -> Any:
-    """Return one mesh of all boxes, eight vertices and twelve triangles each, in the order given."""
+    """Return one mesh of all boxes in the given order, eight vertices and twelve triangles each."""
     ends = np.array(
         [[*map(float, box.low), *map(float, box.high)] for box in boxes], np.float64
     ).reshape(-1, 2, 3)

@@ -31,7 +31,7 @@ class _Lines(NamedTuple):
 
 
 def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Boxes that cover the solid cells, each exactly once; no fewer boxes do.
+    """Return boxes that cover the solid cells, each exactly once; no fewer boxes do.
 
     A corner of free cells that points into the walls needs a cut, and a cut from one such corner to
     another serves both: so those are made first, as many as do not meet, which is a largest
@@ -92,7 +92,7 @@ def _spread(lines: _Lines, more: int) -> tuple[_Ints, _Ints, _Ints]:
 
 
 def _corners_on(lines: _Lines, shape: tuple[int, ...]) -> _Ints:
-    """The line that each corner is on, -1 for none."""
+    """Return the line that each corner is on, -1 for none."""
     on = np.full(shape, -1, np.int64)
     number, y, x = _spread(lines, 1)
     on[y, x] = number
@@ -107,7 +107,7 @@ def _edges_on(lines: _Lines, shape: tuple[int, ...]) -> _Bools:
 
 
 def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Bools, _Bools]:
-    """The most lines that do not meet: which of those along x, and which of those along y.
+    """Return the most lines that do not meet: which of those along x, and which of those along y.
 
     By Koenig's theorem from a largest matching; what trees without an augmenting path reach is the
     same for every such matching, so the answer does not depend on the order.
@@ -142,7 +142,7 @@ def _grow(
     mate_of: list[int],
     dropped: _Bools,
 ) -> int:
-    """An unmatched line at the end of an alternating path from the first of the queue.
+    """Return an unmatched line at the end of an alternating path from the first of the queue.
 
     It grows; -1 if none.
     """
@@ -157,7 +157,7 @@ def _grow(
 
 
 def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bools) -> None:
-    """Cuts along x from the corners that are left, to the next wall's end or cut."""
+    """Cut along x from the corners that are left, to the next wall's end or cut."""
     rest = level.only(corner[level.y, level.begin] | corner[level.y, level.end])
     for y, begin, end in zip(rest.y.tolist(), rest.begin.tolist(), rest.end.tolist(), strict=True):
         stops = np.flatnonzero(crossed[y, begin + 1 : end]) + begin + 1
@@ -168,7 +168,7 @@ def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bool
 
 
 def _rectangles(padded: _Bools, level_cut: _Bools, upright_cut: _Bools) -> _Ints:
-    """The boxes, told by their lower left cells, each as far as the next edge to the right and upwards."""
+    """Return the boxes, each from its lower-left cell to the next edges on the right and above."""
     solid = padded[1:-1, 1:-1]
     below = ~(padded[:-1, 1:-1] & padded[1:, 1:-1]) | level_cut[:, :-1]
     left = ~(padded[1:-1, :-1] & padded[1:-1, 1:]) | upright_cut[:-1]
@@ -185,7 +185,7 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
 
 
 def always_solid(world: World) -> npt.NDArray[np.bool_]:
-    """The cells that are solid at all times, (height, width) bool.
+    """Return the cells that are solid at all times, (height, width) bool.
 
     Of a world that stands still, its walls.
     """
@@ -196,7 +196,7 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 
 
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
-    """Boxes one cell thick round the grid, for outside it everything is solid.
+    """Return boxes one cell thick round the grid, for outside it everything is solid.
 
     None where its border stays closed.
 

@@ -15,12 +15,12 @@ _MOST_PLACES = 400  # decimals; the smallest angle that there is, 5e-324 rad, ne
 
 
 def radians(degrees: Fraction) -> float:
-    """An angle in rad, correctly rounded."""
+    """Return an angle in rad, correctly rounded."""
     return float(degrees * _PI / 180)
 
 
 def degrees_text(angle: float) -> str:
-    """The shortest decimal of degrees that :func:`radians` makes the same angle of.
+    """Return the shortest decimal of degrees that :func:`radians` makes the same angle of.
 
     Args:
         angle: rad.

@@ -67,7 +67,7 @@ class PlacedBox:
 def solid_boxes(
     world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53
 ) -> list[PlacedBox]:
-    """The walls, a wall round the grid where its border is open, and a floor if wanted.
+    """Return the walls, a wall round the grid where its border is open, and a floor if wanted.
 
     Args:
         world: What is solid at all times counts.
@@ -102,7 +102,7 @@ def solid_boxes(
 
 
 def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> PlacedBox:
-    """A box on the floor.
+    """Return a box on the floor.
 
     Args:
         name: Of the box.

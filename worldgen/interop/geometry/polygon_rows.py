@@ -18,7 +18,7 @@ _LINE = 1e-3  # cells; half the width that lines get, for they stop robots too
 
 
 def prepared(points: npt.NDArray[np.float64]) -> Any:
-    """A valid shape of (n, 2) corners, in cells; of two corners, a thin wall along their line.
+    """Return a valid shape of (n, 2) corners, in cells; two corners make a thin wall between them.
 
     Raises:
         InvalidWorld: If many corners make an outline that crosses itself.
@@ -42,7 +42,7 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
 def cut_into_rows(
     shape: Any, rows: slice, columns: slice
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Which cells of each row the shape reaches into, and which it leaves partly free.
+    """Return which cells of each row the shape reaches into, and which it leaves partly free.
 
     Args:
         shape: In cells.
@@ -64,7 +64,7 @@ def cut_into_rows(
 
 
 def row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
-    """Row, first and end column of each piece of a row; slivers are passed over."""
+    """Return row, first and end column of each piece of a row; slivers are passed over."""
     pieces, index = shapely.get_parts(parts, return_index=True)
     pieces, inner = shapely.get_parts(pieces, return_index=True)  # what lies in collections
     bounds = shapely.bounds(pieces)

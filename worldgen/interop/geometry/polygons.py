@@ -32,7 +32,7 @@ _TURNS = (
 
 
 def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]:
-    """Polygons that cover exactly the solid cells.
+    """Return polygons that cover exactly the solid cells.
 
     Pieces that touch at a corner only are polygons of their own.
 
@@ -62,7 +62,10 @@ def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]
 
 
 def border_cells(world: World) -> npt.NDArray[np.bool_]:
-    """The cells round the grid, (height + 2, width + 2) bool, solid where the world's border is open."""
+    """Return the cells with a ring around them, solid if the border is open.
+
+    The result has shape (height + 2, width + 2).
+    """
     return np.pad(np.zeros_like(world.walls), 1, constant_values=len(closing_boxes(world)) > 0)
 
 
@@ -87,7 +90,7 @@ def _links(
     entered: npt.NDArray[np.int64],
     left: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
-    """The number of the corner that comes after each."""
+    """Return the number of the corner that comes after each."""
     after = np.empty(len(x), np.int64)
     for direction in range(4):
         keys = (x, y) if direction in (_EAST, _WEST) else (y, x)
@@ -99,7 +102,7 @@ def _links(
 def _rings(
     x: list[int], y: list[int], after: list[int]
 ) -> tuple[list[Ring], npt.NDArray[np.int64]]:
-    """Rings that do not meet themselves, and the number of the ring that each corner's next side belongs to."""
+    """Return rings that do not touch themselves, and the ring of each corner's next side."""
     rings: list[Ring] = []
     owner = [-1] * len(x)
     for begin in range(len(x)):
@@ -123,7 +126,7 @@ def _rings(
 
 
 def _begun(ring: Ring) -> Ring:
-    """The ring from its lowest, of these its leftmost corner on."""
+    """Return the ring from its lowest, of these its leftmost corner on."""
     first = min(range(len(ring)), key=lambda k: ring[k][::-1])
     return ring[first:] + ring[:first]
 
@@ -133,7 +136,7 @@ def _shells(
     rings: list[Ring],
     eastward: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]],
 ) -> list[int]:
-    """The number of the outline that each ring belongs to: its own, if it is none of a hole.
+    """Return the number of the outline that each ring belongs to: its own, if it is none of a hole.
 
     Below a hole's first corner is a solid cell; where the solid cells below that end there is a
     ring of the same piece, whose first corner is lower.

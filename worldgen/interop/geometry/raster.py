@@ -73,7 +73,7 @@ class Raster:
         return int(np.count_nonzero(self.solid & ~self.full))
 
     def box(self, box: RasterBox) -> None:
-        """Paints a rectangle along the axes; its sides count exactly."""
+        """Paint a rectangle along the axes; its sides count exactly."""
         left, low, right, high = (side / self._cell_size for side in box)
         if right <= left or high <= low:
             return
@@ -83,7 +83,7 @@ class Raster:
         self.full[inner] = True
 
     def picture(self, solid: npt.NDArray[np.bool_], across: Fraction, along: Fraction) -> None:
-        """Paints the solid pixels of a picture, lowest row first, of so many m, from the grid's corner."""
+        """Paint a picture's solid pixels, lowest row first, at a size in m from the grid's corner."""
         if across == along == self._cell_size and solid.shape == self.solid.shape:
             self.solid |= solid
             self.full |= solid
@@ -92,7 +92,7 @@ class Raster:
             self.box(RasterBox(left * across, low * along, right * across, high * along))
 
     def circle(self, circle: RasterDisc) -> None:
-        """Paints a disc."""
+        """Paint a disc."""
         x, y, radius = (value / float(self._cell_size) for value in circle)
         if not max(abs(x), abs(y), radius) < _FAR:
             return
@@ -106,7 +106,7 @@ class Raster:
         self.full[window] |= far[1][:, None] ** 2 + far[0] ** 2 <= radius**2 + _TOUCH
 
     def polygon(self, corners: npt.NDArray[np.float64]) -> None:
-        """Paints a polygon of (n, 2) corners, m; or, where n is 2, a line without width."""
+        """Paint a polygon of (n, 2) corners, m; or, where n is 2, a line without width."""
         from worldgen.interop.geometry.polygon_rows import cut_into_rows, prepared
 
         points = corners / float(self._cell_size)
@@ -128,7 +128,7 @@ class Raster:
         return self._window(math.floor(left), math.floor(low), math.ceil(right), math.ceil(high))
 
     def _window(self, left: int, low: int, right: int, high: int) -> tuple[slice, slice]:
-        """The part of the grid between columns and rows, ends exclusive."""
+        """Return the part of the grid between columns and rows, ends exclusive."""
         height, width = self.solid.shape
         first = max(low, 0)
         last = min(max(high, 0), height)
@@ -155,7 +155,7 @@ def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDAr
 def natural_cell_size(
     width: Fraction, height: Fraction, boxes: Iterable[RasterBox]
 ) -> Fraction | None:
-    """The side of the largest cells whose lines all sides of boxes lie on.
+    """Return the side of the largest cells whose lines all sides of boxes lie on.
 
     As somebody may have meant them. Where no box is one such cell thick, the cells are a part of
     that, at most 0.1 m.
@@ -184,7 +184,7 @@ def natural_cell_size(
 
 
 def _common(a: Fraction, b: Fraction) -> Fraction:
-    """The largest length of which both are multiples."""
+    """Return the largest length of which both are multiples."""
     return Fraction(
         math.gcd(a.numerator * b.denominator, b.numerator * a.denominator),
         a.denominator * b.denominator,

@@ -100,13 +100,13 @@ def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
 
 
 def _as_records(rows: npt.NDArray[np.generic]) -> npt.NDArray[np.void]:
-    """Rows as single values, so that equal rows can be found."""
+    """Return rows as single values, so that equal rows can be found."""
     whole = np.ascontiguousarray(rows)
     return whole.view(np.dtype((np.void, whole.dtype.itemsize * whole.shape[1]))).reshape(-1)
 
 
 def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
-    """Each triangle once; and apart from them those that look both ways.
+    """Return each triangle once; and apart from them those that look both ways.
 
     It are walls without thickness.
     """
@@ -123,7 +123,7 @@ def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
 
 
 def _components(count: int, faces: Ints) -> tuple[Ints, int]:
-    """The number of the connected part that each vertex belongs to, and how many parts there are."""
+    """Return the number of each vertex's connected part, and how many parts there are."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -137,7 +137,7 @@ def _components(count: int, faces: Ints) -> tuple[Ints, int]:
 
 
 def _lone_edges(count: int, faces: Ints) -> Ints:
-    """A vertex of each edge that more triangles pass one way than the other."""
+    """Return a vertex of each edge that more triangles pass one way than the other."""
     begin = faces.reshape(-1)
     end = faces[:, [1, 2, 0]].reshape(-1)
     low = np.minimum(begin, end)
@@ -180,7 +180,7 @@ def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
 
 
 def _crossings(vertices: Floats, one: Ints, other: Ints, height: float) -> Floats:
-    """Where edges pass a height, computed from the vertex with the lower number on."""
+    """Return where edges pass a height, computed from the vertex with the lower number on."""
     begin = vertices[np.minimum(one, other)]
     end = vertices[np.maximum(one, other)]
     share = (height - begin[:, 2]) / (end[:, 2] - begin[:, 2])
@@ -211,7 +211,7 @@ def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArra
 
 
 def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]:
-    """Cells whose centres outlines wind around."""
+    """Return cells whose centres outlines wind around."""
     turns = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
     high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
@@ -230,7 +230,7 @@ def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]
 
 
 def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
-    """Cells that segments pass through."""
+    """Return cells that segments pass through."""
     runs = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
     high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
@@ -254,7 +254,7 @@ def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDAr
 
 
 def _rows(first: Floats, end: Floats, height: int) -> Iterator[tuple[Ints, Ints]]:
-    """Yield pairs of segment and row, some millions at a time, for rows ``first`` to ``end`` that the grid has."""
+    """Yield pairs of segment and row for the grid's rows ``first`` to ``end``, millions at a time."""
     begin = np.clip(first, 0, height).astype(np.int64)
     counts = np.maximum(np.clip(end, 0, height).astype(np.int64) - begin, 0)
     totals = np.cumsum(counts)

@@ -29,7 +29,7 @@ class Shapes:
     notes: list[str] = field(default_factory=list)
 
     def disc(self, middle: Point, radius: Fraction, at: Point, heading: Fraction) -> None:
-        """Adds a disc whose middle lies so on a body that stands at a pose."""
+        """Add a disc whose middle lies so on a body that stands at a pose."""
         if heading == 0 or not any(middle):
             x = float(middle[0] + at[0])
             y = float(middle[1] + at[1])
@@ -40,7 +40,7 @@ class Shapes:
     def outline(
         self, corners: Sequence[Point], at: Point, heading: Fraction, *, closed: bool = True
     ) -> None:
-        """Adds a polygon of a body that stands at a pose, or the lines between its corners."""
+        """Add a polygon of a body that stands at a pose, or the lines between its corners."""
         quarters = round(float(heading) / (math.pi / 2))
         off = abs(float(heading) - quarters * math.pi / 2)
         sides = [sorted({corner[axis] for corner in corners}) for axis in (0, 1)]
@@ -66,7 +66,7 @@ class Shapes:
         )
 
     def paint(self, raster: Raster) -> None:
-        """Paints all of them."""
+        """Paint all of them."""
         for box in self.boxes:
             raster.box(box)
         for circle in self.circles:
@@ -76,7 +76,7 @@ class Shapes:
 
 
 def turned(points: npt.NDArray[np.float64], at: Point, heading: float) -> npt.NDArray[np.float64]:
-    """Points of a body, (n, 2), m, where it stands at a pose."""
+    """Return the points of a body, (n, 2), m, where it stands at a pose."""
     cos = math.cos(heading)
     sin = math.sin(heading)
     moved: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(

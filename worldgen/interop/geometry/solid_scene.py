@@ -63,7 +63,7 @@ class SolidScene:
 
 
 def scene(world: World, destination: Destination, height: float) -> SolidScene:
-    """The world in the file's frame.
+    """Return the world in the file's frame.
 
     Args:
         world: The world.
@@ -100,7 +100,7 @@ def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
 
 
 def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
-    """What a cell is at some times, but not at all."""
+    """Yield what a cell is at some times, but not at all."""
     for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
         there = [(time, state == kind) for time, state in by_time.items()]
         changes = tuple(now for before, now in itertools.pairwise(there) if before[1] != now[1])
@@ -109,7 +109,7 @@ def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
 
 
 def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
-    """What a player script plays.
+    """Return what a player script plays.
 
     Where bodies stand, and the height of their centres from a time on.
 
@@ -145,7 +145,7 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: s
 
 
 def plain_name(destination: Destination) -> str:
-    """The file's stem in letters, digits, ``_`` and ``-``.
+    """Return the file's stem in letters, digits, ``_`` and ``-``.
 
     What every program takes as a name, in XML and in topics.
     """

@@ -60,18 +60,18 @@ class Gazebo:
             sys.exit(f"{self._world}/{service} refused: {said}; is Gazebo running this world?")
 
     def run_to(self, until: float) -> None:
-        """Runs to a simulated time, s, and stands still there."""
+        """Run to a simulated time, s, and stands still there."""
         seconds, rest = divmod(round(until * 10**9), 10**9)
         self._ask("control", "WorldControl", f"run_to_sim_time {{ sec: {seconds} nsec: {rest} }}")
         while self.time() < until - 1e-9:
             time.sleep(0.01)
 
     def go_on(self) -> None:
-        """Lets time pass."""
+        """Let time pass."""
         self._ask("control", "WorldControl", "pause: false")
 
     def time(self) -> float:
-        """The simulated time, s."""
+        """Return the simulated time, s."""
         words = [self._command, "topic", "-e", "-n", "1", "-t", f"{self._world}/stats"]
         try:
             said = subprocess.run(
@@ -84,7 +84,7 @@ class Gazebo:
         return int(numbers.get("sec", 0)) + int(numbers.get("nsec", 0)) / 10**9
 
     def place(self, poses: dict[str, tuple[float, float, float]]) -> None:
-        """Moves models: by name, x, y, z of their centres, m."""
+        """Move models: by name, x, y, z of their centres, m."""
         texts = [
             f'pose {{ name: "{name}" position {{ x: {x!r} y: {y!r} z: {z!r} }} orientation {{ w: 1 '
             f"}} }} "
@@ -99,7 +99,7 @@ class Gazebo:
 
 
 def main() -> None:
-    """Plays all changes that are yet to come, then lets the world run on."""
+    """Play all changes that are yet to come, then let the world run on."""
     table = _table()
     gazebo = Gazebo(table["world"])
     now = gazebo.time()

@@ -38,7 +38,7 @@ _TABLE = _table()
 
 
 def events() -> list[tuple[float, str, float]]:
-    """Time, s, body, and the height of its centre from then on, m.
+    """Return the time, s, the body, and the height of its centre from then on, m.
 
     In order of time, those of time 0 first.
     """
@@ -51,7 +51,7 @@ def _move(model: Any, data: Any, name: str, z: float) -> None:
 
 
 def apply(model: Any, data: Any) -> None:
-    """Puts every body where it belongs at ``data.time``, and tells the engine.
+    """Put every body where it belongs at ``data.time``, and tell the engine.
 
     Args:
         model: The MjModel.
@@ -66,7 +66,7 @@ def apply(model: Any, data: Any) -> None:
 def play(
     model: Any, data: Any, until: float, control: Callable[[Any, Any], None] | None = None
 ) -> None:
-    """Steps the engine to a time.
+    """Step the engine to a time.
 
     Every change happens before the first step that begins at or after its time.
 
@@ -91,7 +91,7 @@ def play(
 
 
 def _watch() -> None:
-    """Runs the model in MuJoCo's viewer, as fast as time goes."""
+    """Run the model in MuJoCo's viewer, as fast as time goes."""
     import time  # noqa: PLC0415
 
     import mujoco.viewer  # noqa: PLC0415

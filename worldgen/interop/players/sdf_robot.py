@@ -45,7 +45,7 @@ _WHEEL_MASS = Fraction(1, 10)
 
 
 def robot_lines(world: World, destination: Destination, plugins: str) -> Iterator[str]:
-    """The model ``robot`` at the start.
+    """Yield the model ``robot`` at the start.
 
     A cylinder of the robot's radius, joints ``left_joint`` and ``right_joint``.
 

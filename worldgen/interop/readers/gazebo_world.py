@@ -54,7 +54,7 @@ _REACH = 1.0
 
 
 def grid_line(world: World, destination: Destination) -> str:
-    """The element of ours, with which a file of Gazebo comes back.
+    """Return the element of ours, with which a file of Gazebo comes back.
 
     Corner, sides and cell size of the grid, m.
     """
@@ -122,7 +122,7 @@ class _GazeboScene:
 def read_gazebo_world(
     path: Path, *, cell_size: float = 0.0, raster: Literal["outer", "inner"] = "outer"
 ) -> ForeignMap:
-    """A world file of Gazebo, BARN's among them.
+    """Return a world file of Gazebo, BARN's among them.
 
     Args:
         path: The ``.world`` or ``.sdf`` file.
@@ -175,7 +175,7 @@ def read_gazebo_world(
 
 
 def _unread(scene: _GazeboScene) -> tuple[str, ...]:
-    """What stands in the world and was not read, counted."""
+    """Return what stands in the world and was not read, counted."""
     return tuple(
         f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}"
         for what, count in sorted(scene.unread.items())
@@ -337,7 +337,7 @@ def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, uprig
 
 
 def _is_barn(scene: _GazeboScene) -> bool:
-    """Whether all that stands there are BARN's posts, each in its cell of the lattice, where BARN has them."""
+    """Return True if the world contains only BARN's posts, each in its own cell of BARN's lattice."""
     return (
         bool(scene.posts)
         and not (scene.shapes.boxes or scene.shapes.polygons)
@@ -352,7 +352,7 @@ def _is_barn(scene: _GazeboScene) -> bool:
 
 
 def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
-    """The part of the world that becomes cells.
+    """Return the part of the world that becomes cells.
 
     What the file says, BARN's, or all that stands there.
     """

@@ -30,7 +30,7 @@ _PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 
 
 def gltf_json(data: bytes, source: str) -> dict[str, Any]:
-    """The document of a ``.gltf`` or ``.glb`` file.
+    """Return the document of a ``.gltf`` or ``.glb`` file.
 
     Raises:
         FormatError: If it is neither, or no JSON object.
@@ -172,7 +172,7 @@ def _faces(document: dict[str, Any], mesh: dict[str, Any]) -> int:
 
 
 def root_extras(document: dict[str, Any]) -> dict[str, Any]:
-    """What our own files say of the world beside its walls; nothing of others."""
+    """Return what our own files say of the world beside its walls; nothing of others."""
     for node in document.get("nodes", []):
         extras = node.get("extras")
         if node.get("name") == "worldgen" and isinstance(extras, dict):
@@ -181,7 +181,7 @@ def root_extras(document: dict[str, Any]) -> dict[str, Any]:
 
 
 def _joined(extras: dict[str, Any]) -> dict[str, Any]:
-    """Points put together again from their two numbers."""
+    """Return points put together again from their two numbers."""
     joined = {name: value for name, value in extras.items() if name[-2:] not in ("_x", "_y")}
     for name, value in extras.items():
         if name.endswith("_x") and f"{name[:-2]}_y" in extras:

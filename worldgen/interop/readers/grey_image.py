@@ -53,7 +53,7 @@ class GreyImage:
 
 
 def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
-    """A binary PGM of greys, top row first.
+    """Return a binary PGM of greys, top row first.
 
     Its maximum is 255, for some loaders misread any other.
     """
@@ -62,7 +62,7 @@ def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
 
 
 def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = None) -> bytes:
-    """A grey PNG.
+    """Return a grey PNG.
 
     Args:
         values: (height, width), top row first.
@@ -77,7 +77,7 @@ def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = No
 
 
 def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = None) -> bytes:
-    """A PNG of cells: solid black, free white.
+    """Return a PNG of cells: solid black, free white.
 
     Args:
         solid: (height, width), row 0 the lowest y.
@@ -87,7 +87,7 @@ def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = Non
 
 
 def read_grey_image(data: bytes, source: str) -> GreyImage:
-    """A picture of a map.
+    """Return a picture of a map.
 
     Args:
         data: PGM (P2 or P5), PNG or BMP; colours become grey by their luma (ITU-R BT.601).
@@ -151,7 +151,7 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
 def _binary_raster(
     data: bytes, at: int, count: int, width: int, source: str
 ) -> npt.NDArray[np.integer[Any]]:
-    """Pixels of ``width`` bytes, high byte first, behind the one white space that ends the header."""
+    """Return pixels of ``width`` bytes, high byte first, after the one blank that ends the header."""
     size = count * width
     rest = len(data) - at - 1
     if rest < size or not data[at : at + 1].isspace():
@@ -177,7 +177,10 @@ def _binary_raster(
 
 
 def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[np.integer[Any]]:
-    """Pixels as decimal words, converted at once: as Python objects they take 30 times the file."""
+    """Return pixels given as decimal words.
+
+    They are converted all at once, because Python objects would take 30 times the file.
+    """
     text = _COMMENT.sub(b"", data[at:]) if data.find(b"#", at) >= 0 else data[at:]
     raw = np.frombuffer(text, np.uint8)
     is_digit = (raw >= ord("0")) & (raw <= ord("9"))

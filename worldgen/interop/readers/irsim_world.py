@@ -49,7 +49,7 @@ class _IrsimScene:
 
 
 def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) -> ForeignMap:
-    """A world file of IR-SIM.
+    """Return a world file of IR-SIM.
 
     Args:
         path: The YAML file.
@@ -128,7 +128,7 @@ def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
 def _picture(
     world: YamlTable, path: Path, threshold: float
 ) -> tuple[npt.NDArray[np.bool_], str, str]:
-    """Solid cells, lowest row first, of the obstacle map, its name and digest."""
+    """Return solid cells, lowest row first, of the obstacle map, its name and digest."""
     word = _picture_name(world)
     try:
         image = sibling_file(path, "obstacle_map", word)
@@ -152,7 +152,7 @@ def _picture(
 
 
 def _picture_name(world: YamlTable) -> str:
-    """The obstacle map's file: a word, or a table with ``name: image`` and ``path``."""
+    """Return the obstacle map's file: a word, or a table with ``name: image`` and ``path``."""
     try:
         return world.word("obstacle_map")
     except FormatError:
@@ -311,7 +311,7 @@ def _add_parts(
 
 
 def _cells(scene: _IrsimScene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
-    """The walls, and the side of a cell, m."""
+    """Return the walls, and the side of a cell, m."""
     size = _cell_size(scene, wanted)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
         raise FormatError(

@@ -44,7 +44,7 @@ _RECORDS = {
 
 
 def read_ints(data: bytes, source: str) -> Ints:
-    """The numbers of a stream that holds nothing else.
+    """Return the numbers of a stream that holds nothing else.
 
     Args:
         data: The file's bytes.
@@ -124,7 +124,7 @@ def _check_header(data: bytes, source: str) -> None:
 
 
 def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
-    """Where the bytes of a record begin, and how many they are."""
+    """Return where the bytes of a record begin, and how many they are."""
     kind = data[at]
     if kind not in (_SHORT, _LONG):
         _refuse_record(kind, at, source)
@@ -154,7 +154,7 @@ def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
 
 
 def write_ints(values: npt.NDArray[np.integer]) -> bytes:
-    """The stream as ``ObjectOutputStream`` writes it, byte for byte.
+    """Return the stream as ``ObjectOutputStream`` writes it, byte for byte.
 
     Full blocks, then what is left.
 
@@ -171,5 +171,5 @@ def _block_head(length: int) -> bytes:
 
 
 def stream_bytes(count: int) -> int:
-    """Largest size of a stream that holds ``count`` numbers in full blocks."""
+    """Return largest size of a stream that holds ``count`` numbers in full blocks."""
     return len(_HEADER) + 4 * count + 5 * (4 * count // _BLOCK + 1)

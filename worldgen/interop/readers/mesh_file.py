@@ -97,7 +97,7 @@ def _check_counts(data: bytes, kind: str, source: str) -> None:
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
-    """What a file of ours says of its world.
+    """Return what a file of ours says of its world.
 
     In comments, as TOML, or in the header of an STL file.
     """
@@ -156,7 +156,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _loaded(data: bytes, kind: str, path: Path) -> Any:
-    """The scene that trimesh makes of a file; whatever it raises is the file's fault."""
+    """Return the scene that trimesh makes of a file; whatever it raises is the file's fault."""
     try:
         with _quiet():
             return trimesh.load_scene(
@@ -184,7 +184,7 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
 def _in_one_frame(
     scene: Any, source: str
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], int]:
-    """All triangles of a scene, each instance where it stands; and how many parts have none."""
+    """Return all triangles of a scene, each instance in its place, and how many parts have none."""
     places: list[npt.NDArray[np.float64]] = [np.zeros((0, 3))]
     triangles: list[npt.NDArray[np.int64]] = [np.zeros((0, 3), np.int64)]
     count = 0

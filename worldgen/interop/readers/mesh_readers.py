@@ -19,7 +19,7 @@ _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 
 def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
-    """The reader of a format that has neither unit nor up axis.
+    """Return the reader of a format that has neither unit nor up axis.
 
     Args:
         kind: ``stl``, ``obj`` or ``ply``.
@@ -34,7 +34,7 @@ def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
         up: Literal["z", "y"] = "z",
         floor: int = 0,
     ) -> ForeignMap:
-        """A mesh, cut at a height.
+        """Return a mesh, cut at a height.
 
         Args:
             path: The file.
@@ -50,7 +50,7 @@ def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
 
 
 def metric_reader(kind: str) -> Callable[..., ForeignMap]:
-    """The reader of glTF, which is in metres, y up.
+    """Return the reader of glTF, which is in metres, y up.
 
     Args:
         kind: ``glb`` or ``gltf``.
@@ -64,7 +64,7 @@ def metric_reader(kind: str) -> Callable[..., ForeignMap]:
         up: Literal["y", "z"] = "y",
         floor: int = 0,
     ) -> ForeignMap:
-        """A mesh, cut at a height.
+        """Return a mesh, cut at a height.
 
         Args:
             path: The file.

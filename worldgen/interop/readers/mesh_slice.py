@@ -136,7 +136,7 @@ class _Told:
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:
-    """What a file of ours says, if all of it has the right form.
+    """Return what a file of ours says, if all of it has the right form.
 
     Else it is read as any other file.
     """
@@ -169,7 +169,7 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
 def _floors(
     vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float
 ) -> list[float]:
-    """Heights, m, of large level surfaces that look up and have something above them.
+    """Return heights, m, of large level surfaces that look up and have something above them.
 
     Else the mesh's lowest point.
     """
@@ -208,7 +208,7 @@ def _frame(
     size: list[int] | None,
     source: str,
 ) -> tuple[tuple[float, float], int, int]:
-    """The grid's corner, m, and its sides, cells.
+    """Return the grid's corner, m, and its sides, cells.
 
     As a file of ours says, else around the mesh, on whole cells.
     """
@@ -226,7 +226,7 @@ def _frame(
 
 
 def _slack(furthest: float) -> float:
-    """By how many cells coordinates may be off that are so many cells away from the file's origin."""
+    """Return the possible rounding error, in cells, of coordinates this far from the file's origin."""
     return min(_TOUCH + _ROUNDED * furthest, 0.01)
 
 

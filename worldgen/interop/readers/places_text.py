@@ -44,7 +44,7 @@ class Places:
 
 
 def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
-    """The words by the names of :data:`KEYS`.
+    """Return the words by the names of :data:`KEYS`.
 
     Exact decimals, m and rad, points in the file's frame.
     """
@@ -59,7 +59,7 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
 
 
 def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
-    """What :func:`place_words` wrote; a world's numbers come back as they were, to the bit.
+    """Return what :func:`place_words` wrote; a world's numbers come back as they were, to the bit.
 
     Args:
         words: Any of them, or none.
@@ -100,7 +100,7 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
-    """The number that a word says, less a shift, rounded once.
+    """Return the number that a word says, less a shift, rounded once.
 
     What :func:`~worldgen.interop.format.decimal` wrote.
 

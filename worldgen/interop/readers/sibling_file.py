@@ -12,7 +12,7 @@ __all__ = ["sibling_file"]
 
 
 def sibling_file(path: Path, key: str, name: str) -> Path:
-    """The path of a file that a map file names.
+    """Return the path of a file that a map file names.
 
     Args:
         path: The map file.

@@ -65,18 +65,18 @@ class Entity:
         return key in self.properties
 
     def fault(self, key: str, message: Message) -> FormatError:
-        """An error at the line of a property, or of the whole thing where it has none such."""
+        """Return an error at the line of a property, or at its model's line if there is none."""
         value = self.properties.get(key)
         line, source = (self.line, self.source) if value is None else (value.line, value.source)
         return FormatError.of(message, line=line, source=source)
 
     def text(self, key: str, default: str = "") -> str:
-        """The string of a property."""
+        """Return the string of a property."""
         value = self.properties.get(key)
         return value.items[0].text if value is not None and value.items else default
 
     def numbers(self, key: str) -> list[Fraction]:
-        """The numbers of a property, exactly; none where it is not there.
+        """Return the numbers of a property, exactly; none where it is not there.
 
         Raises:
             FormatError: If one is no number.
@@ -107,7 +107,7 @@ class _StageReader:
     defined: dict[str, tuple[str, int, int]] = field(default_factory=dict)
 
     def fill(self, entity: Entity, depth: int, end: int) -> None:
-        """Reads what stands in an entity's brackets, or in the file, up to a token."""
+        """Read what stands in an entity's brackets, or in the file, up to a token."""
         while self.at < end:
             token = self.tokens[self.at]
             self._spend(1, token)
@@ -150,7 +150,7 @@ class _StageReader:
         self.defined[words[0].text] = (words[1].text, begin + 1, self._skip())
 
     def _skip(self) -> int:
-        """Goes behind the bracket that closes the one here; its place."""
+        """Go behind the bracket that closes the one here; its place."""
         begin = self.at
         first = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1]
         depth = 0
@@ -210,7 +210,7 @@ class _StageReader:
         )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
-        """What stands between two tokens, on top of what its definition says."""
+        """Return what stands between two tokens, on top of what its definition says."""
         if depth > _MOST_DEPTH:
             raise _fault(
                 name,
@@ -243,7 +243,7 @@ def _fault(token: _Token, message: Message) -> FormatError:
 def read_stage_file(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None]
 ) -> Entity:
-    """The whole file as one entity without a kind.
+    """Return the whole file as one entity without a kind.
 
     Args:
         text: The file.
@@ -263,7 +263,7 @@ def read_stage_file(
 def _tokens(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
 ) -> Iterator[_Token]:
-    """The tokens, those of included files in their place."""
+    """Yield the tokens, those of included files in their place."""
     at = 0
     line = 1
     including = False

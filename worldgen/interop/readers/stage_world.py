@@ -88,7 +88,7 @@ class _Plan:
 
 
 def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
-    """A world file of Stage.
+    """Return a world file of Stage.
 
     Args:
         path: The ``.world`` file; it names the picture.
@@ -124,7 +124,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 
 
 def _units(world: Entity) -> tuple[Fraction, bool]:
-    """A unit of length in m, and whether angles are in degrees."""
+    """Return a unit of length in m, and whether angles are in degrees."""
     length = world.text("unit_length", "m")
     angle = world.text("unit_angle", "degrees")
     if length not in _UNITS:
@@ -147,7 +147,7 @@ def _units(world: Entity) -> tuple[Fraction, bool]:
 
 
 def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
-    """The one thing with a picture; of several the largest."""
+    """Return the one thing with a picture; of several the largest."""
     found = [entity for entity in world.parts if "bitmap" in entity]
     if not found:
         message = Message(
@@ -164,7 +164,7 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
 
 
 def _picture(floor: Entity, path: Path) -> Path:
-    """The picture lies beside the world file, also where an included file names it."""
+    """Return the picture lies beside the world file, also where an included file names it."""
     try:
         return sibling_file(path, "bitmap", floor.text("bitmap"))
     except InvalidParameter as error:
@@ -224,7 +224,7 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
 def _cells(
     plan: _Plan, wanted: float, notes: list[str], source: str
 ) -> tuple[npt.NDArray[np.bool_], float]:
-    """The walls, and the side of a cell, m."""
+    """Return the walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
         message = Message(
@@ -327,7 +327,10 @@ def _root(squared: Fraction) -> Fraction | float:
 
 
 def _outline(robot: Entity) -> list[_Point]:
-    """Corners of all its blocks, in their own units: Stage stretches them over the size."""
+    """Return the corners of all blocks in their own units.
+
+    Stage stretches them to the model's size.
+    """
     found = []
     for block in robot.parts:
         if block.kind == "block":
@@ -339,7 +342,7 @@ def _outline(robot: Entity) -> list[_Point]:
 
 
 def _unread(world: Entity, floor: Entity) -> Iterator[str]:
-    """What else stands in the world and stops a robot, such as a second picture."""
+    """Yield what else stands in the world and stops a robot, such as a second picture."""
     others = [
         entity for entity in world.parts
         if entity is not floor and not _is_robot(entity) and entity.kind not in ("window", "speech", "camera")

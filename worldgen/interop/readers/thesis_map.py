@@ -44,7 +44,7 @@ _START_HEADING = 4.5  # rad, clockwise from -x
 
 
 def signal(walls: npt.NDArray[np.bool_], target: tuple[int, int]) -> Ints:
-    """What the program's map editor holds for walls drawn with the noise filter off.
+    """Return what the program's map editor holds for walls drawn with the noise filter off.
 
     Args:
         walls: (n, n) bool, top row first.
@@ -59,7 +59,7 @@ def signal(walls: npt.NDArray[np.bool_], target: tuple[int, int]) -> Ints:
 
 
 def _light(size: int, target: tuple[int, int]) -> Ints:
-    """The undisturbed signal inside the border, which is walls."""
+    """Return the undisturbed signal inside the border, which is walls."""
     index = np.arange(size, dtype=np.int32)
     values: Ints = (index - target[0])[np.newaxis, :] ** 2 + (index - target[1])[:, np.newaxis] ** 2
     values[[0, -1], :] = WALL
@@ -68,7 +68,7 @@ def _light(size: int, target: tuple[int, int]) -> Ints:
 
 
 def filtered(values: Ints, target: tuple[int, int]) -> Ints:
-    """The signal after the noise filter went once over all inner walls, in the program's order.
+    """Return the signal after one pass of the noise filter, in the program's order of walls.
 
     A wall changes the cells within two of it: one that now holds more than the wall's own distance
         gets one
@@ -102,7 +102,7 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
 
 
 def program_start(size: int, cell_size: float) -> Pose:
-    """Where the program starts its robot: 35 px from the left and from the top, of 10 px a cell."""
+    """Return where the program starts its robot: 35 px from the left and the top, at 10 px a cell."""
     halves = round(2 * _START_CELLS)
     x, y = (
         lattice_to_metres(cells * UNIT // 2, cell_size) for cells in (halves, 2 * size - halves)
@@ -111,7 +111,7 @@ def program_start(size: int, cell_size: float) -> Pose:
 
 
 def unloadable(size: int) -> str | None:
-    """Why the program would not load a map of this size; None if it would."""
+    """Return why the program would not load a map of this size; None if it would."""
     low, high = _LOADABLE
     if low <= size <= high and size % 2 == 0:
         return None
@@ -122,7 +122,7 @@ def unloadable(size: int) -> str | None:
 
 
 def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """A map that the thesis's program saved.
+    """Return a map that the thesis's program saved.
 
     Args:
         path: The file; the program's own ending is ``.gex``.
@@ -246,7 +246,7 @@ def _check_values(values: Ints, source: str) -> None:
 
 
 def _target(values: Ints, source: str) -> tuple[int, int]:
-    """Column and row of the only target."""
+    """Return the column and row of the only target."""
     found = np.argwhere(values == 0)
     if len(found) != 1:
         raise FormatError(

@@ -90,7 +90,10 @@ def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any]
 
 
 def _unpacked(data: bytes, source: str) -> bytes:
-    """The model's XML; the archive may claim any size, so no more is unpacked than is read."""
+    """Return the model's XML.
+
+    The archive may claim any size, so no more is unpacked than is read.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, archive.open(_MODEL) as stream:
             text = stream.read(_MOST_XML + 1)
@@ -126,7 +129,7 @@ def _plain(name: str) -> str:
 
 
 def _children(element: XmlElement, *names: str) -> list[XmlElement]:
-    """The elements at the end of a path of names, whatever their prefixes."""
+    """Return the elements at the end of a path of names, whatever their prefixes."""
     found = [child for child in element.children if _plain(child.name) == names[0]]
     return (
         [deeper for child in found for deeper in _children(child, *names[1:])]
@@ -152,7 +155,7 @@ def _placed(
     depth: int,
     left: _Left,
 ) -> list[Mesh]:
-    """The meshes of an object and of its components, each where it stands."""
+    """Return the meshes of an object and of its components, each where it stands."""
     if depth == 0:
         raise FormatError(
             "too-deep", "its components nest too deep", "export it flat", source=source
@@ -214,7 +217,7 @@ def _joined(found: list[Mesh]) -> Mesh:
 
 
 def _held(root: XmlElement) -> dict[str, Any]:
-    """What a file of ours says of its world, in an element of metadata, as TOML."""
+    """Return what a file of ours says of its world, in an element of metadata, as TOML."""
     for element in _children(root, "metadata"):
         if element.attributes.get("name") == "worldgen:world":
             try:

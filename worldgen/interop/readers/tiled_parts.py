@@ -39,7 +39,7 @@ _COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid
 
 
 def parse_tiled(data: bytes, source: str) -> Part:
-    """The map, its kind checked.
+    """Return the map, its kind checked.
 
     Raises:
         FormatError: If it is no JSON, no map, endless, or not of square tiles in rows and columns.
@@ -105,7 +105,7 @@ def parse_tiled(data: bytes, source: str) -> Part:
 
 
 def checked_number(part: Part, key: str, source: str) -> int:
-    """A whole number from 0 to a million.
+    """Return a whole number from 0 to a million.
 
     Raises:
         FormatError: If it is missing or another thing.
@@ -124,7 +124,7 @@ def checked_number(part: Part, key: str, source: str) -> int:
 
 
 def all_layers(parsed: Part, source: str) -> list[Part]:
-    """Layers in drawing order, those in groups too.
+    """Return layers in drawing order, those in groups too.
 
     Raises:
         FormatError: If there are too many, or one is no layer.
@@ -149,7 +149,7 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
 
 
 def tile_layer(layers: list[Part], name: str, source: str) -> Part:
-    """The layer of walls: as named, else one called walls or the like, else the only one that has tiles.
+    """Return the layer of walls: the named one, else one called walls or the only one.
 
     Raises:
         FormatError: If there is none, or it cannot be told.
@@ -177,7 +177,7 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
 
 
 def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
-    """Numbers of tiles, (height, width), top row first, 0 where there is none.
+    """Return the numbers of tiles, (height, width), top row first, 0 where there is none.
 
     How they are flipped is left out.
 
@@ -286,7 +286,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
 
 
 def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
-    """The first object whose name, class or type is one of these, whatever its case."""
+    """Return the first object whose name, class or type is one of these, whatever its case."""
     for part in _objects(layers):
         if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
             return part
@@ -301,7 +301,7 @@ def _objects(layers: list[Part]) -> Iterator[Part]:
 
 
 def numbers_of(part: Part, *keys: str) -> dict[str, float]:
-    """Finite numbers of a part by those keys.
+    """Return finite numbers of a part by those keys.
 
     Without any, of its custom properties by their names.
     """

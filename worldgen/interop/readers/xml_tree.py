@@ -37,23 +37,23 @@ class XmlElement:
     text: str = ""
 
     def all(self, *names: str) -> Iterator[XmlElement]:
-        """The elements at the end of a path of names."""
+        """Yield the elements at the end of a path of names."""
         for child in self.children:
             if child.name == names[0]:
                 yield from child.all(*names[1:]) if names[1:] else (child,)
 
     def first(self, *names: str) -> XmlElement | None:
-        """The first of them."""
+        """Return the first of them."""
         return next(self.all(*names), None)
 
     def word(self, *names: str, default: str = "") -> str:
-        """The characters in the first of them, without white space around."""
+        """Return the characters in the first of them, without white space around."""
         found = self.first(*names)
         return default if found is None else found.text.strip()
 
 
 def read_xml(data: bytes, source: str) -> XmlElement:
-    """The root of a file.
+    """Return the root of a file.
 
     Args:
         data: The file.
@@ -92,7 +92,7 @@ def read_xml(data: bytes, source: str) -> XmlElement:
 
 
 class _TreeBuilder:
-    """Builds the tree; everything that could make a small file large is refused as soon as it is named."""
+    """Builds the tree, and refuses what could make a small file large as soon as it appears."""
 
     def __init__(self, source: str) -> None:
         self.source = source

@@ -1,4 +1,4 @@
-"""YAML read as nodes: no value is built, no tag obeyed, nothing grows, and every fault has its line."""
+"""Read YAML as nodes: builds no value, obeys no tag, expands nothing, and reports lines."""
 
 from __future__ import annotations
 
@@ -78,11 +78,11 @@ class YamlTable:
         return iter(self._entries)
 
     def fault(self, key: str, message: Message) -> FormatError:
-        """An error at the line of a key."""
+        """Return an error at the line of a key."""
         return FormatError.of(message, line=self._entries[key].line, source=self.source)
 
     def word(self, key: str) -> str:
-        """The one value of a key, as written.
+        """Return the one value of a key, as written.
 
         Raises:
             FormatError: If it is a list, a table, or empty.
@@ -100,7 +100,7 @@ class YamlTable:
         return str(node.value)
 
     def number(self, key: str) -> float:
-        """The finite number of a key.
+        """Return the finite number of a key.
 
         Raises:
             FormatError: If it is none.
@@ -121,7 +121,7 @@ class YamlTable:
         return value
 
     def truth(self, key: str) -> bool:
-        """The yes or no of a key.
+        """Return the yes or no of a key.
 
         Raises:
             FormatError: If it is neither.
@@ -135,7 +135,7 @@ class YamlTable:
         return _TRUTH[word.lower()]
 
     def words(self, key: str) -> list[str] | None:
-        """The list of a key, of single values as written; None where it is something else."""
+        """Return a key's list of single values as written; None if it is something else."""
         node = self._entries[key].node
         items = node.value if isinstance(node, yaml.SequenceNode) else None
         if items is None or not all(isinstance(item, yaml.ScalarNode) for item in items):
@@ -143,17 +143,17 @@ class YamlTable:
         return [str(item.value) for item in items]
 
     def numbers(self, key: str) -> list[float] | None:
-        """The list of a key, of finite numbers; None where it is something else."""
+        """Return the list of a key, of finite numbers; None where it is something else."""
         numbers = [_parse_number(word) for word in self.words(key) or ("",)]
         return None if None in numbers else [number for number in numbers if number is not None]
 
     def is_null(self, key: str) -> bool:
-        """Whether a key is there with nothing behind it, or with ``null``."""
+        """Return True if a key is there with nothing behind it, or with ``null``."""
         node = self._entries[key].node
         return isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL
 
     def fraction(self, key: str) -> Fraction:
-        """The number of a key, exactly as its digits say.
+        """Return the number of a key, exactly as its digits say.
 
         Raises:
             FormatError: If it is none.
@@ -173,7 +173,7 @@ class YamlTable:
         return Fraction(word)
 
     def rows(self, key: str) -> list[list[Fraction]]:
-        """The lists of numbers of a key, exactly.
+        """Return the lists of numbers of a key, exactly.
 
         A single list counts as one row, and so does a list of one.
 
@@ -202,7 +202,7 @@ class YamlTable:
         return [[Fraction(word) for word in row] for row in words]
 
     def tables(self, key: str) -> list[YamlTable]:
-        """The tables of a key: one, or a list of them.
+        """Return the tables of a key: one, or a list of them.
 
         Raises:
             FormatError: If it is something else.
@@ -223,7 +223,7 @@ class YamlTable:
 
 
 def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
-    """The top level of a file.
+    """Return the top level of a file.
 
     Args:
         text: The file.
@@ -242,7 +242,7 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
 
 
 def _is_exact(word: str) -> bool:
-    """Whether a word is a number that also a float can hold, with room to reckon."""
+    """Return True if a word is a number that also a float can hold, with room to reckon."""
     return _EXACT.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
@@ -252,7 +252,7 @@ def _parse_number(word: str) -> float | None:
 
 
 def _compose(text: bytes, source: str) -> yaml.Node | None:
-    """The file as nodes only: no value is built, no tag obeyed."""
+    """Return the file as nodes only: no value is built, no tag obeyed."""
     try:
         decoded = text.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -291,7 +291,7 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
 
 
 def _refuse_tricks(text: str, source: str) -> None:
-    """Refuses what makes a small YAML file large or deep, before a tree is built."""
+    """Refuse what makes a small YAML file large or deep, before a tree is built."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
         line = 1 if event.start_mark is None else event.start_mark.line + 1

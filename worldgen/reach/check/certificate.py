@@ -63,7 +63,7 @@ class _Refused(Exception):
 def check_certificate(
     world: World, certificate: Certificate | None = None, *, radius: float | None = None
 ) -> CheckReport:
-    """Whether a certificate proves that a disc can, or cannot, get from start to target.
+    """Return True if a certificate proves that a disc can, or cannot, get from start to target.
 
     Args:
         world: The world.
@@ -106,7 +106,7 @@ class BlockedSpans:
 
 
 def blocked_spans(world: World) -> BlockedSpans:
-    """One row per uninterrupted state of each cell that changes."""
+    """Return one row per uninterrupted state of each cell that changes."""
     line = world.timeline
     order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
     ix = line.ix[order]
@@ -135,7 +135,7 @@ def blocked_spans(world: World) -> BlockedSpans:
 
 
 def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
-    """(height, width) bool: solid or burning at every time from 0 on."""
+    """Return a (height, width) bool array: solid or burning at every time from 0 on."""
     blocked = world.still_walls
     order = np.lexsort((spans.begin, spans.iy, spans.ix))
     until: dict[tuple[int, int], float] = {}
@@ -162,12 +162,12 @@ class WitnessPoints:
     y: Floats
 
     def shapes(self) -> npt.NDArray[np.object_]:
-        """One shape per piece: a line, or a point where the robot stands still."""
+        """Return one shape per piece: a line, or a point where the robot stands still."""
         points = np.stack([self.x, self.y], axis=1)
         return _lines(points[:-1], points[1:])
 
     def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
-        """What the robot drives of each piece between the times ``low`` and ``high``."""
+        """Return what the robot drives of each piece between the times ``low`` and ``high``."""
         begin = self.times[piece]
         length = np.diff(self.times)[piece]
         length = np.where(length > 0, length, 1.0)
@@ -207,7 +207,7 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
 
 
 def path_of(world: World, witness: Witness) -> WitnessPoints:
-    """The witness, once it starts and ends where it must, stays in the grid and keeps to the speed."""
+    """Return the witness if it starts and ends right, stays in the grid and keeps to the speed."""
     times = witness.times
     x = witness.x
     y = witness.y
@@ -249,7 +249,7 @@ def _first(found: npt.NDArray[np.intp]) -> int:
 
 
 def _static_clearance(world: World, path: WitnessPoints) -> tuple[float, str]:
-    """Distance, cells, from a path to the nearest cell that is solid and never changes, or to the outside."""
+    """Return the distance, cells, from a path to the nearest permanent wall or the outside."""
     # The outside is the complement of a convex box: the path is nearest to it at one of its points.
     rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
     clearance = float(rim)
@@ -273,7 +273,7 @@ def _static_clearance(world: World, path: WitnessPoints) -> tuple[float, str]:
 def _timed_clearance(
     world: World, path: WitnessPoints, clearance: float, where: str, claim: float
 ) -> tuple[float, str]:
-    """The same with the cells that change, each while it is solid or burning.
+    """Return the same with the cells that change, each while it is solid or burning.
 
     At most the claim and a cell.
     """
@@ -346,7 +346,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
 
 
 def _decimal(value: float) -> Fraction:
-    """The number that the shortest decimal of a float says."""
+    """Return the number that the shortest decimal of a float says."""
     return Fraction(repr(float(value)))
 
 
@@ -357,7 +357,7 @@ def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
 def _start_is_covered(
     world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans
 ) -> bool:
-    """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
+    """Return True if a chain cell solid or burning at time 0 is too near to the start."""
     now = world.still_walls
     at_once = spans.begin == 0.0
     now[spans.iy[at_once], spans.ix[at_once]] = True
@@ -374,7 +374,7 @@ def _start_is_covered(
 def _check_sides(
     world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]
 ) -> str:
-    """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
+    """Check that the chain separates every clear pose in the target's disc from the start."""
     size = _decimal(world.cell_size)
     start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
     target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
@@ -400,7 +400,7 @@ def _check_sides(
 
 
 def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
-    """Centre of each cell, closest points of it and the next, and so on, back to the first.
+    """Return the chain as points: each cell's centre and the closest points to the next cell.
 
     In cells.
     """
@@ -415,7 +415,7 @@ def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]
 
 
 def _winds_round(line: list[tuple[Fraction, Fraction]], point: tuple[Fraction, Fraction]) -> bool:
-    """Whether a closed line winds round a point an odd number of times: even-odd rule, exact."""
+    """Return True if a closed line winds around a point an odd number of times, exactly."""
     x, y = point
     odd = False
     for (ax, ay), (bx, by) in itertools.pairwise(line):

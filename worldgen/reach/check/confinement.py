@@ -34,7 +34,7 @@ class _ConfinementRefused(Exception):
 def check_confinement(
     world: World, proof: Confinement, *, radius: float | None = None
 ) -> CheckReport:
-    """Whether a confinement proves that a disc does not get to the target, or not by its deadline.
+    """Return True if a confinement proves that a disc never reaches the target, or too late.
 
     Args:
         world: The world.
@@ -110,7 +110,7 @@ class _Check:
         return _decimal(metres) / _decimal(self.world.cell_size) * self.k
 
     def run(self) -> None:
-        """Raises _Refused if the confinement does not hold."""
+        """Raise _Refused if the confinement does not hold."""
         for ix, iy, first, last in self.proof.stays.tolist():
             inside = 0 <= ix < self.world.width * self.k and 0 <= iy < self.world.height * self.k
             if not (inside and 0 <= first <= last):
@@ -152,13 +152,13 @@ class _Check:
 
     @staticmethod
     def _apart(tile: Tile, point: tuple[float, float]) -> float:
-        """Distance of a point from a tile, in sides of a tile."""
+        """Return the distance of a point from a tile, in sides of a tile."""
         dx = max(tile[0] - point[0], point[0] - tile[0] - 1.0, 0.0)
         dy = max(tile[1] - point[1], point[1] - tile[1] - 1.0, 0.0)
         return math.sqrt(dx * dx + dy * dy)
 
     def _where_in_time(self, tile: Tile) -> list[Slabs]:
-        """Slabs in which some pose of the tile may be clear, and a robot may have come and still arrive in time."""
+        """Return the slabs in which a pose of the tile may be clear, reached and still in time."""
         if tile not in self.alive:
             soonest = (self._apart(tile, self.start) - SLACK) / self.pace - 1
             to_go = max(self._apart(tile, self.target) - self.reach, 0.0)
@@ -171,7 +171,7 @@ class _Check:
         return self.alive[tile]
 
     def _clear(self, tile: Tile) -> list[Slabs]:
-        """Slabs in which no one blocked cell is nearer than the radius to every point of the tile."""
+        """Return the slabs in which no single blocked cell covers the whole tile."""
         blocked: list[tuple[Fraction | float, Fraction | float]] = []
         for cell in self._covering(tile):
             outside = not (0 <= cell[0] < self.world.width and 0 <= cell[1] < self.world.height)
@@ -188,7 +188,7 @@ class _Check:
         return found
 
     def _covering(self, tile: Tile) -> Iterator[Tile]:
-        """Cells of which every point of the tile is nearer than the radius."""
+        """Yield the cells of which every point of the tile is nearer than the radius."""
         x = tile[0] // self.k
         y = tile[1] // self.k
         place = tile[0] % self.k, tile[1] % self.k
@@ -206,7 +206,7 @@ class _Check:
             yield x + dx, y + dy
 
     def _farthest(self, tile: int, cell: int) -> Fraction:
-        """How far, along one axis, a point of a tile can be from a cell.
+        """Return how far, along one axis, a point of a tile can be from a cell.
 
         Both counted from the same cell.
         """

@@ -22,7 +22,7 @@ __all__ = ["delayed", "witness_margin"]
 
 
 def delayed(world: World, witness: Witness, delay: float) -> Witness:
-    """The witness of a robot that first waits at the start, and then does everything ``delay`` seconds later.
+    """Return the witness of a robot that waits at the start, and does everything ``delay`` s later.
 
     It claims to let the world's robot through, and no larger disc.
     """
@@ -32,7 +32,7 @@ def delayed(world: World, witness: Witness, delay: float) -> Witness:
 
 
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
-    """The delay, s, below which every delay of a witness that holds leaves it one that holds.
+    """Return the delay, s, up to which every delayed copy of a valid witness is valid.
 
     May be infinite. The robot waits at the start meanwhile, and must be safe there. A cell that the
     disc is nearer to than the radius from time u to time v, and that is blocked from b to e, is met
@@ -98,7 +98,7 @@ def _near(
 def _in_box(
     x: Floats, y: Floats, dx: Floats, dy: Floats, wide: float, high: float
 ) -> tuple[Floats, Floats]:
-    """Shares between which a piece is in the unit square, made wider by ``wide`` and higher by ``high`` all round."""
+    """Return the shares at which a piece enters and leaves the unit square, once widened."""
     first = np.zeros(len(x))
     last = np.ones(len(x))
     with np.errstate(all="ignore"):
@@ -114,7 +114,7 @@ def _in_box(
 
 
 def _in_disc(x: Floats, y: Floats, dx: Floats, dy: Floats, reach: float) -> tuple[Floats, Floats]:
-    """Shares between which a piece is nearer than ``reach`` to the origin."""
+    """Return the shares between which a piece is nearer than ``reach`` to the origin."""
     length_sq = dx * dx + dy * dy
     half = x * dx + y * dy
     apart = x * x + y * y - reach * reach

@@ -44,7 +44,7 @@ def poses_to_part(
     centre: tuple[Fraction, Fraction],
     reach: Fraction,
 ) -> list[tuple[Fraction, Fraction]]:
-    """Poses of a disc of centre and ``reach``, cells, one at least in each connected part of the clear ones.
+    """Return poses of a disc (centre, ``reach``, cells): at least one in each connected clear part.
 
     Args:
         blocked: (height, width) bool.
@@ -81,7 +81,7 @@ def _decimal(value: Fraction) -> Decimal:
 def _cells_near(
     blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]
 ) -> list[Cell]:
-    """Blocked cells near a point, those just outside the grid included."""
+    """Return blocked cells near a point, those just outside the grid included."""
     ring = np.pad(blocked, 1, constant_values=True)
     x = float(centre[0])
     y = float(centre[1])
@@ -94,7 +94,7 @@ def _cells_near(
 
 
 def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -> Iterator[Place]:
-    """The points that may count."""
+    """Yield the points that may count."""
     x, y = middle
     rows = sorted(
         {Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells}
@@ -123,7 +123,7 @@ def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -
 
 
 def _half_chord(radius: Decimal, height: Decimal, doubt: Decimal) -> Decimal | None:
-    """Half the chord of a circle at a height above its centre; None where it has none."""
+    """Return half the chord of a circle at a height above its centre; None where it has none."""
     square = radius**2 - height**2
     return None if square < -doubt else max(square, Decimal(0)).sqrt()
 
@@ -150,7 +150,7 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
 
 
 def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
-    """Whether a place is, but for a doubt, at least the radius from all cells."""
+    """Return True if a place is, but for a doubt, at least the radius from all cells."""
     x, y = place
     reach = math.ceil(radius) + 1
     least = (radius - doubt) ** 2

@@ -31,7 +31,7 @@ _PORTION = 50_000_000  # cells between two looks at Ctrl-C: 0.2 s
 
 
 def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[ExactPoint]:
-    """Points from one clear pose to another, lu, with a clear line between each two.
+    """Return the points from one clear pose to another, lu, with a clear line between each two.
 
     Empty if no square gets there.
     """
@@ -51,7 +51,7 @@ def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[Exact
 
 
 def _square_round(walls: Walls, point: ExactPoint, side: int) -> tuple[int, int] | None:
-    """The first cell of a free square from whose middle the disc may go straight to a point."""
+    """Return the first cell of a free square from whose middle the disc can go straight to a point."""
     nearest = [round((value / _HALF - side) / 2) for value in point]
     for dx, dy in itertools.product((0, -1, 1), repeat=2):
         ix = nearest[0] + dx

@@ -1,4 +1,4 @@
-"""Finds a cut: a closed chain of solid cells, gaps below 2 r, that winds round start or target but not both.
+"""Find a cut: a closed chain of solid cells, gaps below 2 r, around either the start or the target.
 
 Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre,
 closest point, closest point, centre) crosses the ray from the start upwards, xor the same for the
@@ -103,7 +103,7 @@ def link_limit(radius: Fraction) -> int:
 
 @functools.lru_cache(maxsize=256)
 def refinement(radius: Fraction) -> int:
-    """Return how often 1/1024 cell has to be halved for a rounded clear pose to stay on its side of each link.
+    """Return how often to halve 1/1024 cell so that a rounded pose stays on its side of each link.
 
     A clear pose is farther from a link than the radius less half its gap.
     """
@@ -113,7 +113,7 @@ def refinement(radius: Fraction) -> int:
 
 
 def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """(height + 2, width + 2) bool: solid cells with a free one among their eight neighbours."""
+    """Return a (height + 2, width + 2) bool array: solid cells with a free one next to them."""
     wide = np.pad(solid, 2, constant_values=True)
     free = ~wide
     rows = free[:-2] | free[1:-1] | free[2:]

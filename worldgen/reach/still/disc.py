@@ -41,12 +41,12 @@ class Disc(NamedTuple):
     radius: Fraction
 
     def holds(self, p: ExactPoint) -> bool:
-        """Whether a point lies in the closed disc."""
+        """Return True if a point lies in the closed disc."""
         return (p[0] - self.x) ** 2 + (p[1] - self.y) ** 2 <= self.radius**2
 
 
 def target_disc(world: World) -> Disc:
-    """The target as the world's decimals say it."""
+    """Return the target as the world's decimals say it."""
     target = world.target
     return disc_of(target.x, target.y, target.radius, world.cell_size)
 
@@ -70,7 +70,7 @@ def beyond(chain: Chain, start: ExactPoint, disc: Disc) -> bool:
 
 
 def parts(chain: Chain, start: ExactPoint, pose: ExactPoint) -> bool:
-    """Return True if a chain winds round one of two poses an odd number of times, round the other an even number."""
+    """Return True if a chain winds an odd number of times around exactly one of two poses."""
     return winds_around(chain, start) != winds_around(chain, pose)
 
 
@@ -86,7 +86,7 @@ def widest_gap_sq(chain: Chain) -> int:
 
 
 def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
-    """Return whether a chain winds round a pose an odd number of times, and keeps farther away than a radius."""
+    """Return True if a chain winds an odd number of times around a pose and stays outside a radius."""
     scale = math.lcm(pose[0].denominator, pose[1].denominator)
     finer = math.lcm(scale, radius.denominator)
     fits = finer <= _FINEST
@@ -108,7 +108,7 @@ def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]
 
 
 def _chain_lines(chain: Chain) -> list[tuple[Point, Point]]:
-    """The closed line of a chain: each cell's centre, closest point, closest point, next centre."""
+    """Return a chain as a closed line: each cell's centre, two closest points, the next centre."""
     half = _HALF
     corners: list[Point] = []
     cells = chain.tolist()

@@ -1,4 +1,4 @@
-"""The search graph: clear points at multiples of 1/k cell, joined to their eight neighbours, exactly.
+"""The search graph: clear points at multiples of 1/k cell, joined to eight neighbours, exactly.
 
 An axis step of one unit has its least clearance at an end, a diagonal step at an end or at its
 middle (docs/explanation/reachability.md proves it). So two rasters decide every edge: ``clear`` at the nodes,

@@ -40,7 +40,7 @@ Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
-    """Leaves out repeated points and points in the middle of a straight line."""
+    """Leave out repeated points and points in the middle of a straight line."""
     kept: list[ExactPoint] = []
     ux: Number
     uy: Number
@@ -134,7 +134,7 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
 def _least_of_whole(
     walls: Walls, points: Sequence[ExactPoint], reach: int
 ) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
-    """Return the least squared distance, at most that of ``reach``, and the pieces that it does not count."""
+    """Return the least squared distance, up to that of ``reach``, and the pieces it leaves out."""
     if len(points) == 1:
         return Fraction(reach * reach), [(points[0], points[0])]
     x, y, whole = _whole_points(points)
@@ -162,7 +162,7 @@ def _least_of_whole(
 
 @functools.lru_cache(maxsize=1024)
 def root_down(square: Fraction) -> float:
-    """The largest float whose shortest decimal, squared, is at most ``square``."""
+    """Return the largest float whose shortest decimal, squared, is at most ``square``."""
     shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
     shift += shift % 2  # 64 bits of the root, however small or large it is
     root = float(
@@ -176,13 +176,13 @@ def root_down(square: Fraction) -> float:
 
 
 def root_up(square: Fraction) -> float:
-    """The smallest float whose shortest decimal, squared, is at least ``square``."""
+    """Return the smallest float whose shortest decimal, squared, is at least ``square``."""
     root = root_down(square)
     return root if exact(root) ** 2 == square else math.nextafter(root, math.inf)
 
 
 def ticks_per_second(cell_size: float, speed: float) -> int:
-    """Resolution of a path's times.
+    """Return the resolution of a path's times.
 
     Microseconds, finer where the robot crosses a cell in less than 1 ms.
     """
@@ -193,7 +193,7 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
-    """The least whole number of ticks in which the robot gets from p to q; exact."""
+    """Return the least whole number of ticks in which the robot gets from p to q; exact."""
     return _ticks(
         (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks)
     )
@@ -216,7 +216,9 @@ def _ticks(length_sq: Number, numerator: int, denominator: int) -> int:
 def make_witness(
     walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float
 ) -> Witness:
-    """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
+    """Return the path at the robot's speed.
+
+    Times are rounded up to ticks so that no piece is too fast.
 
     Args:
         walls: The walls with the disc's radius.
@@ -239,7 +241,7 @@ def make_witness(
 
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
-    """The x and y of points in m, correctly rounded.
+    """Return the x and y of points in m, correctly rounded.
 
     Their shortest decimals are the ones to write.
     """

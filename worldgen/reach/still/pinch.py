@@ -24,7 +24,7 @@ _WIDE = 2  # cells; a gap this much wider than the disc is no narrow place
 
 
 def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
-    """Pairs of nodes, middle of a gap and point on its bisector, that the disc may go between straight."""
+    """Return pairs of nodes joined by a clear line: a gap's middle and a point on its bisector."""
     unit = UNIT // graph.k
     found = []
     for middle_x, middle_y, step_x, step_y in _slanting_gaps(walls, graph):
@@ -44,7 +44,7 @@ def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
 
 
 def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]]:
-    """Clear middles (node x, y) of gaps that are neither straight nor diagonal, with the bisector's step."""
+    """Clear middles (node x, y) of gaps at odd angles, with the bisector's step."""
     rim = rim_cells(walls.solid)  # its cell (0, 0) is (-1, -1)
     rows, columns = rim.shape
     reach = math.ceil(2 * walls.radius) + _WIDE + 1

@@ -56,7 +56,7 @@ def decide(
     certificate: bool = True,
     cut: bool = True,
 ) -> Decision:
-    """Whether a disc can get from the start to the target.
+    """Return True if a disc can get from the start to the target.
 
     Args:
         world: The world; its own certificate is not looked at.
@@ -170,7 +170,7 @@ class _ReachQuery:
         return build_graph(self.world.walls, self.walls.radius, 2)
 
     def _is_clear(self, point: ExactPoint) -> bool:
-        """Whether the disc may be at a point."""
+        """Return True if the disc may be at a point."""
         x, y = point
         if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
             # the graph knows, and is needed anyway
@@ -259,7 +259,7 @@ class _ReachQuery:
         return coarse_path(self.walls, self.start, self.goal)
 
     def judge_start(self) -> Decision | None:
-        """The decision, if the start settles it."""
+        """Return the decision, if the start settles it."""
         if not self._is_clear(self.exact_start):
             return self._covered_start()
         if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
@@ -275,7 +275,7 @@ class _ReachQuery:
         return self._blocked(cell, Fraction(distance_sq) / UNIT**2, reason)
 
     def _path(self, k: int, *, pinched: bool = False, cornered: bool = False) -> list[ExactPoint]:
-        """Points from the start to the target over one graph; empty if it has no such path.
+        """Return the points from start to target over one graph; empty if it has no such path.
 
         Args:
             k: Nodes a cell side.
@@ -315,14 +315,14 @@ class _ReachQuery:
     def _links_round_corners(
         self, graph: Graph
     ) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
-        """Nodes with the corners on the way from the start, and on the way to the goal."""
+        """Return nodes with the corners on the way from the start, and on the way to the goal."""
         off = (
             _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
         )
         return _links_round_corners(self.walls, graph, self.start), off
 
     def _path_off_graph(self) -> list[ExactPoint]:
-        """The start, if the target's disc holds it.
+        """Return the start, if the target's disc holds it.
 
         Or a way to the goal with one corner at most, and no node.
         """
@@ -346,7 +346,7 @@ class _ReachQuery:
         return []
 
     def _cut(self) -> Decision | None:
-        """A proof that no pose of the target can be reached.
+        """Return a proof that no pose of the target can be reached.
 
         Without one, ``goal`` is a pose that can.
         """
@@ -401,7 +401,7 @@ class _ReachQuery:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
     def _stopped_sq(self, chain: Chain) -> Fraction | None:
-        """Squared radius, cells, above which a chain stops every disc.
+        """Return squared radius, cells, above which a chain stops every disc.
 
         None if that is known of the robot's only.
         """
@@ -465,7 +465,7 @@ def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
 
 
 def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[int, ExactPoint]:
-    """Clear nodes to which the disc may go from a point along one axis and then along the other, and the corner there.
+    """Yield clear nodes that the disc reaches from a point over one corner along the axes.
 
     Where it touches a wall's side and a cell's corner, it may have to go along the wall at first:
     the room beside it widens as slowly as a circle leaves its tangent, so the first node may be far

@@ -194,7 +194,7 @@ def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
 
 
 def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
-    """The edges near a disc; cells all of whose neighbours are solid add none."""
+    """Return the edges near a disc; cells all of whose neighbours are solid add none."""
     iy, ix = np.nonzero(rim_cells(walls.solid))
     ix = ix - 1
     iy = iy - 1
@@ -213,7 +213,7 @@ def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
 def _candidates(
     edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fraction
 ) -> Iterator[_ExactPose]:
-    """The centre, its feet on the edges, and where two edges meet.
+    """Yield the centre, its feet on the edges, and where two edges meet.
 
     Also points that lie beyond an edge's end.
     """
@@ -238,7 +238,7 @@ _SIDES = (1, -1)
 
 
 def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _ExactPose:
-    """The point of the circle round a corner that is nearest to a centre."""
+    """Return the point of the circle round a corner that is nearest to a centre."""
     qx, qy = corner
     dx = centre[0] - qx
     dy = centre[1] - qy
@@ -248,14 +248,14 @@ def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -
 
 
 def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _ExactPose:
-    """Where a line y = row meets the circle round a corner, on one side."""
+    """Return where a line y = row meets the circle round a corner, on one side."""
     return _ExactPose(
         Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2
     )
 
 
 def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _ExactPose:
-    """Where a line x = column meets the circle round a corner, on one side."""
+    """Return where a line x = column meets the circle round a corner, on one side."""
     return _ExactPose(
         column,
         Fraction(corner[1]),
@@ -266,14 +266,14 @@ def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _
 
 
 def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _ExactPose:
-    """Where the circles round two corners meet, on one side."""
+    """Return where the circles round two corners meet, on one side."""
     square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
     middle = (corner[0] + Fraction(dx, 2), corner[1] + Fraction(dy, 2))
     return _ExactPose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
 
 
 def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_ExactPose]:
-    """Where the circles round two corners meet."""
+    """Yield where the circles round two corners meet."""
     known = set(corners)
     widest_sq = math.floor(4 * radius**2)
     reach = math.isqrt(widest_sq)
@@ -314,7 +314,7 @@ def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
 
 
 def _sign(whole: Fraction, factor: Fraction, square: Fraction) -> int:
-    """Sign of whole + factor * sqrt(square), exactly."""
+    """Return the sign of whole + factor * sqrt(square), exactly."""
     a = (whole > 0) - (whole < 0)
     b = ((factor > 0) - (factor < 0)) * (square > 0)
     if a * b >= 0:
@@ -330,13 +330,13 @@ def _in_disc(pose: _ExactPose, x: Fraction, y: Fraction, radius: Fraction) -> bo
 def _compared(
     pose: _ExactPose, dx: tuple[Fraction, Fraction], dy: tuple[Fraction, Fraction], radius: Fraction
 ) -> int:
-    """Sign of dx**2 + dy**2 - radius**2, each d being d[0] + d[1] * root."""
+    """Return the sign of dx**2 + dy**2 - radius**2, each d being d[0] + d[1] * root."""
     whole = dx[0] ** 2 + dy[0] ** 2 + (dx[1] ** 2 + dy[1] ** 2) * pose.square - radius**2
     return _sign(whole, 2 * (dx[0] * dx[1] + dy[0] * dy[1]), pose.square)
 
 
 def _is_clear(walls: Walls, pose: _ExactPose) -> bool:
-    """Whether a pose is at least the radius from every solid cell."""
+    """Return True if a pose is at least the radius from every solid cell."""
     point = _point(pose)
     for ix, iy in walls.near(point, point, math.ceil(walls.radius * UNIT) + 1):
         dx = _beyond(pose.ax, pose.bx, pose.square, ix)
@@ -349,7 +349,7 @@ def _is_clear(walls: Walls, pose: _ExactPose) -> bool:
 def _beyond(
     whole: Fraction, factor: Fraction, square: Fraction, low: int
 ) -> tuple[Fraction, Fraction]:
-    """How far a coordinate is from the interval [low, low + 1]; as itself, it has a root."""
+    """Return how far a coordinate is from the interval [low, low + 1]; as itself, it has a root."""
     if _sign(whole - low, factor, square) < 0:
         return low - whole, -factor
     if _sign(whole - low - 1, factor, square) > 0:
@@ -358,7 +358,7 @@ def _beyond(
 
 
 def _point(pose: _ExactPose) -> ExactPoint:
-    """The pose, lu."""
+    """Return the pose, lu."""
     over = pose.square.denominator
     root = Fraction(math.isqrt(pose.square.numerator * over << (2 * _BITS)), over << _BITS)
     return (pose.ax + pose.bx * root) * UNIT, (pose.ay + pose.by * root) * UNIT

@@ -96,7 +96,7 @@ class Walls:
         return self.cells.tobytes()
 
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
-        """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
+        """Yield solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
 
         None nearer is left out. Of the outside, only the ring next to the grid is listed: the rest
         is never nearer.
@@ -129,7 +129,7 @@ class Walls:
                 at += 1
 
     def blocker(self, p: ExactPoint, q: ExactPoint) -> Cell | None:
-        """A solid cell nearer than the radius to segment pq, or None when the disc may sweep it."""
+        """Return a solid cell within the radius of segment pq, or None if the disc may sweep it."""
         numerator = self.radius_sq.numerator
         denominator = self.radius_sq.denominator
         for cell in self.near(p, q, math.ceil(self.radius * UNIT)):
@@ -139,11 +139,11 @@ class Walls:
         return None
 
     def is_clear(self, p: ExactPoint, q: ExactPoint) -> bool:
-        """Whether the disc may sweep from p to q."""
+        """Return True if the disc may sweep from p to q."""
         return self.blocker(p, q) is None
 
     def nearest(self, p: ExactPoint) -> tuple[Cell, Number]:
-        """The solid cell nearest to a point, and its squared distance in lu squared."""
+        """Return the solid cell nearest to a point, and its squared distance in lu squared."""
         reach = UNIT
         while True:
             found = [(point_box_sq(p, cell), cell) for cell in self.near(p, p, reach)]
@@ -153,7 +153,7 @@ class Walls:
 
 
 def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
-    """Squared distance from a point to a closed cell, lu squared."""
+    """Return squared distance from a point to a closed cell, lu squared."""
     x0 = cell[0] * UNIT
     y0 = cell[1] * UNIT
     dx = max(x0 - p[0], 0, p[0] - x0 - UNIT)
@@ -162,7 +162,9 @@ def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
 
 
 def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Number]:
-    """Squared distance from segment pq to a closed cell as (numerator, denominator), lu squared.
+    """Return the squared distance from segment pq to a closed cell, lu squared.
+
+    It is exact: a numerator and a denominator.
 
     The least distance between two disjoint convex polygons is attained at a vertex of one of them.
     """
@@ -202,7 +204,7 @@ def _boxes_apart_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> Number:
 
 
 def segment_meets_box(p: ExactPoint, q: ExactPoint, x0: Number, y0: Number, side: Number) -> bool:
-    """Whether segment pq touches the closed square [x0, x0 + side] x [y0, y0 + side].
+    """Return True if segment pq touches the closed square [x0, x0 + side] x [y0, y0 + side].
 
     Two convex shapes are apart exactly if some edge normal of one of them parts them.
     """

@@ -12,7 +12,7 @@ __all__ = ["widest_disc"]
 
 
 def widest_disc(world: World) -> float:
-    """The largest radius, m, with which a disc can get from the start to the target.
+    """Return the largest radius, m, with which a disc can get from the start to the target.
 
     0 if no disc of a robot can. Found by halving: a smaller disc gets wherever a larger one does.
     The answer is right to the last bit, that is, the next larger float is too large.

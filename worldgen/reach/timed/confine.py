@@ -47,7 +47,7 @@ class Reach:
 
 
 def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> Reach | None:
-    """Where a disc of ``radius`` cells can be at most, and whether that leaves out the target.
+    """Return where a disc of ``radius`` cells can be at most, and whether that excludes the target.
 
     Args:
         world: The world.
@@ -113,7 +113,7 @@ def _covering(radius: Fraction, k: int) -> list[list[Cell]]:
 def _alive(
     fixed: npt.NDArray[np.bool_], classes: list[list[Cell]], k: int
 ) -> npt.NDArray[np.bool_]:
-    """(k * height, k * width) bool, tiles that no cell that is solid for good covers."""
+    """Return a (k * height, k * width) bool array: tiles that no permanently solid cell covers."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0)
     solid = np.pad(fixed, pad, constant_values=True)
     height, width = fixed.shape
@@ -126,7 +126,7 @@ def _alive(
 
 
 def _inner(spans: Spans) -> CellSpans:
-    """The spans with each begin rounded up to a tick, and each end down."""
+    """Return the spans with each begin rounded up to a tick, and each end down."""
 
     def ticks(times: Floats, up: bool) -> Ints:
         values, back = np.unique(times, return_inverse=True)
@@ -177,7 +177,7 @@ class _States:
 
     @classmethod
     def of(cls, safe: Intervals, slab: int) -> _States:
-        """The intervals in slabs."""
+        """Return the intervals in slabs."""
         first, begin, end = (
             np.asarray(values, np.int64) for values in (safe.first, safe.begin, safe.end)
         )
@@ -185,11 +185,11 @@ class _States:
         return cls(first, np.repeat(np.arange(len(first) - 1), np.diff(first)), begin // slab, high)
 
     def begin_no_earlier(self, slabs: Floats) -> None:
-        """Moves the begin of each tile's states."""
+        """Move the begin of each tile's states."""
         self.low = np.maximum(self.low, slabs.astype(np.int64)[self.tile])
 
     def end_no_later(self, slabs: Floats) -> None:
-        """Moves their end."""
+        """Move their end."""
         self.high = np.minimum(self.high, np.clip(slabs, -1.0, 2.0**60).astype(np.int64)[self.tile])
 
 

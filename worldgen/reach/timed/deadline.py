@@ -1,4 +1,4 @@
-"""Decides whether the disc can get to the target by a deadline, and how long it may wait before it sets out."""
+"""Decide whether the disc can reach the target by a deadline, and how long it may wait before that."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _MOST_NODES = 4_000_000
 def decide_in_time(
     world: World, deadline: float | None = None, *, radius: float | None = None
 ) -> Decision:
-    """Whether a disc can get from the start to the target by a deadline, or at all.
+    """Return True if a disc can get from the start to the target by a deadline, or at all.
 
     Beside what :func:`decide` tries, it confines the robot, so that the target may be proved out of
     reach although no wall lasts: because the robot is shut in, or burns, or has too far to go.
@@ -79,7 +79,7 @@ def decide_in_time(
 
 
 def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
-    """``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
+    """Return ``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
     earliest = 0.0
     fine, coarse = (
         [k for k in sides if k * k * world.walls.size <= _MOST_TILES] for sides in (_TILES, _COARSE)
@@ -99,7 +99,7 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
 
 
 def until(world: World, deadline: float) -> World:
-    """The world without what changes after a deadline.
+    """Return the world without what changes after a deadline.
 
     It is nothing to a robot that is to arrive by then.
     """
@@ -114,7 +114,7 @@ def until(world: World, deadline: float) -> World:
 def latest_start(
     world: World, deadline: float | None = None, *, radius: float | None = None
 ) -> float | None:
-    """The largest time, s, until which the robot may wait at the start and still get to the target over some path.
+    """Return the longest wait at the start, s, after which some path still arrives in time.
 
     Of the paths of the graph on which witnesses are sought, exactly; over a path off that graph it
     may be later still.

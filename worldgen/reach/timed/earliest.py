@@ -59,7 +59,7 @@ class TimedPath:
 def find_timed_path(
     world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc
 ) -> TimedPath | None:
-    """The earliest way over nodes at multiples of 1/k cell, from the start at time 0 into the target.
+    """Return the earliest path over nodes at multiples of 1/k cell, from the start at time 0.
 
     Args:
         world: The world, for speed and size.
@@ -92,7 +92,7 @@ def find_timed_path(
 def _with_waits(
     start: ExactPoint, states: list[tuple[int, int, int]], stride: int, unit: int
 ) -> TimedPath:
-    """Points and times of a way given as (node, departure from the one before, arrival)."""
+    """Return the points and times of a path of (node, previous departure, arrival)."""
     points: list[ExactPoint] = [start]
     times = [0]
     for node, depart, arrival in states:
@@ -107,7 +107,7 @@ def _with_waits(
 
 
 def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
-    """Replaces corners by straight lines, driven evenly, that stay clear of all that is blocked meanwhile.
+    """Replace corners by evenly driven straight lines that stay clear of what blocks meanwhile.
 
     Waits stay: a line never spans one.
     """
@@ -133,7 +133,7 @@ def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
 
 
 def _merge_even(path: TimedPath) -> tuple[list[ExactPoint], list[int]]:
-    """Leaves out points on a straight line that the robot passes without a change of speed."""
+    """Leave out points on a straight line that the robot passes without a change of speed."""
     points = path.points[:1]
     times = path.times[:1]
     for i in range(1, len(path.points)):
@@ -153,7 +153,7 @@ def _is_even(points: list[ExactPoint], times: list[int], point: ExactPoint, time
 
 
 def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> Witness:
-    """The path in metres and seconds, with its clearance."""
+    """Return the path in metres and seconds, with its clearance."""
     x, y = metres(path.points, world.cell_size)
     clearance = root_down(
         walls.clearance_sq(path.points, path.times) * (exact(world.cell_size) / UNIT) ** 2
@@ -169,7 +169,7 @@ def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> W
 def nodes_round(
     start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int
 ) -> list[tuple[int, Point]]:
-    """The start's node, or the nodes round it."""
+    """Return the start's node, or the nodes round it."""
     x, y = start
     exactly = x % unit == 0 and y % unit == 0
     spread = range(1) if exactly else range(-1, 3)
@@ -206,7 +206,7 @@ def _search_states(
 def search_costs(
     nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]
 ) -> Any:
-    """The earliest tick at which each state is reached from any of those begun in.
+    """Return the earliest tick at which each state is reached from any of those begun in.
 
     ``FOREVER`` where it is not.
 
@@ -225,7 +225,7 @@ def _search(
     nodes: Intervals, middles: Intervals, stride: int, begun: Ints, goal: Any,
     lean: tuple[int, int, int], ticks: tuple[int, int],
 ) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
-    """Run the search: final state, and of the states their node, cost, predecessor and departure from that."""
+    """Run the search; return its final state, and all states' node, cost, predecessor, departure."""
     size = len(nodes.first) - 1
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))

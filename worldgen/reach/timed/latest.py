@@ -34,7 +34,7 @@ def find_latest_start(
     disc: Disc,
     deadline: float | None,
 ) -> float | None:
-    """The largest time, s, until which the robot may wait at the start and get into the target over some path.
+    """Return the longest wait at the start, s, after which some path still arrives in time.
 
     Of all paths over nodes at multiples of 1/k cell, and under the rules of the timed search.
 
@@ -84,7 +84,7 @@ def find_latest_start(
 def _departure(
     walls: ChangingWalls, start: ExactPoint, point: Point, takes: int, span: tuple[int, int]
 ) -> int:
-    """The latest tick at which to leave the start for a node, to be there within a span.
+    """Return the latest tick at which to leave the start for a node, to be there within a span.
 
     -1 if that cannot be. Until then the robot is at the start, which has to be safe.
     """

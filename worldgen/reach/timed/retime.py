@@ -18,7 +18,7 @@ _TRIES = 40  # departures tried for one piece
 
 
 def retime(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
-    """The same way, each piece driven at full speed and begun as soon as it is clear.
+    """Return the same way, each piece driven at full speed and begun as soon as it is clear.
 
     It arrives no later. Where the robot comes earlier than the witness did, it is safe until the
     witness's own time, so that what follows can still be driven as before.
@@ -55,7 +55,7 @@ def retime(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
 def _departure(
     walls: ChangingWalls, piece: tuple[ExactPoint, ExactPoint], now: int, takes: int, by: int
 ) -> int | None:
-    """The first tick at which a piece can be begun and ends before ``by``, safe until then at its end; None if none."""
+    """Return the first tick at which a piece can begin and end safely before ``by``, or None."""
     p, q = piece
     ends = sorted({end for _, end in walls.spans_near(p, q) if now < end and end + takes < by})
     for leave in [now, *(end + MARGIN for end in ends[:_TRIES])]:

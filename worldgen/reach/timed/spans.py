@@ -114,7 +114,7 @@ class Spans:
         return raster.reshape(world.walls.shape)
 
     def of(self, cell: Cell) -> list[tuple[int, int]]:
-        """The spans of one cell."""
+        """Return the spans of one cell."""
         place = cell[1] * self.width + cell[0]
         low = int(self.first[place])
         high = int(self.first[place + 1])
@@ -130,7 +130,7 @@ class ChangingWalls:
         self._ever = Walls(spans.fixed | spans.changing, radius)
 
     def _blocked(self, cell: Cell, since: int, until: int) -> list[tuple[int, int]]:
-        """Parts of a time span in which a cell is blocked."""
+        """Return the parts of a time span in which a cell is blocked."""
         ix, iy = cell
         inside = 0 <= ix < self._ever.width and 0 <= iy < self._ever.height
         if not inside or not self.spans.changing[iy, ix]:
@@ -142,7 +142,7 @@ class ChangingWalls:
         ]
 
     def spans_near(self, p: ExactPoint, q: ExactPoint) -> list[tuple[int, int]]:
-        """Spans in which some cell is blocked that is nearer to segment pq than the radius, sorted."""
+        """Return the sorted spans in which a blocked cell is nearer to segment pq than the radius."""
         found = set()
         for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
             distance, over = segment_box_sq(p, q, cell)
@@ -151,7 +151,7 @@ class ChangingWalls:
         return sorted(found)
 
     def is_clear(self, p: ExactPoint, q: ExactPoint, since: int, until: int) -> bool:
-        """Whether the disc may sweep pq with every cell in the way that is blocked at any of these ticks."""
+        """Return True if the disc may sweep pq past every cell blocked at any of these ticks."""
         limit = self._ever.radius_sq
         for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
             if self._blocked(cell, since, until):
@@ -161,7 +161,7 @@ class ChangingWalls:
         return True
 
     def clearance_sq(self, points: list[ExactPoint], times: list[int]) -> Fraction:
-        """Squared distance, lu squared, from a timed path to what is blocked at each of its times."""
+        """Return the squared distance, lu squared, from a timed path to what is blocked then."""
         pieces = list(zip(points[:-1], points[1:], times[:-1], times[1:], strict=True))
         pieces = pieces or [(points[0], points[0], 0, 0)]
         reach = 2 * math.ceil(self.radius * UNIT)
