@@ -13,7 +13,7 @@ from worldgen.errors import OutputError, WorldgenError
 from worldgen.support.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.sets import SetPlan, StratifiedPlan, WantedPlan
+    from worldgen.sets import SetPlan
 
 __all__ = ["make_many", "told", "workers_for"]
 
@@ -21,7 +21,7 @@ _LARGE = 200  # worlds; below it takes longer to start processes than to do with
 
 
 def make_many(
-    plan: SetPlan | WantedPlan | StratifiedPlan,
+    plan: SetPlan,
     seed: int | None,
     out: Path,
     *,
@@ -70,9 +70,7 @@ def make_many(
         )
 
 
-def _seed(
-    plan: SetPlan | WantedPlan | StratifiedPlan, seed: int | None, out: Path, *, force: bool
-) -> int:
+def _seed(plan: SetPlan, seed: int | None, out: Path, *, force: bool) -> int:
     from worldgen.sets import begun_set
 
     begun = begun_set(out) if seed is None and not force else None

@@ -6,7 +6,7 @@ Contents:
     manifest_of, regenerate_set, restore_set: the same set again from its manifest.
     strata_of: how its worlds are spread over strata of difficulty.
     check_set: compares a set with its manifest.
-    Header, Entry, Manifest: what the manifest says.
+    ManifestHeader, ManifestEntry, Manifest: what the manifest says.
 
 ``docs/howto/sets.md`` tells what a user sees.
 """
@@ -14,7 +14,7 @@ Contents:
 from worldgen.sets.check import SetDifference, check_set, manifest_of
 from worldgen.sets.make import SetDiffers, SetDone, begun_set, make_set, regenerate_set, restore_set
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader
-from worldgen.sets.plan import SetPlan, plan_set
+from worldgen.sets.plan import SeededPlan, SetPlan, plan_set
 from worldgen.sets.stratified import StratifiedPlan, StratumCount, plan_stratified_set, strata_of
 from worldgen.sets.wanted import WantedPlan, plan_wanted_set
 
@@ -23,6 +23,7 @@ __all__ = [
     "Manifest",
     "ManifestEntry",
     "ManifestHeader",
+    "SeededPlan",
     "SetDifference",
     "SetDiffers",
     "SetDone",

@@ -12,8 +12,6 @@ from worldgen.sets.making import Made, make_all
 from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, ManifestHeader, read_manifest
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, SetFolder, Store, store_for
-from worldgen.sets.stratified import StratifiedPlan
-from worldgen.sets.wanted import WantedPlan
 
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
@@ -68,7 +66,7 @@ def begun_set(out: Path) -> ManifestHeader | None:
 
 
 def make_set(
-    plan: SetPlan | WantedPlan | StratifiedPlan,
+    plan: SetPlan,
     out: Path,
     *,
     workers: int = 1,

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from typing import Self
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
@@ -14,58 +16,101 @@ from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import ManifestHeader
 from worldgen.world import Value
 
-__all__ = ["SetPlan", "file_name", "plan_set"]
+__all__ = ["SearchedPlan", "SeededPlan", "SetPlan", "header_of", "plan_set"]
 
 _FLAT = 10_000  # worlds at most in one folder
 _SHARD = 1_000  # worlds in each subfolder where there are more
 _ODD = re.compile(r"[^A-Za-z0-9._-]+")
 
 
-@dataclass(frozen=True)
-class SetPlan:
-    """A set that is wanted.
+@dataclass(frozen=True, kw_only=True)
+class SetPlan(ABC):
+    """A set that is wanted: its header, and how its worlds are made.
+
+    Args:
+        header: First line of the set's manifest.
+    """
+
+    header: ManifestHeader
+
+    def with_seed(self, seed: int) -> Self:
+        """Return the same plan with another seed."""
+        return replace(self, header=replace(self.header, seed=seed))
+
+    @abstractmethod
+    def made(self, first: int, workers: int) -> Iterator[Made]:
+        """Make the worlds from this one on, counted from 0.
+
+        Args:
+            first: Number of the first world.
+            workers: Number of processes, if the plan can use several.
+        """
+
+    def file(self, k: int) -> str:
+        """Return the name of the file of the world counted ``k`` from 0.
+
+        It has the world's number, because two worlds of a search can have the same seed.
+        """
+        return self._file(k, f"{k + 1:0{len(str(self.header.count))}d}")
+
+    def _file(self, k: int, suffix: str) -> str:
+        """Return a file's name; large sets have subfolders."""
+        name = f"{_ODD.sub('-', self.header.family).lstrip('.') or 'world'}-{suffix}.grid"
+        return f"{k // _SHARD:04}/{name}" if self.header.count > _FLAT else name
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchedPlan(SetPlan):
+    """A set whose worlds are searched for.
+
+    Args:
+        family: The family.
+        tries: Most worlds that the search makes in vain for each that it finds.
+    """
+
+    family: Family
+    tries: int
+
+    @property
+    def given(self) -> dict[str, Value]:
+        """Parameters with fixed values, without the family's own constants."""
+        constants = self.family.constants
+        return {name: value for name, value in self.header.params.items() if name not in constants}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeededPlan(SetPlan):
+    """A set of worlds with consecutive seeds.
 
     Args:
         family: The family as the registry finds it: its name, or ``./file.py:name``.
-        header: The manifest's first line.
     """
 
     family: str
-    header: ManifestHeader
 
     def jobs(self, first: int = 0) -> Iterator[Job]:
-        """Yield the worlds from this one on, counted from 0."""
+        """Yield the worlds to make, from this one on, counted from 0."""
         for k in range(first, self.header.count):
             yield Job(
                 self.family, self.seed(k), self.header.params, None if self.header.metrics else {}
             )
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Make the worlds from this one on, in so many processes."""
+        """Make the worlds from this one on, in this many processes."""
         return make_all(self.jobs(first), workers)
 
     def seed(self, k: int) -> int:
         """Return the seed of the world counted ``k`` from 0."""
         return (self.header.seed + k) & MASK64
 
-    def with_seed(self, seed: int) -> SetPlan:
-        """Return the same, from another seed on."""
-        return replace(self, header=replace(self.header, seed=seed))
-
     def file(self, k: int) -> str:
         """Return the name of the file of the world counted ``k`` from 0."""
-        return file_name(self.header, k, str(self.seed(k)))
-
-
-def file_name(header: ManifestHeader, k: int, called: str) -> str:
-    """Return the file name of the world counted ``k`` from 0, in a subfolder if there are many."""
-    name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{called}.grid"
-    return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
+        return self._file(k, str(self.seed(k)))
 
 
 def plan_set(
     family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True
-) -> SetPlan:
+) -> SeededPlan:
     """Return the plan of ``count`` worlds with seeds from ``seed`` on.
 
     Args:
@@ -85,7 +130,28 @@ def plan_set(
         )
     found: Family = FAMILIES.get(family)
     complete = found.complete(params)
-    header = ManifestHeader(
-        found.name, found.version, complete, seed & MASK64, count, metrics, version("worldgen")
+    header = header_of(found, complete, seed, count, metrics=metrics)
+    return SeededPlan(family=family, header=header)
+
+
+def header_of(
+    family: Family, params: Mapping[str, Value], seed: int, count: int, *, metrics: bool
+) -> ManifestHeader:
+    """Return the first line of the manifest of a set that this version of worldgen makes.
+
+    Args:
+        family: The family.
+        params: Parameters with fixed values.
+        seed: Seed of the first world, or of the search.
+        count: Number of worlds.
+        metrics: Whether to measure every metric of each world.
+    """
+    return ManifestHeader(
+        family.name,
+        family.version,
+        params,
+        seed & MASK64,
+        count,
+        metrics,
+        version("worldgen"),
     )
-    return SetPlan(family, header)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from itertools import pairwise
 from typing import cast
 
@@ -13,73 +12,49 @@ from worldgen.difficulty import measure
 from worldgen.difficulty.search import TRIES
 from worldgen.difficulty.strata import StrataSearch, edges_of
 from worldgen.family import FAMILIES, Family
-from worldgen.random_streams import MASK64
 from worldgen.sets.making import Made
-from worldgen.sets.manifest import Manifest, ManifestHeader
-from worldgen.sets.plan import file_name
+from worldgen.sets.manifest import Manifest
+from worldgen.sets.plan import SearchedPlan, header_of
 from worldgen.world import Provenance, Value
 
 __all__ = ["StratifiedPlan", "StratumCount", "plan_stratified_set", "strata_of"]
 
 
-@dataclass(frozen=True)
-class StratifiedPlan:
+@dataclass(frozen=True, kw_only=True)
+class StratifiedPlan(SearchedPlan):
     """A set with equally many worlds in each stratum of a range of difficulty, found by one search.
 
     Args:
-        family: The family.
-        header: The manifest's first line; its parameters are those that are fixed.
-        where: What else is wished of each world.
-        tries: Worlds made for a stratum in vain before it is given up.
+        where: Further constraint on each world.
     """
 
-    family: Family
-    header: ManifestHeader
     where: str | None
-    tries: int
-
-    def with_seed(self, seed: int) -> StratifiedPlan:
-        """Return the same by a search with another seed."""
-        return replace(self, header=replace(self.header, seed=seed))
 
     def made(self, first: int, workers: int) -> Iterator[Made]:
-        """Yield the worlds from this one on.
+        """Make the worlds from this one on.
 
-        What the search found before it is found again, for the next depend on it.
+        The search repeats what it found before, because later finds depend on it.
         """
         header = self.header
-        given = {
-            name: value
-            for name, value in header.params.items()
-            if name not in self.family.constants
-        }
         search = StrataSearch(
             self.family,
             header.strata,
             header.count,
             header.seed,
-            given,
+            self.given,
             where=self.where,
             tries=self.tries,
         )
         for k, one in enumerate(search.found()):
             if k >= first:
-                params = cast(
-                    "Provenance", one.world.provenance
-                ).params  # generate() gives no world without one
+                # generate() gives no world without a provenance.
+                params = cast("Provenance", one.world.provenance).params
                 metrics = (
                     measure(one.world).as_dict()
                     if header.metrics
                     else {"difficulty": one.difficulty}
                 )
                 yield replace(Made.of(one.world, params, metrics), stratum=one.stratum)
-
-    def file(self, k: int) -> str:
-        """Return the name of the file of the world counted ``k`` from 0.
-
-        Its number, for two may have one seed.
-        """
-        return file_name(self.header, k, f"{k + 1:0{len(str(self.header.count))}d}")
 
 
 def plan_stratified_set(
@@ -115,18 +90,10 @@ def plan_stratified_set(
     low, high = difficulty
     edges = edges_of(low, high, count)
     wish = f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
-    header = ManifestHeader(
-        made_by.name,
-        made_by.version,
-        fixed,
-        seed & MASK64,
-        count,
-        metrics,
-        version("worldgen"),
-        wish,
-        edges,
+    header = replace(
+        header_of(made_by, fixed, seed, count, metrics=metrics), wish=wish, strata=edges
     )
-    return StratifiedPlan(made_by, header, where, tries)
+    return StratifiedPlan(family=made_by, header=header, where=where, tries=tries)
 
 
 @dataclass(frozen=True)
