@@ -11,6 +11,10 @@ import sys
 
 import pytest
 
+from sim.controllers import CONTROLLERS
+from tests.helpers.raising import raises
+from worldgen.errors import InvalidParameter
+
 SCRIPT = "from worldgen.cli.main import main; main()"
 ROBOT_TEST = """
 import pytest
@@ -82,3 +86,12 @@ def test_a_test_run_says_what_hides_a_package(project):
     assert result.returncode == 1
     assert "hides the package" in result.stdout and "--import-mode=importlib" in result.stdout
     assert "Traceback" not in result.stdout and "ModuleNotFoundError" not in result.stdout
+
+
+def test_a_module_that_our_package_hides_is_named_by_its_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "sim" / "robot.py"
+    file.parent.mkdir()
+    file.write_text("act = None\n")
+    with raises(InvalidParameter, "hidden-module", file="sim/robot.py", attribute="act"):
+        CONTROLLERS.get("sim.robot:act")

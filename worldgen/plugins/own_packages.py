@@ -1,8 +1,9 @@
 """Keep a user's folder or file named ``sim`` or ``fuzz`` from hiding our packages.
 
 Many robot projects have such a folder. Our own program calls :func:`prefer_own_packages` first, so
-it always imports ours. A user's process, such as a test run, imports whatever comes first on
-Python's path; there, :func:`check_hidden` reports a hidden package.
+it always imports ours, and :func:`check_not_ours` says how to name a module of the user's folder. A
+user's process, such as a test run, imports whatever comes first on Python's path; there,
+:func:`check_hidden` reports a hidden package.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 import worldgen
 from worldgen.errors import InvalidParameter
 
-__all__ = ["check_hidden", "hidden_package", "prefer_own_packages"]
+__all__ = ["check_hidden", "check_not_ours", "hidden_package", "prefer_own_packages"]
 
 _PACKAGES = ("sim", "fuzz", "worldgen_plugins")
 _ROOT = Path(worldgen.__file__).resolve().parent.parent
@@ -82,6 +83,35 @@ def check_hidden() -> None:
         name=name,
         parent=place.parent,
         folder=place.name,
+    )
+
+
+def check_not_ours(module: str, attribute: str) -> None:
+    """Raise an error if a user's module cannot be found because one of our packages hides it.
+
+    Args:
+        module: Name of the module, such as ``sim.robot``.
+        attribute: Name of the object in it, for the message.
+
+    Raises:
+        InvalidParameter: If the module is in a folder with the name of one of our packages.
+    """
+    package, _, inner = module.partition(".")
+    file = Path(*module.split(".")).with_suffix(".py")
+    if package not in _PACKAGES or not inner or not file.is_file():
+        return
+    if _ROOT.joinpath(*module.split(".")).with_suffix(".py").is_file():
+        return
+    raise InvalidParameter(
+        "hidden-module",
+        "{module!r} is looked for in worldgen's own package {package!r}, not in your folder "
+        "{folder}/",
+        "name the file: ./{file}:{attribute}",
+        module=module,
+        package=package,
+        folder=file.parent.as_posix(),
+        file=file.as_posix(),
+        attribute=attribute,
     )
 
 

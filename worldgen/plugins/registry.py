@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.plugins.entry_points import points_of
+from worldgen.plugins.own_packages import check_not_ours
 from worldgen.plugins.user_modules import forget_folder, import_in, package_of
 from worldgen.support.time_limit import TimeLimitReached, time_limit
 
@@ -255,6 +256,8 @@ class Registry(Generic[T]):
 
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
+        if not place.endswith(".py"):
+            check_not_ours(place, attribute)
         with _loading(f"{self.noun} {name!r}: loading {place}"):
             module = (
                 _load_file(_file(place))
