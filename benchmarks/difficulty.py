@@ -48,7 +48,7 @@ OFTEN = (0.1, 0.9)  # shares of failed runs between which a controller tells wor
 LED_AWAY = (
     "wall-left",
     "wall-right",
-)  # do not look where the target is: they fail where a wall leads round an island
+)  # do not look where the target is: they fail where a wall leads around an island
 BOOTSTRAP = 1000
 
 Floats = npt.NDArray[np.float64]

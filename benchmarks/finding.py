@@ -119,12 +119,12 @@ class Row:
         limits: Of the search.
         found: Whether a failure tells the fault from the controller without it.
         worlds: Simulated until that failure, or in all.
-        steps: Likewise.
+        steps: Same as above.
         seconds: CPU seconds, likewise.
         wall_seconds: By the clock.
         kind: Class of that failure, shrunk.
         solid_cells: Of its world as found, and shrunk.
-        cells: Likewise.
+        cells: Same as above.
         shrink_seconds: CPU seconds.
         one_minimal: Whether the shrinker says so.
         removable: Solid cells of the shrunk world that a check of our own could take away, one at a

@@ -1,16 +1,16 @@
-"""Steps a second of the Gymnasium environments, beside other libraries of environments.
+"""Steps a second of the Gymnasium environments, next to other libraries of environments.
 
 ``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its
 rate and its ratio to each peer, all from one run. Every case and peer runs in a process of its own,
 and they take turns in every round, so that other work on the machine hits all alike; the best of
 all rounds counts. A peer runs in the interpreter that its option names, ``--envpool``,
-``--minigrid``, ``--navix``, else in this one; one that is not installed there is left out, and
+``--minigrid``, ``--navix``, else in this one; one that is not installed there is if omitted, and
 named.
 
 Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of
 ``step`` only: actions are drawn before, or, of a policy, outside the clock. All that ``step`` does
-    counts: what Python does around the
-kernel, observations made anew, rewards, and episodes that begin.
+counts: what Python does around the kernel, observations made again, rewards, and episodes that
+begin.
 
 - ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their
   steps, the dear ones.

@@ -1,4 +1,4 @@
-"""How fast mazes are made, beside other libraries, and how much memory a large one takes.
+"""How fast mazes are made, next to other libraries, and how much memory a large one takes.
 
 ``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a
 second of processor time on one core, the best of ``--rounds``; the cells are those of the square

@@ -1,9 +1,9 @@
 """What native search costs.
 
-Robot steps and worlds a second, beside the bare simulator and the Hypothesis strategy.
-``python -m benchmarks.native`` prints a table, with ``--json`` one object;
-``--document docs/explanation/search.md`` also puts it into that document. All rates are per second of one
-core's processor time, compilation left out.
+Robot steps and worlds a second, next to the bare simulator and the Hypothesis strategy. ``python -m
+benchmarks.native`` prints a table, with ``--json`` one object; ``--document
+docs/explanation/search.md`` also puts it into that document. All rates are per second of one core's
+processor time, compilation left out.
 
 ``strategy``: units of the strategy ``native`` as a campaign does them: scenes drawn, simulated, looked at;
     what it reports

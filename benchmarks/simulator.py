@@ -1,7 +1,7 @@
-"""Steps a second of the simulator, beside other engines that drive a disc through the same maze.
+"""Steps a second of the simulator, next to other engines that drive a disc through the same maze.
 
 ``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its
-rate and its ratio to each peer, all from one run. Peers that are not installed are left out, and
+rate and its ratio to each peer, all from one run. Peers that are not installed are if omitted, and
 named: pymunk and mujoco come with pip.
 
 The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller

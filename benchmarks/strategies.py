@@ -47,7 +47,7 @@ class Row:
         seed: Of the campaign.
         units: Done.
         worlds: Simulated.
-        steps: Likewise.
+        steps: Same as above.
         proved: Failures.
         classes: Their classes, sorted.
         solid_cells: Of the smallest world of each class, in all.

@@ -81,7 +81,7 @@ class Family:
         version: Goes up whenever some seed yields another world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: Whether its worlds change with time, so that no other family can change them.
-        constants: What beside the parameters makes its worlds what they are, such as the text of a
+        constants: What next to the parameters makes its worlds what they are, such as the text of a
             recipe; it goes with them into provenance and, from there, back to ``generate``, which
             refuses any other.
     """
@@ -308,7 +308,7 @@ class FamilyRegistry(Registry[Family]):
     _last: tuple[tuple[object, ...], Family | None] = ((), None)
 
     def get(self, name: str) -> Family:
-        """Return the family called ``name``; a recipe is read afresh each time.
+        """Return the family called ``name``; a recipe is read again each time.
 
         Raises:
             InvalidParameter: If nothing is called so, or what is found is no family.

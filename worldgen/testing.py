@@ -69,7 +69,7 @@ class Check:
     run: Callable[[Family, Mapping[str, Value]], None]
 
     def __call__(self, family: Family, case: Mapping[str, Value] | None = None) -> None:
-        """Run it for one case, the defaults where left out."""
+        """Run it for one case, the defaults if omitted."""
         self.run(family, case or {})
 
     def __str__(self) -> str:
@@ -117,7 +117,7 @@ def run_checks(
 
     Args:
         family: The family.
-        cases: Parameters to check it with; :func:`family_cases` where left out.
+        cases: Parameters to check it with; :func:`family_cases` if omitted.
         without: Names of checks to leave out.
     """
     every_case = family_cases(family) if cases is None else cases
@@ -150,7 +150,7 @@ def check_family(
 
     Args:
         family: The family.
-        cases: Parameters to check it with; :func:`family_cases` where left out.
+        cases: Parameters to check it with; :func:`family_cases` if omitted.
         golden: :func:`layout_digest` by the first value of a case, or by "" for the defaults.
 
     Raises:

@@ -45,7 +45,7 @@ def _actions(space: Any, robots: int) -> list[Any]:
 
 
 def _envpool() -> Iterator[tuple[str, float]]:
-    """Yield several batch sizes, the best counts: one worker thread beside the caller's."""
+    """Yield several batch sizes, the best counts: one worker thread next to the caller's."""
     library: Any = importlib.import_module("envpool")
     for name in ("CartPole-v1", "FrozenLake8x8-v1", "MiniGrid-FourRooms-v0", "PointMaze_Large-v3"):
         best = 0.0

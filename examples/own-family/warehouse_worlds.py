@@ -87,7 +87,7 @@ def _put_racks(
     rack: int,
     pallets: float,
 ) -> None:
-    """Make racks solid in two halves, and pallets beside them."""
+    """Make racks solid in two halves, and pallets next to them."""
     size = len(walls)
     across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
     lower = (1 + aisle, across)

@@ -1,4 +1,4 @@
-"""Draws the stored failures beside each other.
+"""Draws the stored failures next to each other.
 
 ``python examples/third-party/draw.py``, with the packages installed.
 """

@@ -1,6 +1,6 @@
 """The dynamic window approach of ``dynamic-window-approach`` (C with Python bindings, MIT licence).
 
-Its author is goktug97. ``pip install dynamic-window-approach``; README.md beside this file has the
+Its author is goktug97. ``pip install dynamic-window-approach``; README.md next to this file has the
 whole.
 """
 

@@ -1,6 +1,6 @@
 """Behaviours of ``ir-sim`` (Python, MIT licence): velocity obstacles and the social force model.
 
-Its author: Ruihua Han. ``pip install ir-sim``; README.md beside this file has the whole.
+Its author: Ruihua Han. ``pip install ir-sim``; README.md next to this file has the whole.
 """
 
 import math

@@ -1,6 +1,6 @@
 """ORCA, HRVO and human-like navigation of ``navground`` (C++ with Python bindings, MIT licence).
 
-Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md beside this file has the
+Its author: Jérôme Guzzi, IDSIA. ``pip install navground``; README.md next to this file has the
     whole.
 """
 
@@ -18,7 +18,7 @@ FIELD = 2.0 * math.pi / 72  # rad between two beams
 
 @dataclass(frozen=True)
 class _Navground:
-    """Asks one of navground's behaviours, made anew in each step.
+    """Asks one of navground's behaviours, made again in each step.
 
     Its state is what the robot sees.
     """

@@ -90,7 +90,7 @@ class DiscoveryTotals:
         kind: The class.
         failure: As it was found, before shrinking.
         worlds: Of the campaign up to that unit, and with it.
-        steps: Likewise.
+        steps: Same as above.
         seconds: Likewise, over all runs.
     """
 

@@ -1,4 +1,4 @@
-"""Quantities that a campaign varies beside the world: ``--vary sensor_noise=0,0.05,0.2``."""
+"""Quantities that a campaign varies next to the world: ``--vary sensor_noise=0,0.05,0.2``."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ _SMALLEST = 10
 _SPREAD = 11
 _ARENA = 8  # side, cells, that `decode_world` makes of a byte 0
 _INNER = (
-    2  # first cell on an axis, and last but this, where the default disc has room beside the border
+    2  # first cell on an axis, and last but this, where the default disc has room next to the border
 )
 _ROOM = 2  # cells from start or target to the wall
 _EDGE = _INNER + _ROOM
@@ -35,7 +35,7 @@ Cells = list[tuple[int, int]]
 def decode_sealed(data: bytes) -> World:
     """Return the world that a layout string describes; any ``SEALED_BYTES`` bytes describe one.
 
-    A wall of one cell, straight from side to side or bent round the target's corner, parts the
+    A wall of one cell, straight from side to side or bent around the target's corner, parts the
     target from the start. Boxes, cups and the other features of :mod:`fuzz.search.features` stand
     about.
 

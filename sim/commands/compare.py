@@ -138,7 +138,7 @@ def compare(
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[PublishedRow, ...]:
-    """Return earlier figures: those of ``--against``, or those that lie beside the worlds."""
+    """Return earlier figures: those of ``--against``, or those that lie next to the worlds."""
     from sim.compare.published import read_figures
     from worldgen.files.whole import read_text
 

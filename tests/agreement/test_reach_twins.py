@@ -242,7 +242,7 @@ def test_a_state_in_which_corners_would_be_kept_beyond_their_room_is_refused(sta
 
 
 def chain_exists(world, radius, points):
-    """Whether a cycle of links winds round one of two poses.
+    """Whether a cycle of links winds around one of two poses.
 
     Every link looked at, over (cell, bit).
     """

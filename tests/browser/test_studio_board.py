@@ -94,7 +94,7 @@ def test_the_whole_world_lies_beside_the_rulers(tablet):
         }""",
         left,
     )
-    assert column[0] == column[1] < 128  # of the wall, as dark beside the ruler as further in
+    assert column[0] == column[1] < 128  # of the wall, as dark next to the ruler as further in
 
 
 @pytest.mark.parametrize(

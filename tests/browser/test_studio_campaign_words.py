@@ -55,7 +55,7 @@ def page(browser, gate):
 
 
 def reopened(page, *held):
-    """The page of campaigns, loaded anew; what it asks of these kinds is held back."""
+    """The page of campaigns, loaded again; what it asks of these kinds is held back."""
     hold(page, *held)
     page.keyboard.press("3")
     page.reload()

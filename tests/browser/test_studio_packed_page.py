@@ -39,7 +39,7 @@ def test_an_archive_s_failures_are_on_the_wall_and_one_is_edited(browser, gate, 
         page.keyboard.press("3")
         page.locator("#campaign-folder option", has_text="later").wait_for(
             state="attached"
-        )  # listed anew
+        )  # listed again
         assert page.locator("#campaign-folder").input_value() == "below/old.tar.gz"
         shutil.rmtree(folder / "later")
         assert page.complaints == []

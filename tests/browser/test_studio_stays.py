@@ -20,7 +20,7 @@ def gate(tmp_path_factory):
 
 
 def held(page, *kinds):
-    """Loads the page anew, which then holds back what it asks of these kinds."""
+    """Loads the page again, which then holds back what it asks of these kinds."""
     hold(page, *kinds)
     page.reload()
 

@@ -68,7 +68,7 @@ _PROBLEM = "could not be installed; its tests will be skipped"
 
 
 def install(name: str) -> bool:
-    """Makes one environment anew unless it is there; whether it is there now."""
+    """Makes one environment again unless it is there; whether it is there now."""
     folder = FOLDER / name
     done = folder / "installed"
     packages = PACKAGES.get(name) or BARE_PACKAGES[name]

@@ -1,4 +1,4 @@
-"""IR-SIM and MuJoCo drive an exported world anew, fast and slow.
+"""IR-SIM and MuJoCo drive an exported world again, fast and slow.
 
 The audit finds what it found in the stored runs.
 """

@@ -52,7 +52,7 @@ def test_rays_meet_our_walls_and_a_pushed_ball_stops_at_them(tmp_path, rows):
 
 
 def _closed(world):
-    """The world with a ring of solid cells round it."""
+    """The world with a ring of solid cells around it."""
     row = "#" * (world.width + 2)
     rows = ["".join(".#"[int(cell)] for cell in cells) for cells in world.walls[::-1]]
     inner = [f"#{cells}#" for cells in rows]

@@ -1,6 +1,6 @@
 """Known failures: counted, not kept.
 
-What they are called and whether they fail is found out anew.
+What they are called and whether they fail is found out again.
 """
 
 import json

@@ -44,7 +44,7 @@ class Ahead:
 
 
 def gap_world():
-    """A gap 0.2 m wide straight ahead, another 0.4 m wide beside it.
+    """A gap 0.2 m wide straight ahead, another 0.4 m wide next to it.
 
     The wider robot must go round.
     """

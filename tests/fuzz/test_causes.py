@@ -84,7 +84,7 @@ def test_a_cause_is_refused_where_the_first_wall_is_gone():
     world, episode, options = judged("thesis-2-slide")
     ix, iy = episode.evidence.cell
     elsewhere = np.zeros_like(world.walls)
-    elsewhere[iy, ix - 1] = True  # beside the cell, so that the disc meets it later
+    elsewhere[iy, ix - 1] = True  # next to the cell, so that the disc meets it later
     moved = replace(world, walls=elsewhere)
     evidence = replace(episode.evidence, cell=(ix - 1, iy))
     assert check_evidence("tunnel", moved, episode.trace, evidence, options.motion_model())

@@ -34,7 +34,7 @@ SENSES = ("bump", "heading", "random", "time_step", "top_speed")
 
 
 def _wander(observation, memory, command):
-    """East or west, anew in every step."""
+    """East or west, again in every step."""
     east = observation[layout.OBS_RANDOM] < 0.5
     turned = 0.0 if east else math.pi
     command[layout.CMD_TURN_RATE] = (turned - observation[layout.OBS_HEADING]) / observation[

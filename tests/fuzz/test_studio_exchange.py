@@ -179,7 +179,7 @@ def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_
 
 
 def scenario_in(folder):
-    """A MovingAI map of 8 x 4 cells with three problems beside it."""
+    """A MovingAI map of 8 x 4 cells with three problems next to it."""
     (folder / "a.map").write_text("type octile\nheight 4\nwidth 8\nmap\n" + "........\n" * 4)
     rows = [f"0\ta.map\t8\t4\t{column}\t1\t6\t2\t5\n" for column in (1, 2, 3)]
     (folder / "a.map.scen").write_text("version 1\n" + "".join(rows))

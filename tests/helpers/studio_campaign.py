@@ -14,7 +14,7 @@ class Robot:
         while True:
             time.sleep(0.01)
 """
-"""A controller that never returns, and a file ``acts`` beside it as soon as it was asked."""
+"""A controller that never returns, and a file ``acts`` next to it as soon as it was asked."""
 
 SHORT = {
     "controller": "turn-right",

@@ -57,7 +57,7 @@ def test_the_published_table_is_whole_and_in_whole_ticks():
     times = [row["time"] for row in rows]
     assert (
         times.count("never") == 5 and len(times) == 31
-    )  # one figure of the text beside the table's thirty
+    )  # one figure of the text next to the table's thirty
     ticks = [float(time) / TICK for time in times if time != "never"]
     assert all(abs(tick - round(tick)) < 1e-9 for tick in ticks)
 

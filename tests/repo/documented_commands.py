@@ -95,7 +95,7 @@ class Block:
 
     Args:
         commands: What it shows, and before that what the reader is not shown.
-        not_run: Why it is left out, if it is.
+        not_run: Why it is if omitted, if it is.
         needs: Programs without which it is left out.
     """
 

@@ -1,4 +1,4 @@
-"""What the README says beside its console commands.
+"""What the README says next to its console commands.
 
 It ``test_documented_commands.py`` runs, holds.
 """

@@ -42,7 +42,7 @@ def room(**changes) -> World:
 
 
 class Recorder:
-    """Says one command for ever and keeps what it sees."""
+    """Says one command forever and keeps what it sees."""
 
     def __init__(self, speed, turn_rate):
         self.command, self.seen = Command(speed, turn_rate), []

@@ -1,4 +1,5 @@
-"""Comparisons: every number is that of the runs behind it, and an earlier table stands beside it."""
+"""Comparisons: every number is that of the runs behind it, and an earlier table stands next to it.
+"""
 
 import csv
 import io

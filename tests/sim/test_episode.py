@@ -49,7 +49,7 @@ class GoToTarget:
 
 
 class Circle:
-    """Drives in a circle for ever."""
+    """Drives in a circle forever."""
 
     def reset(self):
         return (0.0,)

@@ -25,7 +25,7 @@ def layout(seed=0, **params):
 
 
 def cell(world, point):
-    """Column and row of the robot's window round a point."""
+    """Column and row of the robot's window around a point."""
     return tuple(round(2 * value / world.cell_size - 2) // 2 for value in (point.x, point.y))
 
 

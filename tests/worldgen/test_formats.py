@@ -1,4 +1,4 @@
-"""What holds for every registered format; each has tests of its own beside this."""
+"""What holds for every registered format; each has tests of its own next to this."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""MovingAI maps on the way out, and the scenario beside a map."""
+"""MovingAI maps on the way out, and the scenario next to a map."""
 
 import math
 

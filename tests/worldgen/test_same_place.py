@@ -11,7 +11,9 @@ from worldgen.interop import FORMATS, export_world
 
 
 def points(world, seed, *, outside):
-    """Of each cell, and of the ring round the grid where its border is open, whether it is solid, and a point in it."""
+    """Of each cell, and of the ring around the grid where its border is open, whether it is solid,
+    and a point in it.
+    """
     solid = np.pad(world.walls, 1, constant_values=True)
     ring = 0 if not outside or (solid[[1, -2]].all() and solid[:, [1, -2]].all()) else 1
     random = np.random.Generator(np.random.PCG64(seed))

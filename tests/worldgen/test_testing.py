@@ -66,7 +66,7 @@ def unchecked(rng, *, size: int = 12) -> World:
 
 
 def endless(rng, *, size: int = 12) -> World:
-    """Goes on for ever where it is asked to."""
+    """Goes on forever where it is asked to."""
     while size == -2:
         pass
     check_between("size", size, 12, 12)

@@ -37,7 +37,7 @@ __all__ = ["measure"]
 def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """Measure how hard worlds are.
 
-    Metrics are worked out anew, by the file's own witness; a map without a certificate is decided
+    Metrics are worked out again, by the file's own witness; a map without a certificate is decided
     first. What has no meaning for a world is left empty. A folder or an archive stands for the
     .grid files in it. docs/howto/difficulty.md defines every metric.
     """

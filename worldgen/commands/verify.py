@@ -49,7 +49,7 @@ def verify(
     """Check a world's proof, or decide whether a target can be reached.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map
-    without a certificate is decided afresh, and so is a certificate that says nothing about the
+    without a certificate is decided again, and so is a certificate that says nothing about the
     radius asked for; what was decided is then checked in the same way. A folder or an archive
     stands for the .grid files in it.
 
@@ -86,15 +86,15 @@ def verify_world(
 
     Args:
         world: The world.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
         deadline: s, by which the robot must be in the target; None for any time.
 
     Returns:
         ``result``, ``certificate`` (witness, cut, confinement or None), ``certificate_valid``,
-        ``decided`` (afresh, or read from the file), ``clearance``, ``radius`` and ``reason``;
+        ``decided`` (again, or read from the file), ``clearance``, ``radius`` and ``reason``;
         ``deadline`` if there is one; of a witness in a world that changes, or under a deadline,
         also ``margin`` and ``latest_start``: s by which it may begin later, and until which the
-            robot may wait at the start if it may take any path; None for any time.
+        robot may wait at the start if it may take any path; None for any time.
 
     Raises:
         InvalidParameter: If the radius or the deadline is not a finite number above 0.

@@ -150,7 +150,8 @@ static bool make_room(WgLinks *links, int64_t used)
     return true;
 }
 
-// Whether a link of a cell may cross the ray from some pose: it has to be beside the ray and not all below.
+// Whether a link of a cell may cross the ray from some pose: it has to be next to the ray and not
+// all below.
 static bool is_near_a_ray(const WgLinks *links, const int64_t *columns, const int64_t *rows, int64_t count, int64_t cell)
 {
     for (int64_t k = 0; k < count; k++) {

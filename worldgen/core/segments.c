@@ -11,7 +11,7 @@
 
 // What a piece is compared with, and how far to look.
 typedef struct Bound {
-    int64_t reach;     // no cell within it is left out, lu
+    int64_t reach;  // no cell within it is if omitted, lu
     double radius_sq;  // square of the distance asked about, lu^2
     int64_t limit;     // the same for whole numbers: squares below it are nearer
     bool stop;         // whether the first cell that is nearer ends the scan

@@ -90,7 +90,7 @@ static int by_place(const void *a, const void *b)
     return one[0] != two[0] ? by_size(one, two) : by_size(one + 1, two + 1);
 }
 
-// The two lines beside each cell, for one coordinate of the cells; returns how many there are.
+// The two lines next to each cell, for one coordinate of the cells; returns how many there are.
 static int64_t list_lines(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t *lines)
 {
     int64_t scale = poses->target.scale;

@@ -33,8 +33,8 @@ from worldgen.world import World
 
 __all__ = ["bottleneck", "narrowest_gap_sq"]
 
-# Share of the radius to which it is found where a pose beside the target's centre may take a larger
-# disc.
+# Share of the radius to which it is found where a pose next to the target's centre may take a
+# larger disc.
 _CLOSE = 1e-7
 _LEAST = (
     1 / 64

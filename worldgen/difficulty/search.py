@@ -2,7 +2,7 @@
 
 An evolution strategy: of the worlds tried so far the nearest ones are parents; the next world has
 the parameters of one or two of them, some changed, and a new seed or the parent's. What a family
-refuses is left out and has no children. Every fourth is drawn afresh, so that a wish with more than
+refuses is left out and has no children. Every fourth is drawn again, so that a wish with more than
 one answer is not lost in a corner.
 
 Source: Rechenberg, "Evolutionsstrategie", 1973; Beyer, Schwefel, "Evolution Strategies: A

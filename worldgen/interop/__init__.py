@@ -9,7 +9,7 @@ Contents:
     export_world, write_export: the way back (``exporting``).
     place: start and target for a map that has none (``place``).
 
-What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes
+What a file has no room for lies next to it (``sidecar``). Shared by the formats: merged boxes
 (``boxes``, ``placed_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures
 (``grey_image``), YAML (``yaml_table``), files that a map names (``sibling_file``).
 """

@@ -61,12 +61,12 @@ def export_world(
         world: The world.
         name: A registered format, ``package.module:name``, or ``./file.py:name``, with
             ``+option=value`` if you like.
-        file: Name of the file to be, without folder; ``world`` and the format's usual ending where
-            left out.
+        file: Name of the file to be, without folder; ``world`` and the format's usual ending if
+            omitted.
         options: What can be asked of the format; they win over those behind the name.
         at: Time, s, whose cells are exported, of a world that changes.
-        origin: x and y, m, of the grid's lower-left corner in the file's frame; where left out,
-            what the map said that the world was imported from, else 0.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame; if omitted, what
+            the map said that the world was imported from, else 0.
         sidecar: Whether what the file does not hold goes into a sidecar.
 
     Raises:
@@ -158,7 +158,7 @@ def _notes(world: World, at: float | None, destination: Destination) -> Iterator
 
 
 def frozen_at(world: World, time: float) -> World:
-    """Return the world as it stands at a time, for ever.
+    """Return the world as it stands at a time, forever.
 
     What burns then is solid, for no robot may touch it.
 

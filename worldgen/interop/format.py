@@ -48,7 +48,7 @@ HELD = {
     "cell_size": "the cell size",
     "origin": "the origin",
 }
-"""What a world has beside its cells, and a file may have no room for, in words for messages."""
+"""What a world has next to its cells, and a file may have no room for, in words for messages."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Destination:
             check_between(name, value, -_FURTHEST, _FURTHEST, "m")
 
     def sibling_file(self, ending: str) -> str:
-        """Return the name of a file beside it, ``office.pgm`` beside ``office.yaml``.
+        """Return the name of a file next to it, ``office.pgm`` beside ``office.yaml``.
 
         Raises:
             InvalidParameter: If that is the file's own name.
@@ -116,7 +116,7 @@ class Exported:
     """What is to be written.
 
     Args:
-        files: Contents by name; the first is the file that was asked for, others lie beside it.
+        files: Contents by name; the first is the file that was asked for, others lie next to it.
         altered: What of :data:`HELD` this file holds otherwise than the world has it, with a
             sentence how; the true value goes into the sidecar.
         notes: Sentences on what else gets lost, or what the other program does with the file.
@@ -253,7 +253,7 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
 
 
 def held_lines(world: World, destination: Destination) -> list[str]:
-    """Return what a text header says of a world beside its walls.
+    """Return what a text header says of a world next to its walls.
 
     A sentence, then ``name = value`` in TOML.
     """

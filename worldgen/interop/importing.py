@@ -37,8 +37,8 @@ class ImportedRobot:
     """What the map does not have.
 
     Args:
-        start: x and y, m, and if you like the heading, rad; placed where left out.
-        target: x and y, m, and if you like the radius, m; placed where left out.
+        start: x and y, m, and if you like the heading, rad; placed if omitted.
+        target: x and y, m, and if you like the radius, m; placed if omitted.
         radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such
             maps are drawn for.
         speed: Top speed, m/s.
@@ -116,7 +116,7 @@ def import_world(
     Args:
         path: A file of any known format.
         robot: Robot, start and target.
-        name: The format, with ``+option=value`` if you like; recognised where left out.
+        name: The format, with ``+option=value`` if you like; recognised if omitted.
         options: What the file leaves open.
 
     Raises:

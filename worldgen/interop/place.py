@@ -36,7 +36,7 @@ _ROOMY = (
     Fraction(2),
     Fraction(3, 2),
     Fraction(5, 4),
-)  # radii of room round a placed end, the widest first
+)  # radii of room around a placed end, the widest first
 _FAR = 0.5  # share of a region that has to be nearer than a placed end with room to turn
 _SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
 _Point = tuple[float, float]
@@ -150,7 +150,7 @@ class _ClearPoints:
         """Return the place with room to turn that takes most steps from ``source``.
 
         The last such in the order of the flood. A place without room is taken if all that have it
-        are near: a start beside its target tests nothing.
+        are near: a start next to its target tests nothing.
         """
         size = self._floods.regions(source, source + 1).largest
         nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps

@@ -176,7 +176,7 @@ def read_map(
 
     Args:
         path: The file.
-        name: Format, with ``+option=value`` if you like; recognised where left out.
+        name: Format, with ``+option=value`` if you like; recognised if omitted.
         options: What the file leaves open; they win over those behind the name.
 
     Raises:

@@ -1,4 +1,5 @@
-"""The sidecar of an exported file: what its format has no room for, in a small TOML file beside it.
+"""The sidecar of an exported file: what its format has no room for, in a small TOML file next to
+it.
 
 ``maze.map`` has ``maze.map.worldgen.toml``. Only what the file itself does not hold is in there, so
 that an edit of the file counts.
@@ -66,7 +67,7 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
 
 
 def read_sidecar(path: Path) -> Sidecar | None:
-    """Return the sidecar beside a file; None where there is none.
+    """Return the sidecar next to a file; None where there is none.
 
     Args:
         path: The map's file.

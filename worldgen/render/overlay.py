@@ -180,7 +180,7 @@ class Drive:
     def moment(self, time: float) -> float:
         """Return the recorded time that stands for a later one, s.
 
-        A loop goes round for ever, another robot stays.
+        A loop goes round forever, another robot stays.
         """
         if time <= self.end or self.trail.loop_from is None:
             return min(time, self.end)

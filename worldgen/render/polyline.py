@@ -112,7 +112,7 @@ def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
 
     Args:
         points: (n, 2).
-        pattern: Lengths drawn and left out, in turn.
+        pattern: Lengths drawn and if omitted, in turn.
     """
     length = arc_length(points)
     period = sum(pattern)

@@ -20,7 +20,7 @@ class Paint:
         stroke: ``#RRGGBB``; ``None`` draws no outline.
         width: Width of the outline, px.
         opacity: 0 (invisible) to 1, of fill and outline together.
-        dash: px drawn and px left out, in turn; empty for a solid line.
+        dash: px drawn and px if omitted, in turn; empty for a solid line.
     """
 
     fill: str | None = None

@@ -57,7 +57,7 @@ class Journal:
             raise
 
     def start(self, header: bytes) -> None:
-        """Begin anew with this line.
+        """Begin again with this line.
 
         Raises:
             OutputError: If it cannot be written, or another process has begun, or even ended, since

@@ -1,4 +1,4 @@
-"""Where a set's files go: a folder, or an archive that grows in a folder beside it."""
+"""Where a set's files go: a folder, or an archive that grows in a folder next to it."""
 
 from __future__ import annotations
 
@@ -242,7 +242,7 @@ class ArchiveStore:
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Makes the folder beside the archive."""
+        """Makes the folder next to the archive."""
         with refused_writes(self._archive):
             self._archive.parent.mkdir(parents=True, exist_ok=True)
             self._part.mkdir(exist_ok=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class Absent(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Empty modules for what the toolbox imports beside its parser.
+    """Empty modules for what the toolbox imports next to its parser.
 
     It is installed without what it depends on.
     """

@@ -30,7 +30,7 @@ def bug1_keeps_the_last_place(
 def bug1_hit_point_moves_along(
     observation: Floats, memory: Floats, command: Floats, base: Act
 ) -> None:
-    """Notes the hit point anew at each step along the wall, so it never comes back to it."""
+    """Notes the hit point again at each step along the wall, so it never comes back to it."""
     base(observation, memory, command)
     if memory[one.MODE] == one.ROUND:
         memory[one.HIT] = observation[layout.OBS_X]

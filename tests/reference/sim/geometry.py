@@ -267,7 +267,7 @@ def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
 def window_is_free(
     near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]
 ) -> bool:
-    """Whether the masks show that no cell in the box round a disc's way is taken.
+    """Whether the masks show that no cell in the box around a disc's way is taken.
 
     If not, a closer look is due.
 

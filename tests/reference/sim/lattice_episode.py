@@ -96,7 +96,7 @@ def is_over(
         quiet: Step of the last event.
         moved: Rows of the chain that are filled, and whether a wall was touched.
         rows: Recorded states, or nothing.
-        path: Likewise.
+        path: Same as above.
     """
     count, bumped = moved
     if bumped and room.search.marks[TOUCHED] == 0:

@@ -38,7 +38,8 @@ def round_away(value: float) -> int:
 def _contact_with_corner(
     radius_sq: float, mx: float, my: float, dx: float, dy: float, graze: float
 ) -> float:
-    """Time in [0, 1) at which a point moving by d from m meets the circle round the origin; 2 if it doesn't.
+    """Time in [0, 1) at which a point moving by d from m meets the circle around the origin; 2 if
+    it doesn't.
 
     One that only grazes the circle doesn't, unless ``graze`` is 0.
 

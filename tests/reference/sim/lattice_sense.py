@@ -135,7 +135,7 @@ def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
 
 
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
-    """Heading to the strongest of the nine cells round the robot.
+    """Heading to the strongest of the nine cells around the robot.
 
     To its centre, or to the target in it. The thesis's sensor: a cell's strength falls with the
     squared distance of its centre from the target (the target's own cell is the strongest), walls

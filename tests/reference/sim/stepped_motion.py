@@ -133,9 +133,9 @@ def advance(
     Args:
         cells: (width, height), see :mod:`tests.reference.sim.thesis_layout`.
         x: Centre now, px.
-        y: Likewise.
+        y: Same as above.
         goal_x: Where the tick's motion would lead, px; finite, a few cells away at most.
-        goal_y: Likewise.
+        goal_y: Same as above.
         radius: px.
         repairs: Which faults are repaired, bits ``REPAIR_SLIDE``, ``REPAIR_BACK_OFF``,
             ``REPAIR_CORNER``.

@@ -7,11 +7,10 @@ already points there. :func:`run_behaviour` lets the one in charge act, and says
 The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever
 took control keeps it until it gives it up, and acts in the very tick in which it took over. A1 does
 not act in that tick; A2 acts first and then selects; A3 acts, selects and acts. A4 asks the one in
-charge again in every tick whether it would take control, and so begins it afresh; A6 does that for
+charge again in every tick whether it would take control, and so begins it again; A6 does that for
 collide alone. In A5 nobody is ever in charge for longer than a tick. ``INTERRUPTIBLE`` is what the
-thesis asks for as further work: every tick decides anew, and a
-collision begins the escape afresh whoever is in charge; until then an escape, or a drive, goes on
-where it stood.
+thesis asks for as further work: every tick decides again, and a collision begins the escape again
+whoever is in charge; until then an escape, or a drive, goes on where it stood.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def thesis_tick(
         setup: The robot.
         draws: Random numbers in [0, 1) for rule 3, in order.
         state: Changed in place.
-        mode: Likewise.
+        mode: Same as above.
         step: Number of the tick, from 1.
 
     Returns:

@@ -37,7 +37,7 @@ _TURN_SNAP = 0.2  # rad; nearer than this the robot takes the heading at once
 _DARK = 2.0**30  # what is read where no light comes: weaker than any signal
 _MOST_HALVINGS = 30  # walls that weaken; behind more it is as dark
 _READINGS = 2**16  # random numbers of one tick; the last of them is the slip's
-_NOISE_REACH = 2  # cells round a wall whose signal the filter changes
+_NOISE_REACH = 2  # cells around a wall whose signal the filter changes
 
 
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
@@ -111,7 +111,7 @@ def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
 def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     """Walls whose inside the straight line between two cells' centres crosses, the two cells left out.
 
-    A line exactly through a corner crosses none of the two cells beside it.
+    A line exactly through a corner crosses none of the two cells next to it.
 
     Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing",
         Eurographics 1987;
@@ -192,7 +192,7 @@ def sensed_direction(
     Args:
         cells: The signal with every wall drawn.
         x: Centre, px.
-        y: Likewise.
+        y: Same as above.
         heading: Which way the robot looks, rad.
         setup: Its sensor.
         step: Number of the tick, which picks the sensor's errors.

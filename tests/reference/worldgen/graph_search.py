@@ -151,7 +151,7 @@ def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None
             stack = longer
         for side in range(2):
             shift = stride if side == 0 else -stride
-            # The whole run is joined to what lies beside it; one step beyond its ends, only by a
+            # The whole run is joined to what lies next to it; one step beyond its ends, only by a
             # clear diagonal.
             low = left if middle[left - 1 + min(shift, 0)] == 0 else left - 1
             high = right if middle[right + min(shift, 0)] == 0 else right + 1

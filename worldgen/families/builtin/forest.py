@@ -48,7 +48,7 @@ def forest(
 ) -> World:
     """Build a forest of round trunks, with the start on one side and the target on the other.
 
-    There is a way between any two trunks, so a robot that goes round what it meets arrives; one
+    There is a way between any two trunks, so a robot that goes around what it meets arrives; one
     that turns by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk
     and the border, are closer than the gap, which is exact between their cells: every target is
     reachable, whatever is drawn. A trunk of random thickness is tried at each cell, in random

@@ -78,7 +78,7 @@ def rubble(
         debris: Share of the ruined floor that debris covers; it is thickest where walls fell.
         room: Least inner side of a room, cells; if omitted, drawn.
         wall: Thickness of the walls, cells.
-        pocket: Free cells round the survivor's own place, inside the debris; if omitted, drawn.
+        pocket: Free cells around the survivor's own place, inside the debris; if omitted, drawn.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.

@@ -46,10 +46,10 @@ def shift(
 
     As the thesis's world shifter moves them. Again and again, with some chance, a cell drawn from
     the whole square is swapped with its mirror image along the diagonal from the upper left to the
-    lower right: a wall goes from one side of it to the other.
-    Two equal cells change nothing. Unlike in the thesis's program, which moves the target and every
-    cell's signal too, only walls move, a swap of a cell that the target lies in is left out, and
-    the first draw comes after one interval, not at once.
+    lower right: a wall goes from one side of it to the other. Two equal cells change nothing.
+    Unlike in the thesis's program, which moves the target and every cell's signal too, only walls
+    move, a swap of a cell that the target lies in is if omitted, and the first draw comes after one
+    interval, not at once.
 
     Args:
         rng: The only source of chance; equal state, equal world.

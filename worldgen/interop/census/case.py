@@ -130,7 +130,7 @@ def cell_ends(
 
     Args:
         start: Column and row; row 0 is the lowest.
-        target: Likewise.
+        target: Same as above.
         cell_size: m.
         named: Whether the map says so.
     """

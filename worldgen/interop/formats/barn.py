@@ -55,7 +55,7 @@ def write_barn(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
     """
     posts = list(_posts(world))
     lines = [_HEAD, *_numbers(world, destination), *_marks(world, destination)]

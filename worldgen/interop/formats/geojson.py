@@ -30,10 +30,10 @@ def write_geojson(world: World, destination: Destination) -> Exported:
 
     Args:
         world: Any world.
-        destination: Where it goes.
+        destination: Where the file is written.
 
     Raises:
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     document = {
         "type": "FeatureCollection",

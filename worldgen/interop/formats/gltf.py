@@ -54,15 +54,15 @@ def write_glb(
     No node above another turns or scales: some readers put that together in the wrong order.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
-        height: Of the walls, m.
-        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+        world: A static world.
+        destination: Where the file is written.
+        height: Height of the walls, m.
+        floor: Whether to add a floor, a box one cell thick below z = 0.
         markers: Whether the robot at its start and the target's disc are to be seen.
 
     Raises:
-        InvalidParameter: If the height is no length.
-        InvalidWorld: If 32 bits are too few for the coordinates.
+        InvalidParameter: If the height isn't a valid length.
+        InvalidWorld: If the coordinates need more than 32 bits.
     """
     boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)  # as readers have
     kinds = ["wall", *(["floor"] if floor else []), *(["robot", "target"] if markers else [])]

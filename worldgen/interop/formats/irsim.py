@@ -44,7 +44,7 @@ def write_irsim(
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
         walls: Whether the walls are rectangles, or pixels of an obstacle map.
         robot: IR-SIM's kinematics.
         lidar: Whether the robot has a lidar: 257 beams all round, the last as the first, 10 m.

@@ -137,10 +137,10 @@ def write_micromouse(world: World, destination: Destination) -> Exported:
     Args:
         world: Of odd sides; every cell in an even column and an even row, from 0, is a post and
             solid; every cell in an odd column and an odd row is a square and free.
-        destination: Where it goes.
+        destination: Where the file is written.
 
     Raises:
-        InvalidWorld: If it is no such maze, naming a cell at fault.
+        InvalidWorld: If it is not such a maze, naming a cell at fault.
     """
     _check(world)
     walls = flip_rows(world.walls)

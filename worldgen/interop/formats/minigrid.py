@@ -152,7 +152,7 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
     """
     walls = flip_rows(world.walls)
     cells = np.empty((*walls.shape, 2), np.uint8)

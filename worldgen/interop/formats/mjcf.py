@@ -44,15 +44,15 @@ def write_mjcf(
 
     Args:
         world: The world.
-        destination: Where it goes.
-        height: Of the walls, m.
+        destination: Where the file is written.
+        height: Height of the walls, m.
         robot: Whether a disc that slides in x and y and turns stands at the start, with a velocity
             actuator for each.
-        timestep: Of the engine, s.
+        timestep: Time step of the engine, s.
 
     Raises:
-        InvalidParameter: If height or timestep are far from what anybody means.
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidParameter: If height or timestep is outside any sensible range.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     check_between("timestep", timestep, *TIMESTEPS, "s")
     parts = scene(world, destination, height)

@@ -500,7 +500,7 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:
-    """Return a map of ``.`` and ``@``, and beside it a scenario file with one problem.
+    """Return a map of ``.`` and ``@``, and next to it a scenario file with one problem.
 
     From the start's cell to the target's.
 

@@ -116,7 +116,7 @@ def write_numpy_map(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
     """
     stream = io.BytesIO()
     np.lib.format.write_array(

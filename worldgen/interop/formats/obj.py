@@ -24,14 +24,14 @@ def write_obj(
     What else the world has stands in comments, as TOML.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
-        height: Of the walls, m.
-        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+        world: A static world.
+        destination: Where the file is written.
+        height: Height of the walls, m.
+        floor: Whether to add a floor, a box one cell thick below z = 0.
 
     Raises:
-        InvalidParameter: If the height is no length.
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidParameter: If the height isn't a valid length.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     boxes = solid_boxes(world, destination, height=height, floor=floor)
     lines = [*_comments(world, destination), "s off"]

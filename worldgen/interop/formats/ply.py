@@ -22,14 +22,14 @@ def write_ply(
     """Return the binary form: eight vertices and twelve triangles a box, m, z up.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
-        height: Of the walls, m.
-        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+        world: A static world.
+        destination: Where the file is written.
+        height: Height of the walls, m.
+        floor: Whether to add a floor, a box one cell thick below z = 0.
 
     Raises:
-        InvalidParameter: If the height is no length.
-        InvalidWorld: If 32 bits are too few for the coordinates.
+        InvalidParameter: If the height isn't a valid length.
+        InvalidWorld: If the coordinates need more than 32 bits.
     """
     from worldgen.interop.geometry.box_mesh import box_mesh
 

@@ -28,7 +28,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["png", "read_picture", "write_png"]
 
 _MARK = (
-    "worldgen"  # the keyword by which a picture of ours is known; the others count only beside it
+    "worldgen"  # the keyword by which a picture of ours is known; the others count only next to it
 )
 _WHITE = 255
 
@@ -50,7 +50,7 @@ def read_picture(
             black.
 
     Raises:
-        FormatError: If it is no such picture, or says of start, target or robot what cannot be.
+        FormatError: If it is not such a picture, or says of start, target or robot what cannot be.
         InvalidParameter: If an option is out of range.
     """
     check_between("threshold", threshold, 1, _WHITE)
@@ -132,7 +132,7 @@ def write_png(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
 
     Raises:
         InvalidParameter: If its name says that it is another kind of picture.

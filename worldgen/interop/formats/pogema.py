@@ -132,7 +132,7 @@ def write_pogema(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
     """
     cells = np.where(flip_rows(world.walls), np.uint8(_WALL[0]), np.uint8(_FREE[0]))
     start = cell_of(world, world.start.x, world.start.y)

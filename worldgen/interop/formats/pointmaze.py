@@ -23,8 +23,8 @@ def write_pointmaze(world: World, destination: Destination) -> Exported:
     1 is a wall, 0 free, "r" the start, "g" the goal, "c" both.
 
     Args:
-        world: The world; a wall one cell thick goes round it where its border is open.
-        destination: Where it goes.
+        world: The world; a wall one cell thick goes around it where its border is open.
+        destination: Where the file is written.
     """
     cells: list[list[int | str]] = flip_rows(world.walls).astype(int).tolist()
     start = cell_of(world, world.start.x, world.start.y)

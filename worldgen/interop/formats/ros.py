@@ -383,7 +383,7 @@ def write_ros_map(
 
     Args:
         world: The world.
-        destination: Where the YAML file goes; the picture goes beside it.
+        destination: Where the YAML file goes; the picture goes next to it.
         image: The picture's kind.
         mode: What map_server is to make of the greys.
         negate: Whether white is occupied; ``raw`` has no use for it.

@@ -52,17 +52,17 @@ def write_sdf(
 
     Args:
         world: The world.
-        destination: Where it goes.
-        height: Of the walls, m.
+        destination: Where the file is written.
+        height: Height of the walls, m.
         robot: Whether a disc on two wheels stands at the start; with plugins it obeys velocity
             commands.
         plugins: The systems that Gazebo is to load, by its release; with none it loads those that
             it always does.
-        timestep: Of the engine, s.
+        timestep: Time step of the engine, s.
 
     Raises:
-        InvalidParameter: If height or timestep are far from what anybody means.
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidParameter: If height or timestep is outside any sensible range.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     check_between("timestep", timestep, *TIMESTEPS, "s")
     name = plain_name(destination)

@@ -65,7 +65,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
         lidar: Whether the robot has a ranger: 257 beams all round, the last as the first, 10 m.
 
     Raises:

@@ -41,14 +41,14 @@ def write_svg(
     """Return the plan: floor, walls, target, robot, and the path that proves reachability.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
+        world: A static world.
+        destination: Where the file is written.
         scale: Of the print, 1 to this; 1 is life size.
         witness: Whether the certificate's path is drawn, where there is one.
 
     Raises:
         InvalidParameter: If the scale is below 0.001 or above a million.
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     check_between("scale", scale, 1e-3, 1e6)
     more = 1 if border_cells(world).any() else 0

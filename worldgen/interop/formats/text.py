@@ -169,7 +169,7 @@ def write_text_map(world: World, destination: Destination) -> Exported:
 
     Args:
         world: The world.
-        destination: Where it goes.
+        destination: Where the file is written.
     """
     start = cell_of(world, world.start.x, world.start.y)
     target = cell_of(world, world.target.x, world.target.y)

@@ -41,7 +41,7 @@ def write_thesis_map(
 
     Args:
         world: A square with walls all round.
-        destination: Where it goes.
+        destination: Where the file is written.
         noise: Whether the map goes through the program's noise filter; ``as-imported``: if the
             imported map had.
 

@@ -58,14 +58,14 @@ def write_3mf(
     """Return a model in metres, z up; names of walls are part numbers.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
-        height: Of the walls, m.
-        floor: Whether there is a floor, a box as thick as a cell below z = 0.
+        world: A static world.
+        destination: Where the file is written.
+        height: Height of the walls, m.
+        floor: Whether to add a floor, a box one cell thick below z = 0.
 
     Raises:
-        InvalidParameter: If the height is no length.
-        InvalidWorld: If 32 bits are too few for the coordinates.
+        InvalidParameter: If the height isn't a valid length.
+        InvalidWorld: If the coordinates need more than 32 bits.
     """
     boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
     lines = [*_head(world, destination), *map(_item, boxes), "  </build>", "</model>"]

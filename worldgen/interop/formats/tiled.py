@@ -57,12 +57,12 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
 
     Args:
         path: The file; its tiles as numbers or base64, packed by zlib or gzip or not.
-        layer: Name of the layer of walls; left out, the one called walls, else the only one of
+        layer: Name of the layer of walls; if omitted, the one called walls, else the only one of
             tiles.
         cell_size: Side of a tile, m; 0 is what the map says, else 0.1.
 
     Raises:
-        FormatError: If it is no such map, or its layer of walls cannot be told.
+        FormatError: If it is not such a map, or its layer of walls cannot be told.
     """
     data = read_bounded(path, _MOST_BYTES)
     source = str(path)
@@ -156,7 +156,8 @@ def _point(
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
-    """Return a map of one layer of tiles and one of objects; beside it the picture of its one tile.
+    """Return a map of one layer of tiles and one of objects; next to it the picture of its one
+    tile.
 
     Args:
         world: The world.

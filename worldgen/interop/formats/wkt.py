@@ -19,11 +19,11 @@ def write_wkt(world: World, destination: Destination) -> Exported:
     """Return one MULTIPOLYGON on one line, coordinates as exact decimals.
 
     Args:
-        world: A world that stands still.
-        destination: Where it goes.
+        world: A static world.
+        destination: Where the file is written.
 
     Raises:
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     lines = GridLines(world, destination)
     xs, ys = (

@@ -187,7 +187,7 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
 def always_solid(world: World) -> npt.NDArray[np.bool_]:
     """Return the cells that are solid at all times, (height, width) bool.
 
-    Of a world that stands still, its walls.
+    For a static world, its walls.
     """
     later = world.timeline.only(world.timeline.times > 0)
     opened = later.cells_that_become(CellState.FREE, CellState.BURNING, shape=world.walls.shape)

@@ -21,7 +21,7 @@ class GridLines:
 
     Args:
         world: Whose grid it is.
-        destination: Says the frame.
+        destination: Gives the frame of the coordinates.
         bits: Of a coordinate's significand, in the file or the programs that read it: 24 for
             float32.
 

@@ -67,12 +67,12 @@ class PlacedBox:
 def solid_boxes(
     world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53
 ) -> list[PlacedBox]:
-    """Return the walls, a wall round the grid where its border is open, and a floor if wanted.
+    """Return the walls, a wall around the grid where its border is open, and a floor if wanted.
 
     Args:
         world: What is solid at all times counts.
-        destination: Says the frame; z is 0 at the walls' foot.
-        height: Of the walls, m.
+        destination: Gives the frame of the coordinates; z is 0 at the walls' foot.
+        height: Height of the walls, m.
         floor: Whether there is a box as thick as a cell below it all.
         bits: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` takes them.
 

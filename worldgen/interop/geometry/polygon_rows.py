@@ -47,7 +47,7 @@ def cut_into_rows(
     Args:
         shape: In cells.
         rows: Of the grid.
-        columns: Likewise.
+        columns: Same as above.
 
     Returns:
         Two arrays (n, 3) int64 of row, first and end column, from the first row and column.

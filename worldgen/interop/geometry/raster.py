@@ -162,7 +162,7 @@ def natural_cell_size(
 
     Args:
         width: Of the world, m.
-        height: Likewise.
+        height: Same as above.
         boxes: Its walls.
 
     Returns:

@@ -52,7 +52,7 @@ class SolidScene:
     """What stands in a world.
 
     Args:
-        still: What is always solid, with a wall round the grid where its border is open.
+        still: What is always solid, with a wall around the grid where its border is open.
         bodies: What comes and goes.
         floor: The ground below it all.
     """
@@ -68,11 +68,11 @@ def scene(world: World, destination: Destination, height: float) -> SolidScene:
     Args:
         world: The world.
         destination: Says where the grid's lower-left corner lies.
-        height: Of the walls, m.
+        height: Height of the walls, m.
 
     Raises:
         InvalidParameter: If the height is below 1e-6 or above 1e6 m.
-        InvalidWorld: If 64 bits are too few for the coordinates.
+        InvalidWorld: If the coordinates need more than 64 bits.
     """
     *still, floor = solid_boxes(world, destination, height=height, floor=True)
     lines = GridLines(world, destination)
@@ -116,8 +116,8 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: s
     Args:
         model: Name of the file that has the bodies.
         bodies: As in :class:`SolidScene`.
-        height: Of the walls, m; what is not there is parked with its upper side half of that below
-            the floor.
+        height: Height of the walls, m; what is not there is parked with its upper side half of that
+            below the floor.
         world: Name of the world in that file, if it has one.
 
     Returns:

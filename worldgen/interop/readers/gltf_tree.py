@@ -172,7 +172,7 @@ def _faces(document: dict[str, Any], mesh: dict[str, Any]) -> int:
 
 
 def root_extras(document: dict[str, Any]) -> dict[str, Any]:
-    """Return what our own files say of the world beside its walls; nothing of others."""
+    """Return what our own files say of the world next to its walls; nothing of others."""
     for node in document.get("nodes", []):
         extras = node.get("extras")
         if node.get("name") == "worldgen" and isinstance(extras, dict):

@@ -38,7 +38,7 @@ class GreyImage:
         values: (height, width) uint8 or uint16, top row first, 0 black to ``maximum`` white.
         maximum: The value of white.
         alpha: (height, width) uint8 where the picture has transparency: 0 clear to 255 opaque.
-        text: What a PNG says beside its pixels, by keyword.
+        text: What a PNG says next to its pixels, by keyword.
     """
 
     values: npt.NDArray[np.uint8 | np.uint16]
@@ -66,7 +66,7 @@ def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = No
 
     Args:
         values: (height, width), top row first.
-        text: What it says beside its pixels, by keyword; written in this order, before the pixels.
+        text: What it says next to its pixels, by keyword; written in this order, before the pixels.
     """
     said = PngImagePlugin.PngInfo()
     for keyword, words in (text or {}).items():

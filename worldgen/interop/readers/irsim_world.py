@@ -427,7 +427,7 @@ def _from_corner(
 
 
 def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
-    """Of the disc round the robot's own point that covers it."""
+    """Of the disc around the robot's own point that covers it."""
     shapes = _tables(robot, "shape")
     if not shapes:
         return 1.0

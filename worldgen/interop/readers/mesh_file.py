@@ -39,7 +39,7 @@ class RawMesh(NamedTuple):
     Args:
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
-        held: What a file of ours says beside the walls, by the names of
+        held: What a file of ours says next to the walls, by the names of
             :data:`~worldgen.interop.format.HELD`, and ``size``; empty for others' files.
         unit: Metres in a unit, if the file says so.
         left_out: Parts that are no surfaces, such as points and lines.

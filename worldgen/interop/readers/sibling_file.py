@@ -1,4 +1,4 @@
-"""Files that a map file names: they lie beside it or below it, nothing else is opened."""
+"""Files that a map file names: they lie next to it or below it, nothing else is opened."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ _Point = tuple[Fraction, Fraction]
 
 @dataclass
 class _Includes:
-    """Files that a world file includes: those beside it are read, the others said."""
+    """Files that a world file includes: those next to it are read, the others said."""
 
     path: Path
     notes: list[str] = field(default_factory=list)
@@ -164,7 +164,7 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
 
 
 def _picture(floor: Entity, path: Path) -> Path:
-    """Return the picture lies beside the world file, also where an included file names it."""
+    """Return the picture lies next to the world file, also where an included file names it."""
     try:
         return sibling_file(path, "bitmap", floor.text("bitmap"))
     except InvalidParameter as error:
@@ -295,7 +295,7 @@ def _pose(entity: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[floa
 
 
 def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
-    """Of the disc round the robot's own point that covers its blocks.
+    """Of the disc around the robot's own point that covers its blocks.
 
     None where its size is not known.
     """

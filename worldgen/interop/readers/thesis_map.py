@@ -35,10 +35,10 @@ __all__ = [
 ]
 
 WALL = -2
-MIN_SIZE = 3  # cells a side: a border of walls round one cell
+MIN_SIZE = 3  # cells a side: a border of walls around one cell
 MAX_SIZE = 2000  # cells a side; the program itself goes up to 100
 _LOADABLE = (10, 100)  # cells a side, even
-_REACH = 2  # cells round a wall whose signal the noise filter changes
+_REACH = 2  # cells around a wall whose signal the noise filter changes
 _START_CELLS = 3.5  # from the left and from the top: 35 px
 _START_HEADING = 4.5  # rad, clockwise from -x
 
@@ -71,10 +71,9 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     """Return the signal after one pass of the noise filter, in the program's order of walls.
 
     A wall changes the cells within two of it: one that now holds more than the wall's own distance
-        gets one
-    and a half times its undisturbed value, any other nine tenths, unless that is 0. What a cell
-    ends with depends on the order of the walls round it, and on no other cell; so all cells take
-    their turns at once.
+        gets one and a half times its undisturbed value, any other nine tenths, unless that is 0.
+        What a cell ends with depends on the order of the walls around it, and on no other cell; so
+        all cells take their turns at once.
 
     Args:
         values: As :func:`signal` gives them.

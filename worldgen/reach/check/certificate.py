@@ -67,8 +67,8 @@ def check_certificate(
 
     Args:
         world: The world.
-        certificate: The proof; the world's own where left out.
-        radius: Radius of the disc, m; the robot's where left out.
+        certificate: The proof; the world's own if omitted.
+        radius: Radius of the disc, m; the robot's if omitted.
     """
     certificate = world.certificate if certificate is None else certificate
     radius = world.robot_radius if radius is None else radius

@@ -39,7 +39,7 @@ def check_confinement(
     Args:
         world: The world.
         proof: The confinement.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
     """
     radius = world.robot_radius if radius is None else radius
     try:

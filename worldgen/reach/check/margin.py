@@ -41,7 +41,7 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     Args:
         world: The world.
         witness: One that :func:`check_certificate` accepts for this radius.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
     """
     radius = world.robot_radius if radius is None else radius
     path = path_of(world, witness)

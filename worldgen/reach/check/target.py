@@ -25,7 +25,7 @@ import numpy.typing as npt
 __all__ = ["TooMuch", "poses_to_part"]
 
 _DIGITS = (
-    180  # of places, of what is left of them beside the least radius, and of the roots of that
+    180  # of places, of what is left of them next to the least radius, and of the roots of that
 )
 _CERTAIN = 80  # digits that a root near zero keeps of them
 _MOST = 4_000_000  # points looked at

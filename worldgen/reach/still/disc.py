@@ -75,7 +75,7 @@ def parts(chain: Chain, start: ExactPoint, pose: ExactPoint) -> bool:
 
 
 def winds_around(chain: Chain, pose: ExactPoint) -> bool:
-    """Return True if a chain winds round a pose an odd number of times."""
+    """Return True if a chain winds around a pose an odd number of times."""
     return _around(chain, pose, 0)[0]
 
 

@@ -60,7 +60,7 @@ def decide(
 
     Args:
         world: The world; its own certificate is not looked at.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
         margin: s. The witness of a world that changes holds too when the robot first waits at the
             start for any time up to this long, and then does everything so much later.
         certificate: Whether the proof is wanted, if the world is still. Without it, small worlds
@@ -87,7 +87,7 @@ def decide_many(
 
     Args:
         worlds: Any worlds.
-        radius: Radius of the disc, m; each world's robot's where left out.
+        radius: Radius of the disc, m; each world's robot's if omitted.
         certificate: Whether the proofs of still worlds are wanted.
 
     Raises:
@@ -468,8 +468,8 @@ def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[
     """Yield clear nodes that the disc reaches from a point over one corner along the axes.
 
     Where it touches a wall's side and a cell's corner, it may have to go along the wall at first:
-    the room beside it widens as slowly as a circle leaves its tangent, so the first node may be far
-    along and is near across.
+    the room next to it widens as slowly as a circle leaves its tangent, so the first node may be
+    far along and is near across.
     """
     unit = UNIT // graph.k
     links: dict[int, ExactPoint] = {}

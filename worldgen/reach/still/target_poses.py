@@ -57,7 +57,7 @@ class _ExactPose(NamedTuple):
 class _Edges(NamedTuple):
     """What the edges of neighbourhoods are made of.
 
-    Lines x = ..., lines y = ..., circles round corners; cells.
+    Lines x = ..., lines y = ..., circles around corners; cells.
     """
 
     columns: list[Fraction]
@@ -238,7 +238,7 @@ _SIDES = (1, -1)
 
 
 def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _ExactPose:
-    """Return the point of the circle round a corner that is nearest to a centre."""
+    """Return the point of the circle around a corner that is nearest to a centre."""
     qx, qy = corner
     dx = centre[0] - qx
     dy = centre[1] - qy
@@ -248,14 +248,14 @@ def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -
 
 
 def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _ExactPose:
-    """Return where a line y = row meets the circle round a corner, on one side."""
+    """Return where a line y = row meets the circle around a corner, on one side."""
     return _ExactPose(
         Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2
     )
 
 
 def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _ExactPose:
-    """Return where a line x = column meets the circle round a corner, on one side."""
+    """Return where a line x = column meets the circle around a corner, on one side."""
     return _ExactPose(
         column,
         Fraction(corner[1]),
@@ -266,14 +266,14 @@ def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _
 
 
 def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _ExactPose:
-    """Return where the circles round two corners meet, on one side."""
+    """Return where the circles around two corners meet, on one side."""
     square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
     middle = (corner[0] + Fraction(dx, 2), corner[1] + Fraction(dy, 2))
     return _ExactPose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
 
 
 def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_ExactPose]:
-    """Yield where the circles round two corners meet."""
+    """Yield where the circles around two corners meet."""
     known = set(corners)
     widest_sq = math.floor(4 * radius**2)
     reach = math.isqrt(widest_sq)

@@ -53,7 +53,7 @@ def described_disc(radius: Fraction) -> Any:
 
 
 class Walls:
-    """The solid cells with the ring of cells round the grid, for exact questions.
+    """The solid cells with the ring of cells around the grid, for exact questions.
 
     Args:
         solid: (height, width) bool, True is solid.
@@ -86,7 +86,7 @@ class Walls:
 
     @functools.cached_property
     def cells(self) -> npt.NDArray[np.uint8]:
-        """(height + 2, width + 2) uint8, 1 is solid: the grid and the ring round it."""
+        """(height + 2, width + 2) uint8, 1 is solid: the grid and the ring around it."""
         cells = np.ones((self.height + 2, self.width + 2), np.uint8)
         cells[1:-1, 1:-1] = self.solid
         return cells

@@ -42,7 +42,7 @@ def decide_in_time(
         world: The world; its own certificate is not looked at.
         deadline: s from the beginning on, at which the robot must be in the target; None for any
             time.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
 
     Returns:
         ``REACHABLE`` with a witness that arrives in time; ``BLOCKED`` with a cut of the world
@@ -122,10 +122,10 @@ def latest_start(
     Args:
         world: The world.
         deadline: s, by which it has to be there; None for any time.
-        radius: Radius of the disc, m; the robot's where left out.
+        radius: Radius of the disc, m; the robot's if omitted.
 
     Returns:
-        Infinite if it may wait for ever; None if there is no path on any of the graphs that are
+        Infinite if it may wait forever; None if there is no path on any of the graphs that are
         tried.
 
     Raises:

@@ -81,7 +81,7 @@ def safe_intervals(
     """Return when the points of a raster are safe.
 
     Args:
-        clear: (rows, columns) bool, points that no cell blocks for ever; the others have no
+        clear: (rows, columns) bool, points that no cell blocks forever; the others have no
             interval.
         spans: When cells are blocked.
         classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points

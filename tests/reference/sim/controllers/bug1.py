@@ -1,4 +1,4 @@
-"""Bug1: goes round each obstacle once, and leaves it where it was nearest to the target.
+"""Bug1: goes around each obstacle once, and leaves it where it was nearest to the target.
 
 It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with
 its left hand all the way round, and notes where it was nearest to the target: the leave point. From

@@ -3,7 +3,7 @@
 Each pair of speed and turn rate is an arc. Arcs on which the robot could not brake before the first
 obstacle fall away; the rest are judged by where they face, how far they are free, and how fast they
 are. It drives fast and never knowingly into anything. It looks one arc ahead, so it stops or swings
-for ever in cups and before long walls, and a turn into a narrow door is often later than its arcs
+forever in cups and before long walls, and a turn into a narrow door is often later than its arcs
 can see.
 
 Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision

@@ -38,7 +38,7 @@ CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in
 FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
 LEAST_SIDE, MOST_SIDE = 8, 1024
 
-# Memory beside the map: what it does; the node that it came from, the move; where it starts;
+# Memory next to the map: what it does; the node that it came from, the move; where it starts;
 # distance of two nodes; position before the step; length of the step; failed returns; share of the
 # robot's radius nearer than which to a place that it felt there is no room, 0 if it does not feel
 # for walls.

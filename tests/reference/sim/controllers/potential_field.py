@@ -1,8 +1,8 @@
 """Potential field: the target pulls, walls push, and the robot drives down the slope.
 
-It finds its way round single obstacles without any memory. It stops for ever where push and pull
-cancel: in front of
-a wall across its way, in any cup, and at doors whose posts push harder than the target pulls.
+It finds its way round single obstacles without any memory. It stops forever where push and pull
+cancel: in front of a wall across its way, in any cup, and at doors whose posts push harder than the
+target pulls.
 
 Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
     International Journal

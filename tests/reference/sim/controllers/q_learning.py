@@ -3,8 +3,8 @@
 Every fourth step the robot looks where the target is (an eighth of a turn), which of five
 directions are blocked, and which way it turned last; that makes 768 situations. For each the table
 has the worth of six turns, and the robot takes the best. Nobody has told it how to follow a wall.
-What it cannot tell apart it must treat alike: in worlds where
-the table, right on average, is wrong, it drives round for ever.
+What it cannot tell apart it must treat alike: in worlds where the table, right on average, is
+wrong, it drives round forever.
 
 The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and
 writes again, bit for bit.

@@ -1,4 +1,4 @@
-"""TangentBug: looks ahead with range beams, and goes round what is in the way along its tangents.
+"""TangentBug: looks ahead with range beams, and goes around what is in the way along its tangents.
 
 It drives to the target as long as it sees no wall before it, and else to that end of the wall, as
 far as it sees, by which the way to the target would be shortest. When that way stops getting

@@ -2,10 +2,9 @@
 
 The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The
 *sequencer* watches it: a waypoint is reached when the robot is in its cell; if that takes too long,
-    the sequencer says so to the
-deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where
-the sequencer got nowhere, and plans a way through the rest of it to the target; the next cell of
-the plan is the next waypoint.
+the sequencer says so to the deliberator and starts again from where the robot is. The *deliberator*
+holds a coarse map of where the sequencer got nowhere, and plans a way through the rest of it to the
+target; the next cell of the plan is the next waypoint.
 
 It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about
 the middle between start and target, a bit for each way between two cells: what lies outside, and
@@ -44,7 +43,7 @@ Ints = npt.NDArray[np.int64]
 
 SIDE = 48  # cells of the map a side; a row's bits must fit a float64's 53
 _ALL = (1 << SIDE) - 1
-_MOST_FORGOTTEN = 7.0  # a number that grew for ever would let no state come back
+_MOST_FORGOTTEN = 7.0  # a number that grew forever would let no state come back
 
 # Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the
 # waypoint's cell (-1: none); steps since it was set; how often the map was forgotten; the robot's
@@ -133,7 +132,7 @@ def next_cell(
         here: Column and row of the robot.
         target: Of the target.
         near: (SIDE,) zeros, to work in.
-        wave: Likewise.
+        wave: Same as above.
     """
     column, row = here
     near[target[1]] = 1 << target[0]
@@ -268,7 +267,7 @@ def drive(
         memory: See the top of the file.
         command: ``CMD_``.
         near: (SIDE,) zeros, to work in.
-        wave: Likewise.
+        wave: Same as above.
         tuned: Numbers.
     """
     if memory[LAID] == 0.0:

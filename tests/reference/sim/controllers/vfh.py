@@ -3,8 +3,8 @@
 Obstacles around the robot fill a polar histogram, each widened by the robot's radius. What is left
 free are openings; of the directions through them the cheapest is taken: near to the target's, to
 the heading, and to the choice before. It drives fast and smoothly past clutter. It sees no further
-than its beams, and has no map: in a cup deeper than
-that, or behind a long wall, it drives to and fro for ever.
+than its beams, and has no map: in a cup deeper than that, or behind a long wall, it drives to and
+fro forever.
 
 Source: Iwan Ulrich and Johann Borenstein, "VFH+: reliable obstacle avoidance for fast mobile
     robots", IEEE
@@ -46,7 +46,7 @@ class VfhPlus(NamedTuple):
     """Tuned numbers.
 
     Args:
-        safety: What obstacles are widened by beside the robot's radius, in radii.
+        safety: What obstacles are widened by next to the robot's radius, in radii.
         window: Distance, in radii of the robot, beyond which obstacles do not count.
         low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector
             becomes free.

@@ -1,6 +1,7 @@
-"""Wall following: drives to the target until it touches a wall, and then keeps its hand on that wall for ever.
+"""Wall following: drives to the target until it touches a wall, and then keeps its hand on that
+wall forever.
 
-It finds the way out of any maze whose walls all hang together, and goes round an island, or round
+It finds the way out of any maze whose walls all hang together, and goes around an island, or round
 the room it is in, without end: the simplest example of a rule that works until it does not.
 
 Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their

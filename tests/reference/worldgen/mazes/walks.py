@@ -114,7 +114,8 @@ def backtracker(words, board, state, stride, scratch):
 
 
 def hunt_and_kill(words, board, state, stride, scratch):
-    """Digs at random until it is stuck, then hunts, row by row, for a free chamber beside the maze.
+    """Digs at random until it is stuck, then hunts, row by row, for a free chamber next to the
+    maze.
 
     ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before
     this.
@@ -149,7 +150,7 @@ def hunt_and_kill(words, board, state, stride, scratch):
             direction = (words[used >> 5] >> (2 * (used & 31))) & 3
             used += 1
         if (ways >> direction) & 1 == 0:
-            break  # a hunt begins anew with the next words, and ends at the same chamber
+            break  # a hunt begins again with the next words, and ends at the same chamber
         if stuck:
             at = spot
             board[at] = direction
