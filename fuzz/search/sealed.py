@@ -23,9 +23,7 @@ SEALED_BYTES = _HEAD_BYTES + _MOST_FEATURES * FEATURE_BYTES
 _SMALLEST = 10
 _SPREAD = 11
 _ARENA = 8  # side, cells, that `decode_world` makes of a byte 0
-_INNER = (
-    2  # first cell on an axis, and last but this, where the default disc has room next to the border
-)
+_INNER = 2  # first cell on an axis, and last but this, where the default disc has room next to the border
 _ROOM = 2  # cells from start or target to the wall
 _EDGE = _INNER + _ROOM
 

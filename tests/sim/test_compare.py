@@ -1,5 +1,4 @@
-"""Comparisons: every number is that of the runs behind it, and an earlier table stands next to it.
-"""
+"""Comparisons: every number is that of the runs behind it, and an earlier table stands next to it."""
 
 import csv
 import io

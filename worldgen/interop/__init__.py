@@ -1,17 +1,18 @@
-"""Foreign formats.
+"""Read and write the file formats of other programs.
 
 Contents:
-    FORMATS, Format, Exported, Destination, HELD: the formats by name, and what a format is
-        (``format``); each is read
-    and written in a file of its own, such as ``ros`` or ``movingai``.
-    import_world, read_map: a foreign map becomes a world with a proof (``importing``,
+    FORMATS, Format, Exported, Destination, HELD: the formats by name, and the definition of a
+        format (``format``). Each format is read and written in its own module, such as ``ros`` or
+        ``movingai``.
+    import_world, read_map: turn a foreign map into a world with a proof (``importing``,
         ``recognising``).
-    export_world, write_export: the way back (``exporting``).
-    place: start and target for a map that has none (``place``).
+    export_world, write_export: the other direction (``exporting``).
+    place: choose start and target for a map that has none (``place``).
 
-What a file has no room for lies next to it (``sidecar``). Shared by the formats: merged boxes
-(``boxes``, ``placed_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures
-(``grey_image``), YAML (``yaml_table``), files that a map names (``sibling_file``).
+Facts that a file cannot store are written to a sidecar next to it (``sidecar``). The formats share
+code for merged boxes (``boxes``, ``placed_boxes``), polygons (``polygons``), coordinates
+(``grid_lines``), pictures (``grey_image``), YAML (``yaml_table``), and files that a map names
+(``sibling_file``).
 """
 
 from worldgen.interop.exporting import Export, export_world, guess_format, write_export

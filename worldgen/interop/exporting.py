@@ -26,11 +26,11 @@ class Export:
 
     Args:
         format: The format.
-        files: Contents by name; the first is the file that was asked for; the sidecar, if there is
-            one, the last.
-        lost: Sentences on what the file itself does not hold.
-        sidecar: Name of the sidecar that holds it; None where nothing is lost, or none was wanted.
-        notes: Sentences on what else is worth knowing.
+        files: Contents by file name; the main file comes first, the sidecar, if any, last.
+        lost: Sentences about what the file itself does not store.
+        sidecar: Name of the sidecar that stores it; None if nothing is lost or no sidecar is
+            wanted.
+        notes: Other sentences worth reading.
     """
 
     format: Format
@@ -41,7 +41,7 @@ class Export:
 
     @property
     def data(self) -> bytes:
-        """Contents of the file that was asked for."""
+        """Contents of the main file."""
         return next(iter(self.files.values()))
 
 
@@ -55,23 +55,22 @@ def export_world(
     origin: tuple[float, float] | None = None,
     sidecar: bool = True,
 ) -> Export:
-    """Return a world in a foreign format.
+    """Convert a world to a foreign format.
 
     Args:
         world: The world.
-        name: A registered format, ``package.module:name``, or ``./file.py:name``, with
-            ``+option=value`` if you like.
-        file: Name of the file to be, without folder; ``world`` and the format's usual ending if
+        name: A registered format, ``package.module:name``, or ``./file.py:name``, optionally with
+            ``+option=value``.
+        file: Name of the file to write, without folder; ``world`` with the format's usual suffix if
             omitted.
-        options: What can be asked of the format; they win over those behind the name.
-        at: Time, s, whose cells are exported, of a world that changes.
-        origin: x and y, m, of the grid's lower-left corner in the file's frame; if omitted, what
-            the map said that the world was imported from, else 0.
-        sidecar: Whether what the file does not hold goes into a sidecar.
+        options: Options of the format; they take precedence over those in ``name``.
+        at: For a world that changes, the time, s, whose cells are exported.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame; if omitted, the
+            origin of the map that the world was imported from, otherwise 0.
+        sidecar: Whether to write a sidecar with what the file does not store.
 
     Raises:
-        InvalidParameter: If there is no such format, it is only read, or an option means nothing to
-            it.
+        InvalidParameter: If the format does not exist, is read-only, or lacks one of the options.
         InvalidWorld: If the format cannot hold the world.
     """
     plain, worded = split_options(name)
@@ -158,16 +157,16 @@ def _notes(world: World, at: float | None, destination: Destination) -> Iterator
 
 
 def frozen_at(world: World, time: float) -> World:
-    """Return the world as it stands at a time, forever.
+    """Return the world frozen at a time.
 
-    What burns then is solid, for no robot may touch it.
+    Cells that burn at that time become solid, because no robot may touch them.
 
     Args:
         world: The world.
         time: s, 0 or later.
 
     Raises:
-        InvalidParameter: If the time is negative or no number.
+        InvalidParameter: If the time is negative or not a number.
     """
     if not (0.0 <= time < float("inf")):
         raise InvalidParameter(
@@ -183,10 +182,10 @@ def frozen_at(world: World, time: float) -> World:
 
 
 def guess_format(file: str) -> str:
-    """Return the name of the one format whose files end like this.
+    """Return the name of the only format with this file's suffix.
 
     Raises:
-        InvalidParameter: If none or several do.
+        InvalidParameter: If no format or several formats have it.
     """
     lower = file.lower()
     writable = [known for known in map(FORMATS.get, FORMATS) if known.write is not None]
@@ -217,18 +216,18 @@ def guess_format(file: str) -> str:
 
 
 def write_export(export: Export, folder: Path, *, force: bool = False) -> list[Path]:
-    """Write all files of an export; none if one of them is in the way.
+    """Write all files of an export, or none if one of them already exists.
 
     Args:
-        export: As made.
-        folder: Where to.
-        force: Whether to overwrite what is there; the sidecar of an overwritten file goes with it.
+        export: The export to write.
+        folder: Folder for the files.
+        force: Whether to overwrite existing files; an overwritten file's sidecar is deleted.
 
     Returns:
-        The paths, first that of the file that was asked for.
+        The paths, the main file's first.
 
     Raises:
-        OutputError: If a file is there and ``force`` is not set, or cannot be written.
+        OutputError: If a file exists and ``force`` is not set, or a file cannot be written.
     """
     paths = [folder / name for name in export.files]
     for path in paths:
@@ -238,13 +237,17 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     try:
         for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
             write_bytes(
-                path, data, force=force
-            )  # what was asked for comes last: it names the others
+                path,
+                data,
+                force=force,
+                # The main file comes last, because it names the others.
+            )
             written.append(path)
     except OutputError:
         for path in new.intersection(
             written
-        ):  # of no use alone; what another program has made meanwhile stays
+            # Delete what is useless alone; keep what another program has written meanwhile.
+        ):
             path.unlink(missing_ok=True)
         raise
     stale = paths[0].with_name(paths[0].name + SUFFIX)

@@ -1,4 +1,4 @@
-"""What every reader of a foreign format gives back, and how it takes bytes from the disk."""
+"""The result of every format's reader, and how readers get bytes from the disk."""
 
 from __future__ import annotations
 
@@ -33,9 +33,11 @@ __all__ = [
 ]
 
 MAX_CELLS = (
-    64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
+    # 8000 x 8000 cells. A small compressed picture can claim far more than a machine can hold.
+    64_000_000
 )
-MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
+# A plain PGM takes up to 4 bytes a cell.
+MAX_FILE_BYTES = 256 << 20
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class UsualRobot:
     Args:
         size: Radius of its disc, in m or in cells.
         in_cells: Whether ``size`` counts cells.
-        source: Whose robot it is, to be told to the user.
+        source: Whose robot it is, as shown to the user.
     """
 
     size: Fraction
@@ -66,24 +68,23 @@ FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's
 
 @dataclass(frozen=True, eq=False)
 class ForeignMap:
-    """A map as its file has it, before there is a robot in it.
+    """A map as stored in its file, before a robot is put into it.
 
     Args:
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
         cell_size: Side of a cell, m.
-        params: What provenance keeps of the source: file, format, digests, origin, ...
+        params: Provenance of the source: file, format, digests, origin, ...
         notes: Sentences worth knowing.
-        warnings: Sentences that point at a likely mistake.
-        world: The world, where the format holds a whole one.
-        start: x, y, m, and the heading, rad, if the file has it; taken where the robot is clear
-            there.
+        warnings: Sentences about likely mistakes.
+        world: The world, if the format stores a complete one.
+        start: x, y, m, and, if the file has it, the heading, rad; used if the robot is clear there.
         target: x, y and, if the file has it, radius, m.
-        robot_radius: m, where the file has it.
-        robot_speed: m/s, where the file has it.
+        robot_radius: Radius, m, if the file has it.
+        robot_speed: Top speed, m/s, if the file has it.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
-        usual_robot: The robot that such maps are drawn for; ``read_map`` sets it to its format's.
-        unread: Obstacles that the file has and ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A
-            path in such a map proves nothing.
+        usual_robot: The robot that such maps are drawn for; ``read_map`` fills in its format's.
+        unread: Obstacles in the file that ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path
+            through such a map proves nothing.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -119,7 +120,8 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """Return a file's bytes.
 
     Raises:
-        FormatError: If it is missing, unreadable, no regular file, or larger than ``limit`` bytes.
+        FormatError: If it is missing, unreadable, not a regular file, or larger than ``limit``
+            bytes.
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
@@ -131,7 +133,8 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
             )
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+    # ValueError means that the name contains a NUL.
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         if isinstance(error, FormatError):
             raise
@@ -162,7 +165,7 @@ def unix_text(data: bytes) -> bytes:
 def check_sides(
     width: int, height: int, *, line: int | None = None, source: str | None = None
 ) -> None:
-    """Refuse sizes that no world has.
+    """Reject sizes that no world may have.
 
     Raises:
         FormatError: If a side is 0 or above ``MAX_SIDE``, or there are more than ``MAX_CELLS``
@@ -184,5 +187,5 @@ def check_sides(
 
 
 def digest(data: bytes) -> str:
-    """Return SHA-256 in hex, for provenance."""
+    """Return the SHA-256 in hex, for provenance."""
     return hashlib.sha256(data).hexdigest()

@@ -1,4 +1,4 @@
-"""What a foreign format is: a name, how its files are known, and how they are read and written."""
+"""The definition of a foreign format: its name, how to recognise it, how to read and write it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ __all__ = [
     "held_values",
 ]
 
-_FURTHEST = 1e12  # m; beyond, a float has no room for cells of a millimetre
+# Limit on coordinates, m; beyond it a float cannot tell apart cells of a millimetre.
+_FURTHEST = 1e12
 
 HELD = {
     "start": "the start",
@@ -48,20 +49,22 @@ HELD = {
     "cell_size": "the cell size",
     "origin": "the origin",
 }
-"""What a world has next to its cells, and a file may have no room for, in words for messages."""
+"""Facts about a world other than its cells, which a file may be unable to store, as worded in
+messages.
+"""
 
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a world is written to.
+    """Where a world is written.
 
     Args:
         name: Name of the file, without folder.
-        origin: x and y, m, of the grid's lower-left corner in the file's frame: what an imported
-            map said, mostly 0.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame: the imported map's,
+            usually 0.
 
     Raises:
-        InvalidParameter: If the origin is further than 1e12 m away.
+        InvalidParameter: If the origin is more than 1e12 m away.
     """
 
     name: str
@@ -72,7 +75,7 @@ class Destination:
             check_between(name, value, -_FURTHEST, _FURTHEST, "m")
 
     def sibling_file(self, ending: str) -> str:
-        """Return the name of a file next to it, ``office.pgm`` beside ``office.yaml``.
+        """Return the name of a file next to this one, such as ``office.pgm`` for ``office.yaml``.
 
         Raises:
             InvalidParameter: If that is the file's own name.
@@ -88,11 +91,11 @@ class Destination:
         return beside
 
     def x(self, value: float) -> str:
-        """Return an x of the world, m, in the file's frame: an exact decimal."""
+        """Convert an x of the world, m, to the file's frame, as an exact decimal."""
         return decimal(value, self.origin[0])
 
     def y(self, value: float) -> str:
-        """Return a y of the world, m, in the file's frame: an exact decimal."""
+        """Convert a y of the world, m, to the file's frame, as an exact decimal."""
         return decimal(value, self.origin[1])
 
 
@@ -102,10 +105,13 @@ def decimal(value: float, shift: float = 0.0) -> str:
 
 
 def decimal_text(value: Fraction) -> str:
-    """Return a fraction that is a decimal, exactly, without exponent."""
+    """Return a fraction that is a decimal number, exactly and without exponent."""
     places = next(
-        n for n in range(2000) if (value * 10**n).denominator == 1
-    )  # sums and halves of decimals are some
+        n
+        for n in range(2000)
+        if (value * 10**n).denominator == 1
+        # Sums and halves of decimals are decimals, so this division ends.
+    )
     sign = "-" if value < 0 else ""
     digits = str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
@@ -113,13 +119,13 @@ def decimal_text(value: Fraction) -> str:
 
 @dataclass(frozen=True)
 class Exported:
-    """What is to be written.
+    """The output of a format's writer.
 
     Args:
-        files: Contents by name; the first is the file that was asked for, others lie next to it.
-        altered: What of :data:`HELD` this file holds otherwise than the world has it, with a
-            sentence how; the true value goes into the sidecar.
-        notes: Sentences on what else gets lost, or what the other program does with the file.
+        files: Contents by file name; the main file comes first, the others are written next to it.
+        altered: The facts of :data:`HELD` that this file stores differently, each with a sentence
+            about the difference; the true value goes into the sidecar.
+        notes: Sentences about what else gets lost, or how the other program treats the file.
     """
 
     files: Mapping[str, bytes]
@@ -128,31 +134,32 @@ class Exported:
 
     @property
     def data(self) -> bytes:
-        """Contents of the file that was asked for."""
+        """Contents of the main file."""
         return next(iter(self.files.values()))
 
 
 @dataclass(frozen=True)
 class Format:
-    """A foreign format; register it in the group ``worldgen.formats``.
+    """A foreign format; register it in the entry point group ``worldgen.formats``.
 
-    ``read`` and ``write`` declare what can be asked of them as families do: keyword-only parameters
-        with plain
-    defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
+    ``read`` and ``write`` declare their options as families do: keyword-only parameters with plain
+        defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
 
     Args:
-        name: As ``--from`` and ``--to`` take it.
+        name: Name that ``--from`` and ``--to`` take.
         summary: What its files are, in a few words.
-        suffixes: Endings of file names, lower case, the usual one first.
-        magic: Matches the beginning (4096 bytes) of its files' contents and of few others.
-        read: ``read(path, *, ...) -> ForeignMap``; None if worlds only go out.
-        write: ``write(world, destination, *, ...) -> Exported``; None if they only come in.
-        holds: What of :data:`HELD` its files have room for.
-        changes: Whether its files hold worlds that change with time.
+        suffixes: Lower-case endings of file names, the usual one first.
+        magic: Pattern that matches the first 4096 bytes of its files and of few others.
+        read: ``read(path, *, ...) -> ForeignMap``; None for a format that is only written.
+        write: ``write(world, destination, *, ...) -> Exported``; None for a format that is only
+            read.
+        holds: The facts of :data:`HELD` that its files can store.
+        changes: Whether its files can store worlds that change with time.
         client: The programs that read it, in a few words.
-        usual_robot: The robot that its maps are drawn for, where neither the file nor the user
-            names one.
-        most_bytes: Of the file that ``read`` takes; ``export`` says where it writes a larger one.
+        usual_robot: The robot that its maps are drawn for, used if neither the file nor the user
+            gives one.
+        most_bytes: Largest file that ``read`` accepts; ``export`` warns when it writes a larger
+            one.
     """
 
     name: str
@@ -190,23 +197,23 @@ class Format:
 
     @functools.cached_property
     def read_options(self) -> tuple[Parameter, ...]:
-        """What can be asked of ``read``."""
+        """Options of ``read``."""
         return parameters_of(self.read, f"format {self.name!r}") if self.read else ()
 
     @functools.cached_property
     def write_options(self) -> tuple[Parameter, ...]:
-        """What can be asked of ``write``."""
+        """Options of ``write``."""
         return parameters_of(self.write, f"format {self.name!r}") if self.write else ()
 
     def accept(self, given: Mapping[str, Value | None], *, out: bool) -> dict[str, Value]:
-        """Return options as given, their types checked; words from the command line are parsed.
+        """Check the types of options, and parse those that come from the command line.
 
         Args:
-            given: By name; of a word on the command line, the text behind ``=``, None without one.
-            out: Whether they are for ``write``.
+            given: Values by name; an option from the command line is the text after ``=``, or None.
+            out: Whether the options are for ``write``.
 
         Raises:
-            InvalidParameter: If an option means nothing to the format, or is no value of its type.
+            InvalidParameter: If the format lacks an option, or a value has the wrong type.
         """
         known = self.write_options if out else self.read_options
         owner = f"format {self.name} on the way {'out' if out else 'in'}"
@@ -236,9 +243,9 @@ def _accept(name: str, thing: Any) -> Format:
 
 
 def held_values(world: World, destination: Destination) -> dict[str, Value]:
-    """Return what :data:`HELD` names, of a world: m, rad, m/s.
+    """Return the facts of :data:`HELD` about a world, in m, rad and m/s.
 
-    Two numbers of a point, from the grid's lower-left corner.
+    A point is two numbers, from the grid's lower-left corner.
     """
     return {
         "start": [world.start.x, world.start.y],
@@ -253,9 +260,9 @@ def held_values(world: World, destination: Destination) -> dict[str, Value]:
 
 
 def held_lines(world: World, destination: Destination) -> list[str]:
-    """Return what a text header says of a world next to its walls.
+    """Return the comment at the top of a text file that describes a world beyond its walls.
 
-    A sentence, then ``name = value`` in TOML.
+    It is a sentence followed by ``name = value`` lines in TOML.
     """
     values = {"size": [world.width, world.height], **held_values(world, destination)}
     return [

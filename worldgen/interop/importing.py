@@ -1,4 +1,4 @@
-"""From a foreign map to a world with a proof: a robot is put in, a start, a target, and decided."""
+"""Turn a foreign map into a world with a proof: add a robot, a start and a target, and decide."""
 
 from __future__ import annotations
 
@@ -28,26 +28,27 @@ __all__ = [
     "parse_point",
 ]
 
-VERSION = 2  # goes up whenever some file becomes another world than before
+# Raise this whenever some file becomes another world than before.
+VERSION = 2
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
 @dataclass(frozen=True)
 class ImportedRobot:
-    """What the map does not have.
+    """Settings that the map does not contain.
 
     Args:
-        start: x and y, m, and if you like the heading, rad; placed if omitted.
-        target: x and y, m, and if you like the radius, m; placed if omitted.
+        start: x and y, m, and optionally the heading, rad; chosen if omitted.
+        target: x and y, m, and optionally the radius, m; chosen if omitted.
         radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such
             maps are drawn for.
         speed: Top speed, m/s.
-        scenario: A MovingAI scenario file for start and target.
-        row: Which of its problems, from 1.
-        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is
-            given, and a thesis map its program's start.
-        ignore_unread: Whether to judge the map without the obstacles of the file that were not
-            read.
+        scenario: A MovingAI scenario file with start and target.
+        row: Number of the scenario's problem, from 1.
+        seed: Where the search for distant places begins. Without it, a ``.grid`` keeps its own
+            places, and a thesis map its program's start.
+        ignore_unread: Whether to judge the map without those obstacles of the file that could not
+            be read.
     """
 
     start: tuple[float, ...] | None = None
@@ -62,18 +63,18 @@ class ImportedRobot:
 
 @dataclass(frozen=True)
 class Imported:
-    """A world with the answer whether its target can be reached.
+    """A world, and the answer to whether its target can be reached.
 
     Args:
-        world: With certificate and provenance.
-        decision: Result, proof, and a sentence. ``undecided`` if a path was found on a map that
-            lacks obstacles of its file; a world that is blocked without them is blocked with them,
-            too.
+        world: The world with its certificate and provenance.
+        decision: Result, proof, and a sentence. It is ``undecided`` if a path was found on a map
+            that lacks obstacles of its file; a world that is blocked without them is also blocked
+            with them.
         notes: Sentences worth knowing.
-        warnings: Sentences that point at a likely mistake.
+        warnings: Sentences about likely mistakes.
         radius_from: Where the robot's radius comes from.
         unread: Obstacles of the file that the world lacks.
-        withheld: Whether a path was found, but counts for nothing because of them.
+        withheld: Whether a path was found that does not count because of them.
     """
 
     world: World
@@ -86,10 +87,10 @@ class Imported:
 
 
 def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
-    """Return two or three numbers between commas, as ``--start`` and ``--target`` take them.
+    """Parse two or three numbers separated by commas, as ``--start`` and ``--target`` take them.
 
     Raises:
-        InvalidParameter: If there are too few or too many, or one is no number.
+        InvalidParameter: If there are too few or too many, or one isn't a number.
     """
     words = [word.strip() for word in text.split(",")]
     if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
@@ -116,12 +117,12 @@ def import_world(
     Args:
         path: A file of any known format.
         robot: Robot, start and target.
-        name: The format, with ``+option=value`` if you like; recognised if omitted.
-        options: What the file leaves open.
+        name: The format, optionally with ``+option=value``; recognised if omitted.
+        options: Settings that the file leaves open.
 
     Raises:
         FormatError: If the file breaks its format's rules.
-        InvalidParameter: If an option is out of range, or contradicts another.
+        InvalidParameter: If an option is out of range or contradicts another one.
         InvalidWorld: If the start is not clear, or there is no room for the robot.
     """
     robot = robot or ImportedRobot()
@@ -160,7 +161,7 @@ def import_world(
 
 
 def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
-    """Return where the radius comes from that ``_with_scenario`` and ``_complete`` choose."""
+    """Return where the radius chosen by ``_with_scenario`` and ``_complete`` comes from."""
     if robot.radius is not None:
         return "as given"
     if robot.scenario is not None:
@@ -173,7 +174,7 @@ def _radius_from(robot: ImportedRobot, found: ForeignMap) -> str:
 def _with_scenario(
     robot: ImportedRobot, found: ForeignMap, params: dict[str, Value]
 ) -> ImportedRobot:
-    """Start and target of the scenario, where one is given."""
+    """Fill in start and target of the scenario, if one is given."""
     if robot.scenario is None:
         return robot
     if found.params.get("format") != "movingai":
@@ -196,7 +197,8 @@ def _complete(robot: ImportedRobot, found: ForeignMap) -> ImportedRobot:
     old = found.world
     start = robot.start
     target = robot.target
-    if old is not None and robot.seed is None:  # a seed asks for new places
+    # A seed asks for new places.
+    if old is not None and robot.seed is None:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
     target = target or found.target
@@ -213,14 +215,18 @@ def _at_programs_start(
 ) -> tuple[ImportedRobot, tuple[str, ...]]:
     """Fill in the start that the format implies, if none is given and the robot fits there.
 
-    Else why not.
+    If it does not fit, return the reason.
     """
     if robot.start is not None or robot.seed is not None or found.start is None:
         return robot, ()
     x, y = found.start[:2]
     if is_clear(
-        found.walls, found.cell_size, robot.radius or 0.0, (x, y)
-    ):  # _complete has set the radius
+        found.walls,
+        found.cell_size,
+        robot.radius or 0.0,
+        (x, y),
+        # _complete has already set the radius.
+    ):
         return replace(robot, start=found.start), ()
     return robot, (
         f"the map's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",
@@ -232,8 +238,8 @@ def _first(*values: float | None) -> float:
 
 
 def _place(robot: ImportedRobot, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
-    """Return the map with start and target, as given or placed."""
-    # _complete has set them
+    """Return the map with start and target, as given or chosen."""
+    # _complete has already set them.
     radius = robot.radius or 0.0
     speed = robot.speed or 0.0
     given = [

@@ -34,8 +34,8 @@ def octile_lengths(
 ) -> npt.NDArray[np.float64]:
     """Return the lengths of shortest octile paths, in cells.
 
-    Good guesses make it fast: each search first goes no farther than the expected length, and only
-    where that was too short over the whole map.
+    Good guesses make it fast: each search first goes no farther than the expected length, and
+    searches the whole map only if that was too short.
 
     Args:
         walls: (height, width) bool, True is solid; what is outside is solid too.

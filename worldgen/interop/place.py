@@ -1,8 +1,8 @@
-"""Places start and target on a map that has none: far apart, clear, and joined by construction.
+"""Choose start and target on a map that has none: far apart, clear, and connected.
 
-The places are the multiples of half a cell at which the disc is clear, exactly. A step of half a
-cell along an axis between two of them is clear as well (docs/explanation/reachability.md), so two places that
-are joined by such steps are joined for the robot.
+The candidates are the multiples of half a cell at which the disc is clear, exactly. A step of half
+a cell along an axis between two of them is clear as well (docs/explanation/reachability.md), so two
+places joined by such steps are connected for the robot.
 """
 
 from __future__ import annotations
@@ -36,14 +36,17 @@ _ROOMY = (
     Fraction(2),
     Fraction(3, 2),
     Fraction(5, 4),
-)  # radii of room around a placed end, the widest first
-_FAR = 0.5  # share of a region that has to be nearer than a placed end with room to turn
-_SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
+    # Radii of clearance around a chosen place, the widest first.
+)
+# Share of a region that must be nearer than a chosen place with room to turn.
+_FAR = 0.5
+# Share of the clear places below which the largest region deserves a warning.
+_SCATTERED = 0.5
 _Point = tuple[float, float]
 
 
 class Placement(NamedTuple):
-    """Where start and target lie, m, and what is worth saying about it."""
+    """The chosen start and target, m, with remarks."""
 
     start: _Point
     target: _Point
@@ -59,23 +62,23 @@ def place(
     start: _Point | None = None,
     target: _Point | None = None,
 ) -> Placement:
-    """Start and target, as far apart by path as two sweeps find; what is given stays.
+    """Choose start and target as far apart by path as two sweeps find; keep what is given.
 
-    With neither given, both lie in the largest region that the disc can drive through; else what is
-    missing lies as far as possible from what is given, in its region. A placed end has room to turn
-    where the map has such places far enough away: a disc of twice the radius is clear there, or
-        else one of 1.5 or 1.25 radii.
+    If neither is given, both are in the largest region that the disc can drive through; otherwise
+    the missing one is as far as possible from the given one, in its region. A chosen place has room
+    to turn if the map has such places far enough away: a disc of twice the radius is clear there,
+    or one of 1.5 or 1.25 radii.
 
     Args:
         walls: (height, width) bool, row 0 the lowest y.
         cell_size: m.
         radius: Radius of the robot's disc, m.
         seed: Where in the region the sweeps begin.
-        start: x and y, m; moves to the nearest point of the pose lattice.
+        start: x and y, m; moved to the nearest point of the pose lattice.
         target: x and y, m; need not be clear itself.
 
     Raises:
-        InvalidWorld: If a given point lies outside, the start is not clear (the message names the
+        InvalidWorld: If a given point is outside, the start is not clear (the message names the
             wall, its distance, and the nearest clear place), or there is no room for the disc.
     """
     for name, point in (("start", start), ("target", target)):
@@ -116,7 +119,7 @@ class _Region(NamedTuple):
 
 
 class _ClearPoints:
-    """The clear multiples of half a cell, as flat indices, and floods over them."""
+    """The clear multiples of half a cell, as flat indices, and flood fills over them."""
 
     def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float, radius: float) -> None:
         cells = in_cells(radius, cell_size)
@@ -147,13 +150,14 @@ class _ClearPoints:
         return int(self._floods.queue[rng.below(region.size)])
 
     def farthest(self, source: int) -> int:
-        """Return the place with room to turn that takes most steps from ``source``.
+        """Return the place with room to turn that is most steps away from ``source``.
 
-        The last such in the order of the flood. A place without room is taken if all that have it
-        are near: a start next to its target tests nothing.
+        Ties go to the last place in flood order. A place without room is chosen if all places with
+        room are near, because a start next to its target tests nothing.
         """
         size = self._floods.regions(source, source + 1).largest
-        nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps
+        # Flood order is the order of the number of steps.
+        nearest = math.ceil(_FAR * size)
         beyond = self._floods.queue[nearest:size].astype(np.int64)
         for times in _ROOMY:
             roomy = np.flatnonzero(self._clear_for(times)[beyond])
@@ -162,7 +166,7 @@ class _ClearPoints:
         return int(self._floods.queue[size - 1])
 
     def _clear_for(self, times: Fraction) -> npt.NDArray[np.bool_]:
-        """Return which places are clear for a disc of so many radii, flat."""
+        """Return which places are clear for a disc of this many radii, flat."""
         if times not in self._wider:
             self._wider[times] = build_graph(self._grid, times * self._cells, 2).clear.ravel()
         return self._wider[times]
@@ -251,7 +255,7 @@ def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
 def _check_start(
     walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point
 ) -> None:
-    """Refuse a start at which the disc cuts a wall."""
+    """Reject a start at which the disc overlaps a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)
     distance_sq, cell = _nearest_wall(solid, (x, y))
@@ -280,9 +284,10 @@ def _check_start(
 
 
 def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple[int, int]]:
-    """Return squared distance in lattice units to the nearest solid cell, and the cell."""
+    """Return the squared distance in lattice units to the nearest solid cell, and the cell."""
     reach = UNIT
-    while True:  # the outside is solid, so there is an end to it
+    # The outside is solid, so this loop ends.
+    while True:
         near = [
             (Fraction(point_box_sq(point, cell)), cell) for cell in solid.near(point, point, reach)
         ]
@@ -292,7 +297,7 @@ def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple
 
 
 def heading_towards(start: _Point, target: _Point) -> float:
-    """Return the heading from start to target, on the heading lattice; 0 where they coincide."""
+    """Return the heading from start to target, on the heading lattice; 0 if they coincide."""
     angle = math.atan2(
         float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0]))
     )

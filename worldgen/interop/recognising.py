@@ -1,4 +1,4 @@
-"""Which format a file is of, and reading it, with what its sidecar says."""
+"""Recognise a file's format, and read it together with its sidecar."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from worldgen.world import Value
 
 __all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
 
-_HEAD = 4096  # bytes looked at to recognise a file
+# Bytes read to recognise a file.
+_HEAD = 4096
 _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz",
            ".stl", ".obj", ".ply", ".glb", ".gltf", ".3mf")  # fmt: skip  # of much that is no map
 _OURS = "worldgen.interop."
@@ -29,7 +30,7 @@ _WAY_OUT = (
 
 
 def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
-    """Yield formats that can be read, in order of their names, those of plug-ins last."""
+    """Return the formats that can be read, by name, with those of plug-ins last."""
     points = FORMATS.entry_points()
     for ours in (True, False) if plug_ins else (True,):
         for name in sorted(points):
@@ -40,11 +41,11 @@ def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
 
 
 def find_format(path: Path, name: str | None = None) -> Format:
-    """Return the format of a file: as said, or by its contents, or by the ending of its name.
+    """Return a file's format: as given, or by its contents, or by its suffix.
 
     Raises:
         InvalidParameter: If no format has that name, or it can only be written.
-        FormatError: If the file is none that is known, or might be of several formats.
+        FormatError: If the file has no known format, or might have several.
     """
     if name is not None:
         known = FORMATS.get(name)
@@ -87,7 +88,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
 
 
 def _unknown(suffix: str) -> Message:
-    """Return what is wrong with a file that is of no format that can be read, and the way out."""
+    """Return an error for a file of no readable format, with a way out."""
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
         problem = "ends in {suffix}, and {formats} is written, not read"
@@ -126,9 +127,9 @@ def _only(found: list[Format], path: Path) -> Format:
 
 
 def _by_contents(path: Path, head: bytes) -> list[Format]:
-    """Return formats whose beginning matches; of several, those that the file's ending fits too.
+    """Return the formats whose pattern matches, or those of them that also fit the suffix.
 
-    Ours before plug-ins'.
+    Ours come before those of plug-ins.
     """
     found: list[Format] = []
     for plug_ins in (False, True):
@@ -144,9 +145,9 @@ def _by_contents(path: Path, head: bytes) -> list[Format]:
 
 
 def looks_like_a_map(path: Path) -> bool:
-    """Return True if a file among others is worth reading as a map.
+    """Return True if a file in a folder is worth reading as a map.
 
-    By its contents, or by an ending that only maps have.
+    Its contents decide, or a suffix that only maps have.
     """
     suffix = ".grid" if path.name.lower().endswith(".grid.gz") else path.suffix.lower()
     if suffix not in _COMMON and any(suffix in known.suffixes for known in readable_formats()):
@@ -163,25 +164,27 @@ def _head(path: Path) -> bytes:
             with path.open("rb") as stream:
                 return stream.read(_HEAD).removeprefix(
                     b"\xef\xbb\xbf"
-                )  # Windows begins text with it
+                    # Windows starts text files with it.
+                )
     except (OSError, ValueError):
         pass
-    return read_bounded(path, _HEAD)  # says what is wrong with the file
+    # Reading it reports what is wrong with the file.
+    return read_bounded(path, _HEAD)
 
 
 def read_map(
     path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None
 ) -> ForeignMap:
-    """Read a map of any known format; what its sidecar says, the file does not.
+    """Read a map of any known format; the sidecar supplies what the file does not store.
 
     Args:
         path: The file.
-        name: Format, with ``+option=value`` if you like; recognised if omitted.
-        options: What the file leaves open; they win over those behind the name.
+        name: Format, optionally with ``+option=value``; recognised if omitted.
+        options: Settings that the file leaves open; they take precedence over those in ``name``.
 
     Raises:
         FormatError: If the file or its sidecar breaks the format's rules, or is of no known format.
-        InvalidParameter: If the format is unknown, or an option means nothing to it.
+        InvalidParameter: If the format is unknown, or lacks an option.
     """
     format_name, worded = (None, {}) if name is None else split_options(name)
     known = find_format(path, format_name)
@@ -193,7 +196,8 @@ def read_map(
     cell_size = given.get("cell_size")
     if isinstance(cell_size, float):
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
-    if known.read is None:  # find_format has refused it
+    # find_format has already refused it.
+    if known.read is None:
         raise InvalidParameter("only-written", "{format} is not read", format=known.name)
     found = replace(known.read(path, **given), usual_robot=known.usual_robot)
     return found if sidecar is None else with_sidecar(found, sidecar)

@@ -1,8 +1,7 @@
-"""The sidecar of an exported file: what its format has no room for, in a small TOML file next to
-it.
+"""The sidecar of an exported file: a small TOML file with what its format cannot store.
 
-``maze.map`` has ``maze.map.worldgen.toml``. Only what the file itself does not hold is in there, so
-that an edit of the file counts.
+``maze.map`` has ``maze.map.worldgen.toml``. It contains only what the file itself does not store,
+so that edits of the file take effect.
 """
 
 from __future__ import annotations
@@ -25,20 +24,21 @@ SUFFIX = ".worldgen.toml"
 _VERSION = 1
 _MOST_BYTES = 64 << 10
 _PAIRS = ("start", "target", "origin")
-_LENGTHS = ("target_radius", "robot_radius", "robot_speed", "cell_size")  # above 0
+# These must be above 0.
+_LENGTHS = ("target_radius", "robot_radius", "robot_speed", "cell_size")
 _SIZE = "size"
 
 
 @dataclass(frozen=True)
 class Sidecar:
-    """What a sidecar says.
+    """The contents of a sidecar.
 
     Args:
         name: Name of its file.
-        sha256: Of its bytes.
+        sha256: SHA-256 of its file.
         size: Width and height, in cells, of the map that it is for.
-        values: By the names of :data:`~worldgen.interop.format.HELD`: m, rad, m/s; two numbers of a
-            point.
+        values: Values by the names of :data:`~worldgen.interop.format.HELD`, in m, rad and m/s; a
+            point is two numbers.
     """
 
     name: str
@@ -53,7 +53,7 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
     Args:
         world: The world that was exported.
         destination: Where it was written.
-        missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not hold.
+        missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not store.
     """
     values = held_values(world, destination)
     kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
@@ -67,13 +67,13 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
 
 
 def read_sidecar(path: Path) -> Sidecar | None:
-    """Return the sidecar next to a file; None where there is none.
+    """Return the sidecar next to a file, or None if there is none.
 
     Args:
         path: The map's file.
 
     Raises:
-        FormatError: If it is no sidecar, with the line at fault.
+        FormatError: If it isn't a sidecar, with the line at fault.
     """
     beside = path.with_name(path.name + SUFFIX)
     try:
@@ -120,13 +120,14 @@ def read_sidecar(path: Path) -> Sidecar | None:
 def _bytes(path: Path) -> bytes:
     try:
         return read_bounded(path, _MOST_BYTES)
-    except FormatError as error:  # whose way out is for maps
+    # Its remedy is for maps.
+    except FormatError as error:
         message = error.message.with_remedy("delete it, or export the world again")
         raise FormatError.of(message, source=str(path)) from error
 
 
 def _numbers(header: Header, key: str) -> tuple[float, ...]:
-    """Return the numbers of a key, as many as it must have, finite, lengths above 0."""
+    """Return the numbers of a key: the right count, finite, lengths above 0."""
     value = header.data.get(key)
     items = value if isinstance(value, list) else [value]
     count = 2 if key in (*_PAIRS, _SIZE) else 1
@@ -148,9 +149,9 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
 
 
 def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
-    """Return the map with what its file could not hold.
+    """Add what the file could not store to its map.
 
-    As it is, with a warning, where the sidecar is another map's.
+    If the sidecar belongs to another map, return the map unchanged, with a warning.
     """
     height, width = found.walls.shape
     if (width, height) != sidecar.size:

@@ -1,4 +1,4 @@
-"""Maps and generators of others, judged.
+"""Judge the maps and generators of other projects.
 
 What a disc can reach in them, and what only a point on the grid can. Contents:
     take_census, Census, Question (``take``): asks every map at every radius and keeps the answers.

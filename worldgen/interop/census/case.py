@@ -1,4 +1,4 @@
-"""What a census asks: maps, pairs of start and target, and radii."""
+"""The inputs of a census: maps, pairs of start and target, and radii."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FORM = re.compile(r"([0-9]{1,40}\.?[0-9]{0,40}(?:[eE][+-]?[0-9]{1,3})?)\s*(m|c|
 
 @dataclass(frozen=True)
 class Radius:
-    """What ``--radius`` takes.
+    """A radius as ``--radius`` takes it.
 
     Args:
         value: The number.
@@ -47,10 +47,10 @@ class Radius:
 
     @classmethod
     def parse(cls, text: str) -> Radius:
-        """Return ``0.3`` or ``0.3m`` is m, ``0.7c`` cells.
+        """Parse a radius: ``0.3`` or ``0.3m`` is in m, ``0.7c`` in cells.
 
         Raises:
-            InvalidParameter: If it is neither, or out of range.
+            InvalidParameter: If the text is neither, or out of range.
         """
         found = _FORM.fullmatch(text.strip())
         if found is None:
@@ -117,7 +117,7 @@ class CensusMap:
 
 @dataclass(frozen=True)
 class Refused:
-    """The name of a map that could not be judged, and a sentence that says why."""
+    """A map that could not be judged: its name, and a sentence that gives the reason."""
 
     name: str
     reason: str
@@ -132,7 +132,7 @@ def cell_ends(
         start: Column and row; row 0 is the lowest.
         target: Same as above.
         cell_size: m.
-        named: Whether the map says so.
+        named: Whether the map names them.
     """
     half = lattice_to_metres(UNIT // 2, cell_size)
     at = cell_centre(*start, cell_size)
@@ -146,8 +146,8 @@ def cell_at(walls: npt.NDArray[np.bool_], cell_size: float, x: float, y: float) 
     Args:
         walls: (height, width) bool, row 0 the lowest y.
         cell_size: m.
-        x: Of the point, m; on the map's far sides it is in the last cell.
-        y: Of the point, m.
+        x: x of the point, m; a point on the map's far sides belongs to the last cell.
+        y: y of the point, m.
     """
     column, row = (math.floor(in_cells(value, cell_size)) for value in (x, y))
     height, width = walls.shape
@@ -161,9 +161,9 @@ def draw_ends(
 
     Args:
         case: The map.
-        pairs: How many.
+        pairs: How many pairs to draw.
         rng: The only source of randomness.
-        clear_for: Radius, cells, of a disc that has to be clear at both cells' centres, if any.
+        clear_for: Radius, cells, of a disc that must be clear at the centres of both cells, if any.
 
     Raises:
         InvalidParameter: If there are no two such cells.
@@ -193,6 +193,7 @@ def draw_ends(
 
 
 def _clear_centres(walls: npt.NDArray[np.bool_], radius: Fraction) -> npt.NDArray[np.bool_]:
-    if 2 * radius > max(walls.shape):  # nowhere, and no raster of that reach need be made
+    # No other cell is in reach, so no raster of that reach needs to be made.
+    if 2 * radius > max(walls.shape):
         return np.zeros_like(walls)
     return build_graph(walls, radius, 2).clear[1::2, 1::2]

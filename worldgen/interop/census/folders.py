@@ -1,6 +1,6 @@
-"""Read the maps in files and folders, in every format that ``import`` reads.
+"""Read the maps in files and folders, in every format that ``import`` accepts.
 
-MovingAI maps get the problems of the scenario files next to them.
+MovingAI maps use the problems of the scenario files next to them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["FolderMaps", "folder_maps"]
 
 @dataclass(frozen=True)
 class FolderMaps:
-    """Maps that are read one by one when this is iterated.
+    """Maps that are read one at a time, as the caller iterates.
 
     Args:
         files: What to read, in order, with the name of each.
@@ -72,7 +72,8 @@ class FolderMaps:
         if not ends:
             try:
                 ends = self._scenario_ends(name, path, found)
-            except WorldgenError as error:  # the map itself may still be judged
+            # The map itself can still be judged.
+            except WorldgenError as error:
                 yield Refused(f"{name} (its scenarios)", _without_name(error, path))
         yield CensusMap(name, found.walls, found.cell_size, ends, found.params, found.warnings)
 
@@ -99,16 +100,16 @@ def folder_maps(
     seed: int = 0,
     options: Mapping[str, Value] | None = None,
 ) -> FolderMaps:
-    """Find the maps to judge in files and folders.
+    """Find the maps in files and folders.
 
-    The files themselves are read one by one, when the result is iterated.
+    Each file is read only when the result is iterated.
 
     Args:
         paths: Files, and folders, which are searched with their subfolders. In a folder a file counts by its
             contents or by its name's ending; a file named itself always counts.
         pairs: How many problems to take from a map's scenario files, if it has any.
         seed: Seed of the draw.
-        options: What the files leave open; each applies to the formats that it means something to.
+        options: Settings that the files leave open; each applies to the formats that have it.
 
     Raises:
         InvalidParameter: If there is no map.
@@ -142,9 +143,9 @@ def folder_maps(
 
 
 def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
-    """Yield name and path of each file, and whether the user named the file itself.
+    """Yield each file's name and path, and whether the user named the file itself.
 
-    The files of a folder come in the order of their names.
+    The files of a folder come in alphabetical order.
     """
     for path in paths:
         if path.is_dir():
@@ -170,14 +171,15 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
         return ()
     height, width = (side * found.cell_size for side in found.walls.shape)
     if not (0.0 <= found.start[0] <= width and 0.0 <= found.start[1] <= height):
-        return ()  # the thesis's program starts where a map of 3 x 3 cells has no place
+        # The thesis's program starts where a map of 3 x 3 cells has no free cell.
+        return ()
     half = lattice_to_metres(UNIT // 2, found.cell_size)
     x, y, radius = (*found.target, half)[:3]
     return (Ends(Pose(*found.start), Target(x, y, radius)),)
 
 
 def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]:
-    """Return file and row, from 1, of a problem that is numbered through all files."""
+    """Return the file and the row, from 1, of a problem numbered across all files."""
     for file, count in files:
         if number < count:
             return file, number + 1

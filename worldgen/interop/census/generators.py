@@ -1,10 +1,10 @@
 """Take maps from a third-party generator, through a function that yields them one by one.
 
-The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a
-tuple: a name and
-the walls, and if the generator has them the cells of start and target. ``walls`` is an array of two
-axes, True (or 1) where solid, row 0 the top row, as it would be printed; a cell is (row, column) in
-it. A generator that knows metres yields a :class:`worldgen.interop.census.CensusMap` instead.
+The function takes ``seed`` and any options it likes as keywords. For each map it yields a tuple: a
+name, the walls, and, if the generator has them, the cells of start and target. ``walls`` is a 2D
+array, True (or 1) where solid; row 0 is the top row, as it would be printed, and a cell is (row,
+column) in it. A generator that works in metres yields a :class:`worldgen.interop.census.CensusMap`
+instead.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "
 
 @contextlib.contextmanager
 def _aside(doing: str) -> Iterator[None]:
-    """Run a generator's code, which may raise anything.
+    """Run a generator's code, which may raise any exception.
 
-    Its prints go to stderr, because stdout carries data.
+    Its prints go to stderr because stdout carries data.
     """
     with user_code(doing), contextlib.redirect_stdout(sys.stderr):
         yield
@@ -63,7 +63,7 @@ def _aside(doing: str) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class GeneratedMaps:
-    """Maps that the generator makes when this is iterated.
+    """Maps that the generator makes as the caller iterates.
 
     Args:
         name: Name of the function, as the user gave it.
@@ -148,12 +148,12 @@ def generated_maps(
         name: ``./file.py:function`` or ``package.module:function``.
         count: How many maps to take.
         seed: Passed to the function.
-        options: More keywords of the function, as text; each becomes what its default is.
+        options: More keywords of the function, as text; each is converted to its default's type.
         cell_size: Side of a cell, m, of maps without units.
 
     Raises:
-        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is not
-            one of its keywords.
+        InvalidParameter: If the function does not exist, takes no ``seed``, or lacks one of the
+            options.
     """
     with contextlib.redirect_stdout(sys.stderr):
         function = GENERATORS.get(name)
@@ -237,7 +237,7 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
 
 
 def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]:
-    """Return column and row from below of a cell that is given as (row, column) from the top."""
+    """Convert a cell given as (row, column) from the top to column and row from below."""
     try:
         row, column = (int(value) for value in cell)
     except (TypeError, ValueError) as error:

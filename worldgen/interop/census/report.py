@@ -1,6 +1,6 @@
-"""Counts of a census for each radius, and the census as text, CSV and JSON.
+"""Count a census's answers for each radius, and print them as text, CSV and JSON.
 
-``docs/howto/census.md`` describes lines, columns and keys.
+``docs/howto/census.md`` describes the lines, columns and keys.
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ ROWS = {
     "eight_parted": "    with room at both ends",
     "undecided": "undecided, or certificate refused",
 }
-"""The lines of the table by their keys; an indented line is part of the one above it."""
+"""The table's rows by key; an indented row is part of the one above it."""
 
 CSV_COLUMNS = (
     "map", "pair", "named", "width", "height", "cell_size", "radius", "radius_in_cells", "result", "proved", "room",
     "four", "eight",
 )  # fmt: skip
-_MOST_REFUSALS = 10  # lines of text; JSON has them all
+# Number of refused maps that the text lists; JSON has all of them.
+_MOST_REFUSALS = 10
 
 
 @dataclass(frozen=True)
@@ -46,10 +47,10 @@ class Tally:
     Args:
         asked: The radius as the user gave it.
         questions: How many questions there are.
-        counts: How many of them belong to each line of :data:`ROWS`.
+        counts: How many questions belong to each row of :data:`ROWS`.
         radius: Smallest and largest radius, m.
         radius_in_cells: Smallest and largest radius, cells.
-        seconds: Time that prover and checker took.
+        seconds: Time spent in prover and checker.
     """
 
     asked: Radius
@@ -64,7 +65,7 @@ class Tally:
         return self.counts[name] / self.questions if self.questions else None
 
     def interval(self, name: str) -> tuple[float, float]:
-        """Return the 95 % confidence interval of the share, by Clopper and Pearson."""
+        """Return the 95 % confidence interval of the share (Clopper and Pearson)."""
         return interval_95(self.counts[name], self.questions) if self.questions else (0.0, 1.0)
 
 
@@ -94,7 +95,7 @@ def _tally_one(radius: Radius, questions: Sequence[CensusCase]) -> Tally:
 
 
 def _counted(question: CensusCase) -> list[str]:
-    """Return the keys of the lines in which a question counts."""
+    """Return the keys of the rows that count a question."""
     if not question.proved:
         return ["undecided"]
     if question.result == REACHABLE:
@@ -110,7 +111,7 @@ def _counted(question: CensusCase) -> list[str]:
 
 
 def as_text(census: Census) -> str:
-    """Return a line about the maps, the table with a column for each radius, and the refusals."""
+    """Return a line about the maps, a table with a column per radius, and the refusals."""
     tallies = tally(census)
     rows = [["", *(str(one.asked) for one in tallies)], ["", *map(_in_the_other_unit, tallies)]]
     rows += [[label, *(_share(one, name) for one in tallies)] for name, label in ROWS.items()]

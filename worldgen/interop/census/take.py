@@ -1,4 +1,4 @@
-"""Judge every map at every radius: can the disc reach the target, and can a point on the grid?"""
+"""Judge every map at every radius: does the disc reach the target, and does a grid path exist?"""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from worldgen.world import Cut, Provenance, Value, World
 
 __all__ = ["VERSION", "Census", "CensusCase", "CensusOptions", "once", "take_census"]
 
-VERSION = 1  # goes up whenever a seed draws other pairs than before
+# Raise this whenever a seed draws other pairs than before.
+VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class CensusOptions:
         radii: Radii of the robot.
         pairs: Starts and targets to draw on a map that names none.
         seed: Seed of the draw.
-        clear_ends: True to draw them only where the largest disc has room.
+        clear_ends: Whether to draw pairs only where the largest disc has room.
     """
 
     radii: tuple[Radius, ...] = DEFAULT_RADII
@@ -55,7 +56,7 @@ class CensusCase:
 
     Args:
         map: Name of the map.
-        pair: Number of start and target in it, from 0.
+        pair: Number of the pair in its map, from 0.
         named: Whether the map names them.
         asked: The radius as the user gave it, in m or in cells.
         radius: The same radius in m.
@@ -64,12 +65,12 @@ class CensusCase:
         cell_size: m.
         result: The prover's answer about the disc.
         proved: True if the checker confirms the certificate.
-        room: Whether the disc is clear at the start and at some pose of the target; only False if
-            that is proved.
-        four: Whether a point that moves between cells which share a side gets there.
-        eight: Whether one gets there that also moves between cells which share a corner, past
+        room: Whether the disc is clear at the start and at some pose of the target; False only if
+            proved.
+        four: Whether a path exists between cells that share a side.
+        eight: Whether a path exists that may also move between cells that share a corner, past
             whatever is next to it.
-        seconds: Time that prover and checker took.
+        seconds: Time spent in prover and checker.
     """
 
     map: str
@@ -89,7 +90,7 @@ class CensusCase:
 
     @property
     def grid_only(self) -> bool:
-        """True if a point on the grid gets there and it is proved that the disc cannot."""
+        """True if a grid path exists although it is proved that the disc cannot get there."""
         return self.proved and self.result == BLOCKED and self.eight
 
 
@@ -99,11 +100,11 @@ class Census:
 
     Args:
         options: The questions asked about every map.
-        questions: With their answers, in the order of the maps.
+        questions: The questions with their answers, in the order of the maps.
         refused: Maps that could not be judged.
         maps: How many maps were judged.
         interrupted: True if Ctrl-C ended the census.
-        fault: Message of the error in a source that ended the census, or empty.
+        fault: Message of the error in a source that ended the census; empty if there was none.
     """
 
     options: CensusOptions
@@ -121,14 +122,14 @@ def take_census(
     each: Callable[[CensusCase, World], object] | None = None,
     progress: Callable[[], None] | None = None,
 ) -> Census:
-    """Judge maps one after the other.
+    """Judge maps one after another.
 
     Ctrl-C, or a source that fails, ends the census; the answers so far are returned.
 
     Args:
         maps: Maps to judge, and refusals to pass on.
         options: The questions to ask about every map.
-        each: Called with every answer and its world, which carries the certificate.
+        each: Called with every answer and its world, which holds the certificate.
         progress: Called after each map.
     """
     census = Census(options or CensusOptions())
@@ -149,8 +150,8 @@ def take_census(
 
 
 def once(name: str, taken: Counter[str]) -> str:
-    """Return the name, with a number after it if it is taken, and count it as taken."""
-    # A file's name may hold what UTF-8 cannot.
+    """Make the name unique with a number after it if necessary, and mark it as used."""
+    # A file's name may contain bytes that are not valid UTF-8.
     name = name.encode(errors="backslashreplace").decode()
     free = name
     while taken[free]:
@@ -165,7 +166,7 @@ def _judge(
     item: CensusMap,
     each: Callable[[CensusCase, World], object] | None,
 ) -> None:
-    """Answer every question about one map; all of them or, if the map has a fault, none."""
+    """Answer every question about one map, or none if the map has a fault."""
     options = census.options
     try:
         ends = item.ends or _drawn(item, options)
@@ -173,7 +174,7 @@ def _judge(
     except (InvalidWorld, WorldgenError) as error:
         census.refused.append(Refused(item.name, str(error)))
         return
-    # Regions in which a point on the grid moves freely, with four moves and with eight.
+    # Label the regions in which a grid path moves freely, with four and with eight moves.
     four: Any = ndimage.label(~item.walls)[0]
     eight: Any = ndimage.label(~item.walls, structure=np.ones((3, 3)))[0]
 
@@ -190,7 +191,7 @@ def _judge(
 
 
 def _joined(regions: npt.NDArray[Any], item: CensusMap, pair: Ends) -> bool:
-    """Return True if start and target are in one region; region 0 is the walls."""
+    """Return True if start and target are in the same region; region 0 is the walls."""
     start, target = (
         regions[cell_at(item.walls, item.cell_size, place.x, place.y)]
         for place in (pair.start, pair.target)
@@ -223,7 +224,8 @@ def _answer(
     proved = decision.certificate is not None and check_certificate(world).valid
     seconds = time.perf_counter() - began
     cut = decision.certificate
-    # One cell is a cut only where it is too near to the start, or no pose of the target is clear.
+    # A cut of one cell only occurs where the cell is too near to the start or blocks every target
+    # pose.
     room = not (isinstance(cut, Cut) and len(cut.cells) == 1)
     question = CensusCase(
         item.name, number, pair.named, radius, metres, world.width, world.height, item.cell_size,

@@ -1,4 +1,4 @@
-"""Worlds in the idiom of the BARN challenge: Gazebo worlds of round posts, one for each solid cell.
+"""Worlds in the style of the BARN challenge: Gazebo worlds with a round post for each solid cell.
 
 Source: Daffan/the-barn-challenge, ``jackal_helper/worlds/BARN`` and ``run.py``; the SDFormat
     specification, 1.6.
@@ -21,8 +21,10 @@ from worldgen.world import World
 
 __all__ = ["barn", "write_barn"]
 
-_MANY = 2000  # posts; BARN's densest world has some 400
-_HEIGHT = "1"  # m
+# Posts above which the export warns; BARN's densest world has about 400.
+_MANY = 2000
+# Height of a post, m.
+_HEIGHT = "1"
 _HEAD = """\
 <?xml version='1.0'?>
 <sdf version='1.6' xmlns:worldgen='urn:worldgen:sdf'>
@@ -100,16 +102,16 @@ def _posts(world: World) -> Iterator[tuple[int, int]]:
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """Yield what the format has no words for.
+    """Yield the facts that the format has no element for.
 
-    Corner, sides and cell size of the grid, and the robot's speed.
+    These are the grid's corner, sides and cell size, and the robot's speed.
     """
     yield grid_line(world, destination)
     yield f"    <{OURS}robot_speed>{decimal(world.robot_speed)}</{OURS}robot_speed>"
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Start and target as discs that are only seen, of the robot's radius and the target's."""
+    """Yield start and target as discs without collision, with the robot's and the target's radius."""
     start = world.start
     target = world.target
     for name, x, y, heading, radius, colour in (

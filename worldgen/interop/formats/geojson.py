@@ -1,9 +1,8 @@
-"""A world as GeoJSON features, in local metres.
+"""Export a world as GeoJSON features, in local metres.
 
-Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. It knows degrees on the globe only
-    (section 4); local
-coordinates are what its older readers and all drawing programs take, so the file says that it has
-them.
+Source: H. Butler et al., "The GeoJSON Format", RFC 7946, 2016. The RFC only allows degrees on the
+    globe (section 4), but older readers and all drawing programs accept local coordinates, so the
+    file declares that it has them.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ __all__ = ["geojson", "write_geojson"]
 def write_geojson(world: World, destination: Destination) -> Exported:
     """Return a feature collection.
 
-    ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
+    Its features are ``walls``, ``border``, ``start``, ``target``, and a ``change`` for every event.
 
     Args:
         world: Any world.
@@ -60,7 +59,7 @@ geojson = Format(
 
 
 def _text(document: dict[str, Any]) -> bytes:
-    """Return the document, a feature a line."""
+    """Return the document with one feature per line."""
     features = document.pop("features")
     head = json.dumps(document)[:-1]
     body = ",\n".join(json.dumps(feature) for feature in features)
@@ -102,9 +101,9 @@ def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
 
 
 def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
-    """Return the coordinates of polygons, outlines counter-clockwise, holes clockwise.
+    """Return the coordinates of polygons, outlines counter-clockwise and holes clockwise.
 
-    ``first`` is the first cell's index.
+    ``first`` is the index of the first cell.
     """
     return [
         [[[float(lines.x[x]), float(lines.y[y])] for x, y in [*ring, ring[0]]] for ring in polygon]

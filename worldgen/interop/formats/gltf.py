@@ -1,8 +1,8 @@
-"""glTF 2.0: worlds as one binary file, and meshes in both forms, cut at a height.
+"""glTF 2.0: export worlds as one binary file, and read meshes in both forms, cut at a height.
 
-A world is one mesh, a cube, and one node per wall that puts it into place. The container is written
-here rather than by a library: it has the same bytes everywhere, exact decimals for places, and
-takes no import of seconds.
+A world is one cube mesh and one node per wall that puts the cube into place. The container is
+written here rather than by a library: the bytes are the same everywhere, places are exact decimals,
+and no slow import is needed.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 """
@@ -32,7 +32,8 @@ _FLOAT = 5126
 _USHORT = 5123
 _VERTICES = 34962
 _INDICES = 34963
-_SIDES = 48  # of the discs of robot and target
+# Sides of the discs of robot and target.
+_SIDES = 48
 _COLOURS = {
     "wall": palette.WALL,
     "floor": palette.FLOOR,
@@ -51,20 +52,22 @@ def write_glb(
 ) -> Exported:
     """Return a scene in metres, y up: (x, y, z) of the world is (x, z, -y) here.
 
-    No node above another turns or scales: some readers put that together in the wrong order.
+    Only leaf nodes turn or scale, because some readers combine nested transforms in the wrong
+    order.
 
     Args:
         world: A static world.
         destination: Where the file is written.
         height: Height of the walls, m.
         floor: Whether to add a floor, a box one cell thick below z = 0.
-        markers: Whether the robot at its start and the target's disc are to be seen.
+        markers: Whether to show the robot at its start and the target's disc.
 
     Raises:
         InvalidParameter: If the height isn't a valid length.
         InvalidWorld: If the coordinates need more than 32 bits.
     """
-    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)  # as readers have
+    # Round as readers do.
+    boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
     kinds = ["wall", *(["floor"] if floor else []), *(["robot", "target"] if markers else [])]
     nodes: list[dict[str, Any]] = [
         {
@@ -107,9 +110,9 @@ gltf = Format(
 
 
 def _extras(world: World, destination: Destination) -> dict[str, Value]:
-    """Return size in cells and what else the world has, all plain numbers.
+    """Return the size in cells and the world's other facts, as plain numbers.
 
-    Lists in here end Assimp 5.2 with an assertion.
+    Lists in here make Assimp 5.2 abort with an assertion.
     """
     said: dict[str, Value] = {
         "size": [world.width, world.height],
@@ -128,9 +131,9 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
 def _places(
     world: World, destination: Destination, *, first: int, kinds: list[str]
 ) -> list[dict[str, Any]]:
-    """Return nodes of start and target, and of their discs if wanted.
+    """Yield the nodes of start and target, and of their discs if wanted.
 
-    The first has the number ``first``.
+    The first node has the number ``first``.
     """
     start = world.start
     target = world.target
@@ -148,7 +151,7 @@ def _places(
             "extras": {"radius": target.radius},
         },
     ]
-    # the robot stands, the target lies
+    # The robot's disc stands, the target's lies flat.
     robot = world.robot_radius
     flat = target.radius / 16.0
     for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):
@@ -180,7 +183,8 @@ def _container(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
             views.append(
                 {"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target}
             )
-            data += raw  # of vertices and triangles in pairs: a multiple of four bytes
+            # Vertices and triangles come in pairs, so the size is a multiple of four bytes.
+            data += raw
         accessors += _accessors(corners, faces, len(accessors))
     document = {
         "asset": {"version": "2.0", "generator": "worldgen"},
@@ -204,7 +208,7 @@ def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
 
 
 def _mesh(kind: str, number: int) -> dict[str, Any]:
-    """Return a mesh of its own for each colour.
+    """Return one mesh for each colour.
 
     Walls and floor share the cube, robot and target the disc.
     """
@@ -225,7 +229,8 @@ def _material(kind: str) -> dict[str, Any]:
             "baseColorFactor": [
                 *(round(share * share, 4) for share in shares),
                 1,
-            ],  # linear, near enough
+                # Colours are linear, to a good approximation.
+            ],
             "metallicFactor": 0,
             "roughnessFactor": 0.9,
         },
@@ -249,15 +254,15 @@ def _accessors(
 
 
 def _cube() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """From (0, 0, 0) to (1, 1, 1).
+    """Return the cube from (0, 0, 0) to (1, 1, 1).
 
-    Corners and triangles, no normals, so that faces are flat and shells closed.
+    It has corners and triangles but no normals, so that faces are flat and shells closed.
     """
     return np.array(BOX_CORNERS, "<f4"), _triangles(BOX_QUADS)
 
 
 def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
-    """Return a prism of many sides about the y axis, radius 1, from y = 0 to 1."""
+    """Return a prism with many sides around the y axis, radius 1, from y = 0 to 1."""
     turns = [_sine_cosine(2.0 * math.pi * k / _SIDES) for k in range(_SIDES)]
     corners = np.array([(cosine, y, -sine) for y in (0, 1) for sine, cosine in turns], "<f4")
     lower = list(range(_SIDES))
@@ -266,7 +271,7 @@ def _disc() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint16]]:
 
 
 def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
-    """Return convex faces as fans."""
+    """Return convex faces as triangle fans."""
     return np.array(
         [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)], "<u2"
     )
@@ -275,14 +280,15 @@ def _triangles(faces: Sequence[Sequence[int]]) -> npt.NDArray[np.uint16]:
 def _sine_cosine(angle: float) -> tuple[float, float]:
     """Return sine and cosine, correctly rounded, the same on every machine.
 
-    A math library's last bit is its own.
+    The last bit of a math library's result depends on the library.
 
     Args:
-        angle: rad, at most a turn.
+        angle: Angle, rad, at most a full turn.
     """
     sums = [Fraction(0)] * 4
     term = Fraction(1)
-    for power in range(60):  # 7^60 / 60! < 1e-31
+    # The remainder 7^60 / 60! is below 1e-31.
+    for power in range(60):
         sums[power % 4] += term
         term *= Fraction(angle) / (power + 1)
     return float(sums[1] - sums[3]), float(sums[0] - sums[2])

@@ -1,4 +1,4 @@
-"""Worlds of ours as maps: to try another robot in one, or other places."""
+"""Read our own worlds as maps, to try another robot or other places in them."""
 
 from __future__ import annotations
 

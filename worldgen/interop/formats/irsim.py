@@ -1,7 +1,7 @@
-"""Worlds of IR-SIM: a YAML file with the robot, its goal, and walls as rectangles or as a picture.
+"""IR-SIM worlds: a YAML file with the robot, its goal, and walls as rectangles or as a picture.
 
-IR-SIM tests collisions at the ends of its steps only, against what it calls obstacles; its world
-has no border of its own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
+IR-SIM tests for collisions only at the ends of its steps, and only against what it calls obstacles;
+its world has no border. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ from worldgen.world import World
 __all__ = ["irsim", "write_irsim"]
 
 _TURN_RATE = (
-    "6.2832"  # rad/s; a world of ours has no limit, IR-SIM's usual 1 is slow for a robot of 2 m/s
+    # Turn rate, rad/s. Our worlds have no limit, and IR-SIM's default of 1 is slow for a robot of 2
+    # m/s.
+    "6.2832"
 )
-# The last beam is the first.
+# The last beam coincides with the first.
 _LIDAR = "[{type: lidar2d, range_max: 10, angle_range: 6.283185307179586, number: 257}]"
 
 
@@ -40,14 +42,15 @@ def write_irsim(
     lidar: bool = False,
     step_time: float = 0.1,
 ) -> Exported:
-    """Return the YAML file, and with ``walls=image`` the picture that it names.
+    """Return the YAML file and, with ``walls=image``, the picture that it names.
 
     Args:
         world: The world.
         destination: Where the file is written.
-        walls: Whether the walls are rectangles, or pixels of an obstacle map.
+        walls: Whether the walls are rectangles or pixels of an obstacle map.
         robot: IR-SIM's kinematics.
-        lidar: Whether the robot has a lidar: 257 beams all round, the last as the first, 10 m.
+        lidar: Whether the robot has a lidar with 257 beams over a full turn (the last one equals
+            the first) and a range of 10 m.
         step_time: Length of IR-SIM's step, s.
     """
     check_between("step_time", step_time, *TIMESTEPS, "s")
@@ -112,7 +115,7 @@ def _robot(world: World, destination: Destination, kinematics: str, lidar: bool)
 
 
 def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
-    """Yield the boxes, those of one size together."""
+    """Yield the boxes, grouped by size."""
     if boxes:
         yield "obstacle:"
     sizes: dict[tuple[Fraction, ...], list[tuple[Fraction, ...]]] = {}
@@ -132,7 +135,7 @@ def _obstacles(boxes: list[PlacedBox]) -> Iterator[str]:
 def _altered(
     world: World, destination: Destination, boxes: list[PlacedBox], picture: str | None
 ) -> Iterator[tuple[str, str]]:
-    """Yield the cell size, where the walls fit larger cells too."""
+    """Yield a note about the cell size if the walls would also fit larger cells."""
     side = exact(world.cell_size)
     x, y = map(exact, destination.origin)
     ends = ((*box.low[:2], *box.high[:2]) for box in boxes)

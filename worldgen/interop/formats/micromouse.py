@@ -1,7 +1,7 @@
 """Micromouse mazes as text: posts ``o``, walls ``---`` and ``|``, start ``S``, goals ``G``.
 
-A maze of n x n squares is a grid of (2n + 1) x (2n + 1) cells: squares, walls and posts are a cell
-each.
+A maze of n x n squares is a grid of (2n + 1) x (2n + 1) cells: each square, wall and post is one
+cell.
 
 Source: the maze files of the micromouse community (github.com/micromouseonline/mazefiles).
 """
@@ -30,23 +30,24 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["micromouse", "read_micromouse", "write_micromouse"]
 
-_MOST_BYTES = 4 << 20  # some 700 squares a side; a contest's maze has 32
+# Large enough for 700 squares a side; a contest's maze has 32.
+_MOST_BYTES = 4 << 20
 _POSTS = (b"o", b"+")
 _PARTS = {b"---": True, b"   ": False, b"|": True, b" ": False}
 _SQUARE = re.compile(rb" [SG ] ")
 
 
 def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """Return a maze, the top row first.
+    """Read a maze, the top row first.
 
-    The start is the square with ``S``, the target the first with ``G``.
+    The start is the square with ``S``, the target the first square with ``G``.
 
     Args:
-        path: The file; rows whose last blanks an editor took away are filled up.
-        cell_size: Side of a cell, m; a square, a wall and a post are a cell each.
+        path: The file; rows whose trailing blanks an editor removed are filled up.
+        cell_size: Side of a cell, m; a square, a wall and a post are one cell each.
 
     Raises:
-        FormatError: If a part is no post, wall or square, with line and column, or there are two
+        FormatError: If a part isn't a post, wall or square, with line and column, or there are two
             starts.
     """
     data = read_bounded(path, _MOST_BYTES)
@@ -95,7 +96,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
 
 
 def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
-    """Return whether each cell of a row is solid, and what mark it has."""
+    """Yield, for each cell of a row, whether it is solid, and its mark."""
     parts = []
     for at in range(0, len(line), 4):
         narrow = line[at : at + 1]
@@ -132,15 +133,15 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
 
 
 def write_micromouse(world: World, destination: Destination) -> Exported:
-    """Return a maze, the top row first.
+    """Write a maze, the top row first.
 
     Args:
-        world: Of odd sides; every cell in an even column and an even row, from 0, is a post and
-            solid; every cell in an odd column and an odd row is a square and free.
+        world: A world with odd sides. Every cell in an even column and an even row, from 0, is a
+            solid post; every cell in an odd column and an odd row is a free square.
         destination: Where the file is written.
 
     Raises:
-        InvalidWorld: If it is not such a maze, naming a cell at fault.
+        InvalidWorld: If it is not such a maze; the message names a cell at fault.
     """
     _check(world)
     walls = flip_rows(world.walls)
@@ -200,7 +201,8 @@ def _check(world: World) -> None:
 micromouse = Format(
     "micromouse",
     "maze of the micromouse contests as text, .maze",
-    (".maze",),  # also .txt, which the contents tell from a drawing
+    # Also .txt; the contents tell it from a drawing.
+    (".maze",),
     re.compile(rb"[o+](?:(?:---|   )[o+])+[ \t]*\r?\n[| ]"),
     read_micromouse,
     write_micromouse,

@@ -1,4 +1,4 @@
-"""MiniGrid's printed grids: two characters a cell, as ``pprint_grid`` makes them.
+"""MiniGrid's printed grids: two characters a cell, as ``pprint_grid`` writes them.
 
 Source: Chevalier-Boisvert et al., "Minigrid & Miniworld", 2023, ``MiniGridEnv.pprint_grid``.
 """
@@ -30,7 +30,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["minigrid", "read_minigrid", "write_minigrid"]
 
 _HEADINGS = {b">>": 0.0, b"^^": math.pi / 2, b"<<": math.pi, b"VV": -math.pi / 2}
-_COLOURS = b"RGBPY"  # red, green or grey, blue, purple, yellow
+# Red, green or grey, blue, purple, yellow.
+_COLOURS = b"RGBPY"
 _FREE = b"  "
 _WALL = b"WG"
 _GOAL = b"GG"
@@ -45,18 +46,18 @@ def read_minigrid(
     things: Literal["free", "solid"] = "solid",
     cell_size: float = DEFAULT_CELL_SIZE,
 ) -> ForeignMap:
-    """Return a printed grid, the top row first.
+    """Read a printed grid, the top row first.
 
-    The agent is the robot with its heading, the first goal the target.
+    The agent is the robot, with its heading; the first goal is the target.
 
     Args:
-        path: The file; rows whose last blanks an editor took away are filled up.
-        doors: What closed and locked doors are; open ones are free.
-        things: What keys, balls and boxes are; lava is always solid, floor always free.
+        path: The file; rows whose trailing blanks an editor removed are filled up.
+        doors: How to treat closed and locked doors; open ones are free.
+        things: How to treat keys, balls and boxes; lava is always solid, floor always free.
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If two characters are no cell, or there are two agents.
+        FormatError: If two characters do not make a cell, or there are two agents.
     """
     data = read_bounded(path)
     source = str(path)
@@ -148,7 +149,7 @@ def _notes(counts: dict[str, int], taken: dict[str, str]) -> list[str]:
 
 
 def write_minigrid(world: World, destination: Destination) -> Exported:
-    """Return a printed grid of grey walls, one agent and one green goal, the top row first.
+    """Write a printed grid of grey walls, one agent and one green goal, the top row first.
 
     Args:
         world: The world.
@@ -168,7 +169,8 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
     for name, (column, row), word in (
         ("target", target, _GOAL),
         ("start", start, nearest),
-    ):  # the agent lies on top
+        # The agent is drawn on top.
+    ):
         if walls[row, column]:
             altered[name] = f"the {name} is not drawn, for its cell is solid"
         else:
@@ -190,7 +192,8 @@ def write_minigrid(world: World, destination: Destination) -> Exported:
 minigrid = Format(
     "minigrid",
     "printed grid of MiniGrid, two characters a cell, .minigrid",
-    (".minigrid",),  # also .txt, which the contents tell from a drawing
+    # Also .txt; the contents tell it from a drawing.
+    (".minigrid",),
     re.compile(
         rb"(?=[^#]*?W[" + _COLOURS + rb"])" + _WORDS + rb"+ ?\r?\n" + _WORDS + rb"+ ?(?:\r?\n|\Z)"
     ),

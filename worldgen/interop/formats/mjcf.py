@@ -1,7 +1,7 @@
-"""A world as MuJoCo's XML, MJCF.
+"""Export a world as MJCF, MuJoCo's XML.
 
-Boxes in the world's body, sites at start and target, a disc robot if wanted. What changes with time
-becomes bodies that a script moves, for a model has no clock of its own.
+The file has boxes in the world's body, sites at start and target, and optionally a disc robot. A
+model has no clock, so cells that change with time become bodies that a script moves.
 
 Source: MuJoCo's XML reference.
 """
@@ -28,8 +28,10 @@ from worldgen.world import World
 
 __all__ = ["mjcf", "write_mjcf"]
 
-_THIN = "0.001"  # half the thickness of what only marks a place, m
-_MASS = "0.5"  # of each of the robot's two bodies, kg: one slides, the other turns on it
+# Half the thickness of a mark, m.
+_THIN = "0.001"
+# Mass of each of the robot's two bodies, kg: one slides, the other turns on it.
+_MASS = "0.5"
 
 
 def write_mjcf(
@@ -40,13 +42,13 @@ def write_mjcf(
     robot: bool = False,
     timestep: float = 0.002,
 ) -> Exported:
-    """Return the model, and of a world that changes a script and the table that it plays.
+    """Return the model and, if the world changes, a script and the table that it plays.
 
     Args:
         world: The world.
         destination: Where the file is written.
         height: Height of the walls, m.
-        robot: Whether a disc that slides in x and y and turns stands at the start, with a velocity
+        robot: Whether to add a disc at the start that slides in x and y and turns, with a velocity
             actuator for each.
         timestep: Time step of the engine, s.
 
@@ -85,7 +87,7 @@ def write_mjcf(
 
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
-    """Yield what has no place among the geometry, as the numbers that a model may carry."""
+    """Yield facts that are not geometry, as the numbers that a model can store."""
     x, y = (decimal(value) for value in destination.origin)
     numbers = {
         "cell_size": decimal(world.cell_size),
@@ -117,12 +119,12 @@ def _surroundings(parts: SolidScene, height: float) -> Iterator[str]:
 
 
 def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
-    """Return values divided by a number: sizes are halves here."""
+    """Divide values by a number, because MJCF gives half sizes."""
     return " ".join(text(value / share) for value in values)
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Start and target, as sites: they are drawn, and no ray or body meets them."""
+    """Yield start and target as sites: they are drawn, but rays and bodies do not hit them."""
     start = world.start
     target = world.target
     for name, x, y, radius, more in (
@@ -145,7 +147,7 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 def _mocap(body: Body, height: float) -> Iterator[str]:
     """Yield a cell that the script moves.
 
-    It is solid, or a site where it burns, for fire stops nothing.
+    It is solid, or a site if it burns, because fire stops nothing.
     """
     *place, z = body.box.centre
     at = _numbers_of((*place, z if body.shown else -exact(height)))
@@ -159,15 +161,16 @@ def _mocap(body: Body, height: float) -> Iterator[str]:
 
 
 def _robot(world: World, destination: Destination, height: float, timestep: float) -> Iterator[str]:
-    """Yield a disc that hovers, so that the floor's friction is no part of it.
+    """Yield a disc that hovers, so that the floor's friction does not act on it.
 
-    Its coordinates are the file's own.
+    Its coordinates are in the file's frame.
     """
     x = destination.x(world.start.x)
     y = destination.y(world.start.y)
     heading = decimal(world.start.heading)
     half = exact(height) / 2
-    stiff = text(2 * exact(timestep))  # the stiffest contact that MuJoCo keeps stable: two steps
+    # The stiffest contact that MuJoCo keeps stable: two steps.
+    stiff = text(2 * exact(timestep))
     yield f'    <body name="robot" pos="{x} {y} {text(half)}">'
     yield f'      <joint name="robot_x" type="slide" axis="1 0 0" ref="{x}"/>'
     yield f'      <joint name="robot_y" type="slide" axis="0 1 0" ref="{y}"/>'
@@ -188,7 +191,7 @@ def _robot(world: World, destination: Destination, height: float, timestep: floa
 
 
 def _actuators(world: World) -> Iterator[str]:
-    """Yield one velocity a joint: along x, along y, m/s, and turning, rad/s."""
+    """Yield a velocity actuator per joint: along x and y, m/s, and turning, rad/s."""
     fastest = decimal(world.robot_speed)
     yield "  <actuator>"
     for axis in ("x", "y"):

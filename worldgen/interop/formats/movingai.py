@@ -49,20 +49,24 @@ __all__ = [
     "write_movingai",
 ]
 
-# Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a
-# wall.
+# Swamp can be entered from plain ground, water cannot: it is a wall to a robot that starts on
+# ground.
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
-SCENARIO_RADIUS = Fraction(4, 10)  # cells; a scenario's robot turns in corridors one cell wide
-# who is on ground, on water or among trees stays there
+# Radius in cells; a scenario's robot turns in corridors one cell wide.
+SCENARIO_RADIUS = Fraction(4, 10)
+# A robot on ground, on water or among trees stays there.
 GROUND = 0
 OUTSIDE = 1
 WATER = 2
 TREES = 3
-_FIRST_ROW = 5  # line of the first row, after type, height, width and map
-_MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
+# Line of the first row, after type, height, width and map.
+_FIRST_ROW = 5
+# Longest line, bytes; it has nine short fields.
+_MAX_SCENARIO_LINE = 4096
 _MAX_SCENARIO_BYTES = 64 << 20
-_MAX_SCENARIOS = 1_000_000  # a file; the benchmark's largest have some ten thousand
+# Most problems in a file; the benchmark's largest files have about ten thousand.
+_MAX_SCENARIOS = 1_000_000
 _LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
 _BAD = 255
 
@@ -72,14 +76,14 @@ for _letters, _terrain in ((PASSABLE, GROUND), (b"@O", OUTSIDE), (b"W", WATER), 
 
 
 def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """Return a map of ``type octile``.
+    """Read a map of ``type octile``.
 
     Args:
         path: The ``.map`` file; LF or CRLF.
-        cell_size: Side of a cell, m: the format has no units.
+        cell_size: Side of a cell, m; the format has no units.
 
     Raises:
-        FormatError: If the header is not the format's, or rows do not match it, with the line.
+        FormatError: If the header is wrong or the rows do not match it, with the line.
     """
     data = read_bounded(path)
     walls = flip_rows(_parse(data, str(path)) != GROUND)
@@ -93,8 +97,8 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
 
     The scenario file counts only if it has exactly one problem.
 
-    A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as
-    ``export`` writes it, there is no choice to be made.
+    A benchmark's scenario files have hundreds of problems, and none of them is more likely to be
+    meant than another. A file with one problem, as ``export`` writes it, leaves no choice.
     """
     for name in (f"{path.name}.scen", f"{path.stem}.scen"):
         beside = path.with_name(name)
@@ -120,11 +124,11 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
 
 
 def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
-    """Return what a map's cells are.
+    """Read the terrain of a map's cells.
 
-    (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``. The
-    benchmark's problems may begin on water or among trees; their paths stay there, as those on
-    ground stay on ground.
+    The result has shape (height, width), top row first, with values ``GROUND``, ``OUTSIDE``,
+    ``WATER`` and ``TREES``. The benchmark's problems may begin on water or among trees; their paths
+    stay there, as those on ground stay on ground.
 
     Args:
         path: The ``.map`` file.
@@ -136,7 +140,7 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
 
 
 def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
-    """Return terrain, top row first."""
+    """Return the terrain, top row first."""
     head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type", source).lower()
@@ -152,7 +156,7 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
             line=1,
             source=source,
         )
-    # Some programs write the width first; each number has its name, so both orders are read.
+    # Some programs write the width first. Each number has its name, so both orders are accepted.
     first, second = (
         ("height", "width")
         if lines[1:2] and not _has_key(lines[1], "width")
@@ -209,7 +213,7 @@ def _size(word: bytes, key: str, number: int, source: str) -> int:
 
 
 def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
-    # The header's sizes bound the split, so a file of line ends alone takes no more than its own
+    # The header's sizes limit the split, so a file of line ends takes no more memory than its own
     # size.
     rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
@@ -237,7 +241,8 @@ def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.u
 def _wrong_row(
     row: bytes, index: int, count: int, width: int, height: int, source: str
 ) -> NoReturn:
-    if not row and index == count - 1:  # only the last line end was split off
+    # Only the last line end was split off.
+    if not row and index == count - 1:
         _too_few(index, height, source)
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
     if len(strange):
@@ -295,18 +300,18 @@ class Problem:
 
 
 def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Problem:
-    """Return problem number ``row``, counted from 1, of a scenario file.
+    """Read problem number ``row``, counted from 1, of a scenario file.
 
     Args:
         path: The ``.scen`` file.
-        row: Which problem.
+        row: Number of the problem.
         width: Cells of the map in x; the file must name the same.
-        height: Cells of the map in y, likewise.
+        height: Cells of the map in y; the file must name the same.
         cell_size: m.
 
     Raises:
-        FormatError: If the file or the line is no scenario, or is made for a map of another size.
-        InvalidParameter: If ``row`` is below 1 or beyond any benchmark's file.
+        FormatError: If the file or the line is not a scenario, or is for a map of another size.
+        InvalidParameter: If ``row`` is below 1 or above the size of any benchmark file.
     """
     check_between("row", row, 1, _MAX_SCENARIOS)
     source = str(path)
@@ -369,13 +374,13 @@ def _check_version(line: bytes, source: str) -> None:
 
 
 def scenario_contents(path: Path) -> tuple[str, int]:
-    """Return the file name of the map that a ``.scen`` file is for, and how many problems it has.
+    """Return the file name of the map that a ``.scen`` file is for, and its number of problems.
 
     Args:
         path: The scenario file; its first problem names the map.
 
     Raises:
-        FormatError: If it is no scenario file, or has no problem.
+        FormatError: If it is not a scenario file, or has no problem.
     """
     source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
@@ -393,11 +398,11 @@ class Problems:
     """All problems of a scenario file.
 
     Args:
-        map_name: File name of the map that all are for.
-        version: As the file has it.
+        map_name: File name of the map that all problems are for.
+        version: Version as the file states it.
         size: Width and height, cells, of the map that they were made on.
         starts: (n, 2) column and row, row 0 the top one.
-        goals: (n, 2) likewise.
+        goals: (n, 2) column and row, row 0 the top one.
         published: (n,) lengths of the benchmark's shortest paths.
     """
 
@@ -410,19 +415,19 @@ class Problems:
 
 
 def read_problems(path: Path) -> Problems:
-    """Return a scenario file whole.
+    """Read a complete scenario file.
 
     Args:
         path: The ``.scen`` file.
 
     Raises:
-        FormatError: If a line is no problem, has a cell outside its map, or is for another map or
-            another size of it than the first.
+        FormatError: If a line isn't a problem, has a cell outside its map, or is for another map or
+            another size than the first.
     """
     source = str(path)
     map_name, _ = scenario_contents(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
-    # as lists of objects they take five times the file
+    # As lists of objects, problems would take five times the file's size.
     numbers = array("q")
     published = array("d")
     for number, line in enumerate(lines[1:], 2):
@@ -500,13 +505,13 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:
-    """Return a map of ``.`` and ``@``, and next to it a scenario file with one problem.
+    """Return a map of ``.`` and ``@``, and a scenario file with one problem.
 
-    From the start's cell to the target's.
+    The problem leads from the start's cell to the target's.
 
     Args:
         world: The world.
-        destination: Where the map goes; ``.scen`` is put behind its name for the other.
+        destination: Where the map is written; the scenario file gets ``.scen`` after that name.
     """
     from worldgen.interop.octile import octile_moves
 
@@ -524,7 +529,8 @@ def write_movingai(world: World, destination: Destination) -> Exported:
             files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"}
         )
     optimal = _decimals(*moves)
-    name = re.sub(r"\s", "_", destination.name)  # other programs part the fields at any white space
+    # Other programs split the fields at any white space.
+    name = re.sub(r"\s", "_", destination.name)
     bucket = int(optimal.partition(".")[0]) // 4
     row = "\t".join(map(str, (bucket, name, world.width, world.height, *start, *goal, optimal)))
     files[f"{destination.name}.scen"] = f"version 1\n{row}\n".encode()
@@ -539,7 +545,7 @@ def write_movingai(world: World, destination: Destination) -> Exported:
 def _decimals(straight: int, diagonal: int) -> str:
     """Return ``straight + diagonal * sqrt(2)`` with eight decimals.
 
-    As the benchmark's files have it, correctly rounded.
+    It is correctly rounded, as in the benchmark's files.
     """
     twice = 2 * straight * 10**8 + math.isqrt(8 * diagonal * diagonal * 10**16)
     whole, rest = divmod((twice + 1) // 2, 10**8)

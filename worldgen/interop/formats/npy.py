@@ -1,6 +1,6 @@
 """NumPy's ``.npy`` files of cells.
 
-Source: the format as numpy.lib.format documents it, versions 1 to 3.
+Source: the format's documentation in numpy.lib.format, versions 1 to 3.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["npy", "read_numpy_map", "write_numpy_map"]
 
 
-# NumPy reads a header as Python text, and a header that is none a second time as text of Python 2,
-# by its tokens.
+# NumPy parses a header as Python text, and, if that fails, once more as Python 2 text, by its
+# tokens.
 _HEADER_FAULTS = (
     ValueError, OSError, EOFError, UserWarning, SyntaxError, TypeError, RecursionError, MemoryError,
     tokenize.TokenError,
@@ -33,7 +33,7 @@ _HEADER_FAULTS = (
 
 
 def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """Return an array of two axes, bool or whole numbers; True and 1 are solid.
+    """Read a 2D array of bool or whole numbers; True and 1 are solid.
 
     Row 0 is the top row, as NumPy prints it.
 
@@ -42,7 +42,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If it holds something else; objects are never unpickled.
+        FormatError: If the file holds anything else; objects are never unpickled.
     """
     data = read_bounded(path)
     source = str(path)
@@ -92,7 +92,8 @@ def _header(
         return np.lib.format.read_array_header_1_0(stream)
     return np.lib.format.read_array_header_2_0(
         stream
-    )  # refuses what is later and written otherwise
+        # Later versions are written differently, and refused.
+    )
 
 
 def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
@@ -112,7 +113,7 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
 
 
 def write_numpy_map(world: World, destination: Destination) -> Exported:
-    """Return an array of bool, True solid, the top row first.
+    """Return a bool array, True where solid, the top row first.
 
     Args:
         world: The world.

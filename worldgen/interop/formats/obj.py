@@ -1,4 +1,4 @@
-"""A world as a Wavefront OBJ file: every wall an object of its own, coordinates as exact decimals.
+"""Export a world as a Wavefront OBJ file: one object per wall, coordinates as exact decimals.
 
 Source: Wavefront, "Object Files", Advanced Visualizer Manual, appendix B1, 1990.
 """
@@ -19,9 +19,9 @@ __all__ = ["obj", "write_obj"]
 def write_obj(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """Return one object a box, four corners a face, m, z up.
+    """Return one object per box, four corners per face, m, z up.
 
-    What else the world has stands in comments, as TOML.
+    The world's other facts are in comments, as TOML.
 
     Args:
         world: A static world.
@@ -58,7 +58,7 @@ def _comments(world: World, destination: Destination) -> Iterator[str]:
 
 
 def _object(box: PlacedBox, first: int) -> Iterator[str]:
-    """Yield an object; its corners are numbered from ``first`` on."""
+    """Yield an object whose corners are numbered from ``first``."""
     yield f"o {box.name}"
     ends = [[decimal_text(value) for value in end] for end in (box.low, box.high)]
     for pick in BOX_CORNERS:

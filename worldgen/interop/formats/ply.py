@@ -1,6 +1,6 @@
-"""A world as a PLY file: every wall a closed box of triangles.
+"""Export a world as a PLY file: every wall is a closed box of triangles.
 
-What else the world has is in comments.
+The world's other facts are in comments.
 
 Source: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994; binary form.
 """
@@ -19,7 +19,7 @@ __all__ = ["ply", "write_ply"]
 def write_ply(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """Return the binary form: eight vertices and twelve triangles a box, m, z up.
+    """Return the binary form: eight vertices and twelve triangles per box, m, z up.
 
     Args:
         world: A static world.
@@ -36,7 +36,7 @@ def write_ply(
     boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)
     data = box_mesh(boxes).export(file_type="ply", vertex_normal=False)
 
-    # What trimesh has no room for goes into comments, behind the line that says the form.
+    # Facts that trimesh cannot store go into comments, after the line with the format.
     magic, form, _, rest = data.split(b"\n", 3)
     lines = ["worldgen: m, z up, one closed box a wall.", *held_lines(world, destination)]
     comments = [f"comment {line}".encode() for line in lines]

@@ -1,4 +1,4 @@
-"""Pictures alone: dark is solid. Ours also say scale, start, target and robot, as a PNG's text."""
+"""Pictures as maps: dark is solid. Our own also store scale, start, target and robot as PNG text."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["png", "read_picture", "write_png"]
 
 _MARK = (
-    "worldgen"  # the keyword by which a picture of ours is known; the others count only next to it
+    # Keyword that identifies a picture of ours; without it the others do not count.
+    "worldgen"
 )
 _WHITE = 255
 
@@ -40,17 +41,17 @@ def read_picture(
     threshold: int = 128,
     background: Literal["free", "solid"] = "free",
 ) -> ForeignMap:
-    """Return a picture whose dark pixels are solid cells.
+    """Read a picture whose dark pixels are solid cells.
 
     Args:
         path: PNG, PGM or BMP, of any depth; colours count by their luma (ITU-R BT.601).
-        cell_size: Side of a pixel, m; 0 is what the picture says, else 0.1.
-        threshold: Grey, black 0 to white 255, from which on a pixel is free.
-        background: What shows through where the picture is transparent: free is white, solid is
-            black.
+        cell_size: Side of a pixel, m; 0 means the picture's own scale, otherwise 0.1.
+        threshold: Grey, black 0 to white 255, from which a pixel is free.
+        background: What shows through transparent pixels: free is white, solid is black.
 
     Raises:
-        FormatError: If it is not such a picture, or says of start, target or robot what cannot be.
+        FormatError: If it is not such a picture, or its facts about start, target or robot are
+            impossible.
         InvalidParameter: If an option is out of range.
     """
     check_between("threshold", threshold, 1, _WHITE)
@@ -95,10 +96,11 @@ def read_picture(
 
 
 def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArray[np.bool_], int]:
-    """Return solid pixels, top row first, and how many are neither black nor white."""
+    """Return the solid pixels, top row first, and how many are neither black nor white."""
     values: npt.NDArray[np.integer[Any]] = image.values
     maximum = image.maximum
-    if image.alpha is not None:  # laid on its background, 255 times as fine
+    # Lay the picture on its background, at 255 times the resolution.
+    if image.alpha is not None:
         behind = 0 if background == "solid" else maximum
         values = (values.astype(np.int32) - behind) * image.alpha + 255 * behind
         maximum *= 255
@@ -107,7 +109,7 @@ def _solid(image: GreyImage, threshold: int, background: str) -> tuple[npt.NDArr
 
 
 def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
-    """Return cell size, origin and places of a picture of ours; None, 0 and none of any other."""
+    """Return cell size, origin and places of a picture of ours; None, 0 and none for any other."""
     text = image.text
     if _MARK not in text:
         return None, (0.0, 0.0), Places()
@@ -135,7 +137,7 @@ def write_png(world: World, destination: Destination) -> Exported:
         destination: Where the file is written.
 
     Raises:
-        InvalidParameter: If its name says that it is another kind of picture.
+        InvalidParameter: If its suffix belongs to another kind of picture.
     """
     if destination.name.lower().endswith((".pgm", ".bmp")):
         raise InvalidParameter(
@@ -157,7 +159,8 @@ png = Format(
     (".png", ".pgm", ".bmp"),
     re.compile(
         rb"(?s)\x89PNG\r\n\x1a\n.{4}IHDR.{21}tEXtworldgen\0"
-    ),  # a picture is a map if it says so
+        # A picture is a map only if it contains the keyword.
+    ),
     read_picture,
     write_png,
     holds=frozenset(HELD),

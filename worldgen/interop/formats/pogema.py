@@ -24,28 +24,30 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["pogema", "read_pogema", "write_pogema"]
 
 _WALL = b"#"
-_FREE = b".@$!"  # any; where only agents may begin; where only targets may lie; where neither may
-_MAX_SIDE = 4096  # cells, of GridConfig
+# Free for anything; only agents may begin; only targets may be; neither may be.
+_FREE = b".@$!"
+# Robot radius of GridConfig, cells.
+_MAX_SIDE = 4096
 _CELL = rb"[.#a-zA-Z@$!]"
 
 
 def read_pogema(
     path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL_SIZE
 ) -> ForeignMap:
-    """Return a map as GridConfig takes it, the top row first.
+    """Read a map in the form GridConfig takes, the top row first.
 
-    One agent is the robot, others and their targets are free cells.
+    One agent is the robot; other agents and their targets are free cells.
 
     Args:
-        path: The file; white space round rows and empty rows do not count.
+        path: The file; white space around rows and empty rows are ignored.
         agent: Letter of the agent that is the robot, lower case; its target is the same letter in
             upper case.
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If rows differ in length, a character is none of the format's, or a letter is
-            there twice.
-        InvalidParameter: If ``agent`` is no lower-case letter, or is not in a map that has others.
+        FormatError: If rows differ in length, a character is unknown, or a letter occurs twice.
+        InvalidParameter: If ``agent`` is not a lower-case letter, or is missing from a map that has
+            others.
     """
     if not re.fullmatch("[a-z]", agent):
         raise InvalidParameter(
@@ -155,7 +157,8 @@ def write_pogema(world: World, destination: Destination) -> Exported:
 pogema = Format(
     "pogema",
     "map of POGEMA, a character a cell, .pogema",
-    (".pogema",),  # also .txt, which the contents tell from a drawing
+    # Also .txt; the contents tell it from a drawing.
+    (".pogema",),
     re.compile(
         rb"(?=[.#A-Z@$!\s]*[a-z@$!])(?:\s*(?=[a-zA-Z@$!]*[.#])"
         + _CELL

@@ -1,4 +1,4 @@
-"""Maze maps of Gymnasium-Robotics: PointMaze and AntMaze build their world of one.
+"""Maze maps of Gymnasium-Robotics, from which PointMaze and AntMaze build their worlds.
 
 Source: the documentation of gymnasium-robotics, ``maze_map`` of the Maze environments.
 """
@@ -20,10 +20,10 @@ __all__ = ["pointmaze", "write_pointmaze"]
 def write_pointmaze(world: World, destination: Destination) -> Exported:
     """Return a JSON list of rows, the top one first.
 
-    1 is a wall, 0 free, "r" the start, "g" the goal, "c" both.
+    1 is a wall, 0 is free, "r" the start, "g" the goal, "c" both.
 
     Args:
-        world: The world; a wall one cell thick goes around it where its border is open.
+        world: The world; if its border is open, a wall one cell thick is added around it.
         destination: Where the file is written.
     """
     cells: list[list[int | str]] = flip_rows(world.walls).astype(int).tolist()

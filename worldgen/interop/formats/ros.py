@@ -48,33 +48,36 @@ __all__ = [
     "write_ros_map",
 ]
 
-# values of a nav_msgs/OccupancyGrid
+# Values of a nav_msgs/OccupancyGrid.
 FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 MODES = ("trinary", "scale", "raw")
-_UNKNOWN_GREY = 205  # what map savers write for unknown
+# Grey that map savers write for unknown cells.
+_UNKNOWN_GREY = 205
 _MAX_YAML_BYTES = 64 << 10
-_OURS = "worldgen"  # the key under which a map of ours has start, target and robot
-_MOST_OFF = 0.01  # rad from a quarter turn; how far it may really be, the picture's size says
+# Key under which our own maps store start, target and robot.
+_OURS = "worldgen"
+# Largest deviation from a quarter turn, rad; the picture's size may set a smaller one.
+_MOST_OFF = 0.01
 _REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
 @dataclass(frozen=True)
 class RosMetadata:
-    """What the YAML file says.
+    """The contents of the YAML file.
 
     Args:
         image: The picture's path.
         resolution: Side of a cell, m.
         origin: x and y in m of the picture's lower-left corner in the map's frame.
-        occupied_thresh: Occupancy, 0 to 1, from which on a cell is occupied.
+        occupied_thresh: Occupancy, 0 to 1, from which a cell is occupied.
         free_thresh: Occupancy up to which a cell is free.
         negate: Whether white is occupied.
         mode: ``trinary``, ``scale`` or ``raw``.
-        places: Start, target and robot, of a map of ours.
-        yaw: rad, by which the picture is turned about its lower-left corner, counter-clockwise;
-            near a quarter turn.
+        places: Start, target and robot, in a map of ours.
+        yaw: Angle, rad, by which the picture is turned counter-clockwise about its lower-left
+            corner; near a quarter turn.
     """
 
     image: Path
@@ -89,15 +92,14 @@ class RosMetadata:
 
 
 def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
-    """Return a map_server pair.
+    """Read a map_server pair of files.
 
     Args:
         path: The YAML file; it names the picture.
-        unknown: What cells are that are neither occupied nor free: ``solid`` or ``free``.
+        unknown: How to treat cells that are neither occupied nor free: ``solid`` or ``free``.
 
     Raises:
-        FormatError: If the YAML file or the picture breaks a rule, with the line where there is
-            one.
+        FormatError: If the YAML file or the picture breaks a rule, with the line if there is one.
     """
     text = read_bounded(path, _MAX_YAML_BYTES)
     metadata = read_metadata(text, path)
@@ -201,9 +203,10 @@ def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
 def solid_cells(
     cells: npt.NDArray[np.int8], metadata: RosMetadata
 ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-    """Return which cells are surely occupied, and which are neither that nor surely free.
+    """Return which cells are certainly occupied, and which are uncertain.
 
-    In mode ``raw`` the thresholds part the published values; else 100 is occupied and 0 is free.
+    In mode ``raw`` the thresholds apply to the published values; otherwise 100 is occupied and 0 is
+    free.
     """
     if metadata.mode != "raw":
         solid = cells == OCCUPIED
@@ -232,14 +235,14 @@ def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
 
 
 def read_metadata(text: bytes, path: Path) -> RosMetadata:
-    """Check the YAML file's keys.
+    """Check the keys of the YAML file.
 
     Args:
-        text: The file.
-        path: Where it lies; the picture must lie in the same folder or below it.
+        text: The file's text.
+        path: The file's path; the picture must be in the same folder or below it.
 
     Raises:
-        FormatError: If it is no YAML, a key is missing or wrong, the map is turned, or the
+        FormatError: If it isn't YAML, a key is missing or wrong, the map is turned, or the
             picture's path leads out of the folder.
     """
     source = str(path)
@@ -325,7 +328,7 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
 
 
 def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
-    """Return what a map of ours says under a key of its own, which map_server passes over."""
+    """Return the facts under our own key of a map, which map_server ignores."""
     if _OURS not in table:
         return Places()
     ours = table.tables(_OURS)
@@ -350,7 +353,8 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
             ),
         )
     places = Places()
-    for key in ours[0]:  # one by one, so that a fault has its line
+    # Check one by one, so that a fault is reported with its line.
+    for key in ours[0]:
         words = ours[0].words(key)
         try:
             found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
@@ -379,14 +383,14 @@ def write_ros_map(
     mode: Literal["trinary", "scale", "raw"] = "trinary",
     negate: bool = False,
 ) -> Exported:
-    """Return a map_server pair; every cell is surely occupied or surely free, in every mode.
+    """Write a map_server pair; every cell is certainly occupied or certainly free in every mode.
 
     Args:
         world: The world.
-        destination: Where the YAML file goes; the picture goes next to it.
-        image: The picture's kind.
-        mode: What map_server is to make of the greys.
-        negate: Whether white is occupied; ``raw`` has no use for it.
+        destination: Where the YAML file is written; the picture goes next to it.
+        image: Format of the picture.
+        mode: How map_server should interpret the greys.
+        negate: Whether white is occupied; ``raw`` ignores it.
     """
     solid = flip_rows(world.walls)
     black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
@@ -410,10 +414,11 @@ def write_ros_map(
 
 
 def _yaml_text(name: str) -> str:
-    """Return a file name as a plain word where that is safe, else in quotes."""
+    """Return a file name as a plain word if that is safe, otherwise in quotes."""
     if re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
         return name
-    return json.dumps(name, ensure_ascii=False)  # YAML's double quotes know JSON's escapes
+    # YAML's double-quoted strings understand JSON's escapes.
+    return json.dumps(name, ensure_ascii=False)
 
 
 ros = Format(

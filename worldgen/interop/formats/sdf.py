@@ -1,7 +1,7 @@
-"""A world as SDFormat 1.9, for Gazebo and what else reads it.
+"""Export a world as SDFormat 1.9, for Gazebo and other programs that read it.
 
-A static model of boxes, a floor, marks, a robot. What changes with time becomes models that a
-script moves, for a world file has no clock of its own.
+The world is a static model of boxes, with a floor, marks and a robot. A world file has no clock, so
+cells that change with time become models that a script moves.
 
 Source: the SDFormat 1.9 specification.
 """
@@ -25,8 +25,10 @@ from worldgen.world import World
 
 __all__ = ["sdf", "write_sdf"]
 
-_THIN = Fraction(1, 1000)  # thickness of what only marks a place, m
-# boxes; from here on a step of Fortress's physics takes longer than the millisecond that it lasts.
+# Thickness of a mark, m.
+_THIN = Fraction(1, 1000)
+# Number of boxes from which a physics step of Fortress takes longer than the millisecond it
+# simulates.
 _MANY = 2000
 _SCHEMA = "urn:worldgen:sdf"
 _COLOURS = {
@@ -48,16 +50,15 @@ def write_sdf(
     plugins: Literal["none", "fortress", "harmonic"] = "none",
     timestep: float = 0.001,
 ) -> Exported:
-    """Return the world file, and of a world that changes a script and the table that it plays.
+    """Return the world file and, if the world changes, a script and the table that it plays.
 
     Args:
         world: The world.
         destination: Where the file is written.
         height: Height of the walls, m.
-        robot: Whether a disc on two wheels stands at the start; with plugins it obeys velocity
+        robot: Whether to add a disc on two wheels at the start; with plugins it obeys velocity
             commands.
-        plugins: The systems that Gazebo is to load, by its release; with none it loads those that
-            it always does.
+        plugins: The systems for Gazebo to load, by its release; with none it loads its defaults.
         timestep: Time step of the engine, s.
 
     Raises:
@@ -134,7 +135,7 @@ def _light(floor: PlacedBox, tall: Fraction) -> Iterator[str]:
 
 
 def _shapes(kind: str, name: str, geometry: str, colour: str, pose: str = "") -> Iterator[str]:
-    """Yield ``kind`` is what a shape is: solid, or only seen."""
+    """Yield a shape; ``kind`` says whether it is solid or only visible."""
     inside = f"{f'<pose>{pose}</pose>' if pose else ''}<geometry>{geometry}</geometry>"
     if kind == "solid":
         yield f'        <collision name="{name}">{inside}</collision>'
@@ -166,7 +167,7 @@ def _ground(floor: PlacedBox) -> Iterator[str]:
 
 
 def _pose(box: PlacedBox, z: Fraction) -> str:
-    """Above or below the middle of a box."""
+    """Return a pose above or below the middle of a box."""
     return f"{' '.join(map(text, (*box.centre[:2], z)))} 0 0 0"
 
 
@@ -186,7 +187,7 @@ def _walls(boxes: tuple[PlacedBox, ...]) -> Iterator[str]:
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
-    """Start and target as discs that are only seen; the start's is the robot's, turned as it is."""
+    """Yield start and target as discs that are only visible; the start's shows the heading."""
     start = world.start
     target = world.target
     for name, x, y, heading, radius in (

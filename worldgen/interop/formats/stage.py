@@ -1,4 +1,4 @@
-"""Worlds of Stage: a text file of models, and the floor plan as a picture.
+"""Stage worlds: a text file of models, and the floor plan as a picture.
 
 Source: rtv/Stage 4.3, ``worldfile.cc``, ``blockgroup.cc`` and ``model_position.cc``.
 """
@@ -22,8 +22,8 @@ from worldgen.world import World
 
 __all__ = ["stage", "write_stage"]
 
-# Stage's own map.inc lets robots drive through a floor plan (obstacle_return 0) and adds a box of
-# its own (boundary 1).
+# Stage's own map.inc lets robots drive through a floor plan (obstacle_return 0) and adds its own
+# box (boundary 1).
 _WALLS = """\
 define floorplan model
 (
@@ -51,25 +51,28 @@ define goal model
   gripper_return 0
 )
 """
-# A polygon of 16 corners in the robot's disc; four lie on the axes, so that Stage stretches it to
-# just the size.
+# A polygon of 16 corners in the robot's disc; four are on the axes, so that Stage stretches it to
+# exactly the right size.
 _QUADRANT = (("1", "0"), ("0.9238", "0.3826"), ("0.7071", "0.7071"), ("0.3826", "0.9238"))
-# m, of walls and robot; a ranger stands on top of its robot, and must not look over walls
+# Height of walls and robot, m; a ranger is mounted on top of its robot and must not look over
+# walls.
 _TALL = "0.8"
 _LOW = "0.2"
-_TURN_RATE = "360"  # degrees/s; a world of ours has no limit
+# Turn rate, degrees/s; our worlds have no limit.
+_TURN_RATE = "360"
 
 
 def write_stage(world: World, destination: Destination, *, lidar: bool = False) -> Exported:
-    """Return the world file, and the picture of the walls.
+    """Return the world file and the picture of the walls.
 
     Args:
         world: The world.
         destination: Where the file is written.
-        lidar: Whether the robot has a ranger: 257 beams all round, the last as the first, 10 m.
+        lidar: Whether the robot has a ranger with 257 beams over a full turn (the last one equals
+            the first) and a range of 10 m.
 
     Raises:
-        InvalidParameter: If the file's name has a quotation mark, for which Stage has no way.
+        InvalidParameter: If the file's name has a quotation mark, which Stage cannot escape.
     """
     ringed = len(closing_boxes(world)) > 0
     picture = destination.sibling_file(".png")

@@ -1,4 +1,4 @@
-"""A world as an STL file: every wall a closed box of triangles, and nothing else.
+"""Export a world as an STL file: every wall is a closed box of triangles.
 
 Source: 3D Systems, "StereoLithography Interface Specification", 1989; binary form.
 """
@@ -13,13 +13,14 @@ from worldgen.world import World
 
 __all__ = ["stl", "write_stl"]
 
-_HEADER = 80  # bytes; must not begin with "solid", as the text form does
+# The header must not begin with "solid", as the text form does.
+_HEADER = 80
 
 
 def write_stl(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """Return the binary form: twelve triangles a box, m, z up.
+    """Return the binary form: twelve triangles per box, m, z up.
 
     Args:
         world: A static world.
@@ -39,7 +40,7 @@ def write_stl(
 
 
 def _header(world: World, destination: Destination) -> bytes:
-    """Return the grid, for ``import``, if 80 bytes can hold it; the sidecar has it in any case."""
+    """Return the grid's facts for ``import`` if they fit into 80 bytes; the sidecar has them too."""
     x, y = (decimal(value) for value in destination.origin)
     grid = f"size {world.width} {world.height}; cell {decimal(world.cell_size)}; origin {x} {y}"
     whole = f"worldgen: m, z up; {grid}".encode()

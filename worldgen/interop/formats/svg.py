@@ -1,8 +1,9 @@
-"""A world as a plan to scale, in SVG.
+"""Export a world as a plan to scale, in SVG.
 
 One unit is a metre, and every element is named by what it is. ``worldgen show --svg`` draws a
-picture to look at, in pixels, with caption and signal; this is for programs that measure, cut or
-edit: coordinates are the world's own, as exact decimals, and all else is in the metadata.
+picture to look at, in pixels, with caption and signal; this format is for programs that measure,
+cut or edit. Its coordinates are the world's own, as exact decimals, and all other facts are in the
+metadata.
 
 Source: W3C, "Scalable Vector Graphics (SVG) 1.1, second edition", 2011.
 """
@@ -43,8 +44,8 @@ def write_svg(
     Args:
         world: A static world.
         destination: Where the file is written.
-        scale: Of the print, 1 to this; 1 is life size.
-        witness: Whether the certificate's path is drawn, where there is one.
+        scale: Scale of the print, 1 to this number; 1 is life size.
+        witness: Whether to draw the certificate's path, if there is one.
 
     Raises:
         InvalidParameter: If the scale is below 0.001 or above a million.
@@ -114,7 +115,7 @@ def _cells(world: World, lines: GridLines) -> Iterator[str]:
 
 
 def _outline(polygon: Polygon, xs: dict[int, str], ys: dict[int, str]) -> str:
-    """Return path data; every side of a ring runs along an axis."""
+    """Return path data; every side of a ring is parallel to an axis."""
     words = []
     for ring in polygon:
         words.append(f"M{xs[ring[0][0]]} {ys[ring[0][1]]}")

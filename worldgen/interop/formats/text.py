@@ -1,4 +1,4 @@
-"""Plain text drawings: a character a cell, as many generators print their mazes."""
+"""Plain text drawings, one character a cell, as many generators print their mazes."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ _TABLE[list(_SOLID)] = 1
 def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
     """Read a drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target.
 
-    The top row first. The start is its cell's centre, the target the disc inscribed in its cell.
+    The top row comes first. The start is the centre of its cell, the target the disc inscribed in
+    its cell.
 
     Args:
         path: The file; LF or CRLF.
         cell_size: Side of a cell, m.
 
     Raises:
-        FormatError: If rows differ in length, a character is none of these, or a place is there
-            twice.
+        FormatError: If rows differ in length, a character is unknown, or a place occurs twice.
     """
     data = read_bounded(path)
     source = str(path)
@@ -81,17 +81,17 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
 
 
 def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
-    """Return the characters of rows that must have one length.
+    """Return the characters of rows that must all have one length.
 
     Args:
-        rows: Line in the file and text of each.
+        rows: Line number in the file and text of each row.
         source: The file's name for messages.
 
     Returns:
         (rows, length) uint8.
 
     Raises:
-        FormatError: If there is none, one is longer or shorter than the first, or there are too
+        FormatError: If there are no rows, one is longer or shorter than the first, or there are too
             many.
     """
     width = len(rows[0][1]) if rows else 0
@@ -118,9 +118,9 @@ def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
 
 
 def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that a point lies in.
+    """Return column and row, from the top, of the cell that contains a point.
 
-    On its right or upper side, the next one's.
+    A point on a cell's right or upper side belongs to the next cell.
     """
     ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (x, y))
     return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
@@ -131,7 +131,7 @@ def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> 
 
     Args:
         world: The world.
-        cells: Column and row, from the top, that the file has as start and as target.
+        cells: Column and row, from the top, that the file stores as start and as target.
     """
     altered = {}
     points = (world.start.x, world.start.y), (world.target.x, world.target.y)

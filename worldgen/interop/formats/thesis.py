@@ -27,8 +27,10 @@ from worldgen.world import World
 
 __all__ = ["thesis", "write_thesis_map"]
 
-_ROBOT_CELLS = 0.7  # 14 px across
-_SPEED_CELLS = 20.0  # cells/s: 0.2 px/ms
+# Diameter 14 px.
+_ROBOT_CELLS = 0.7
+# Speed in cells/s: 0.2 px/ms.
+_SPEED_CELLS = 20.0
 
 
 def write_thesis_map(
@@ -40,14 +42,14 @@ def write_thesis_map(
     """Return the map file, with the cells at time 0.
 
     Args:
-        world: A square with walls all round.
+        world: A square with walls on all sides.
         destination: Where the file is written.
-        noise: Whether the map goes through the program's noise filter; ``as-imported``: if the
-            imported map had.
+        noise: Whether to apply the program's noise filter; ``as-imported`` does so if the imported
+            map had it.
 
     Raises:
-        InvalidWorld: If the world is no square of a size that fits, its border is open, or its
-            target lies in a wall.
+        InvalidWorld: If the world isn't a square of a size that fits, its border is open, or its
+            target is in a wall.
     """
     _check_shape(world)
     column, row = _target_cell(world)
@@ -110,7 +112,7 @@ def _check_shape(world: World) -> None:
 
 
 def _target_cell(world: World) -> tuple[int, int]:
-    """Return column and row, from the top, of the cell that the target's centre lies in."""
+    """Return column and row, from the top, of the cell that contains the target's centre."""
     ix, iy = (
         math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y)
     )
@@ -126,7 +128,7 @@ def _target_cell(world: World) -> tuple[int, int]:
 
 
 def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
-    """Yield what the file does not say and its program would have otherwise."""
+    """Yield a note for each fact that the file lacks and that its program would assume differently."""
     centre = (2 * column + 1, 2 * (world.height - row) - 1)
     x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
     if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:

@@ -1,7 +1,7 @@
-"""A world as a 3MF file: one box, and an item a wall that puts it into place.
+"""Export a world as a 3MF file: one box, and an item per wall that puts it into place.
 
-The archive is written here: trimesh's writer needs two more libraries, and gives its parts random
-    names.
+The archive is written here because trimesh's writer needs two more libraries and gives its parts
+    random names.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
 """
@@ -37,7 +37,8 @@ _EPOCH = (
     0,
     0,
     0,
-)  # the earliest time that an archive can say, so that bytes do not depend on the clock
+    # The earliest time that an archive can store, so that the bytes do not depend on the clock.
+)
 _TYPES = (
     f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">'
     f'<Default Extension="rels" '
@@ -55,7 +56,7 @@ _RELATIONS = (
 def write_3mf(
     world: World, destination: Destination, *, height: float = 1.0, floor: bool = False
 ) -> Exported:
-    """Return a model in metres, z up; names of walls are part numbers.
+    """Return a model in metres, z up; walls are named by part numbers.
 
     Args:
         world: A static world.
@@ -74,7 +75,7 @@ def write_3mf(
         "_rels/.rels": _RELATIONS,
         "3D/3dmodel.model": "\n".join(lines) + "\n",
     }
-    # Stored, not deflated: compressed bytes depend on the machine's zlib.
+    # Entries are stored, not deflated, because compressed bytes depend on the machine's zlib.
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
         for name, text in parts.items():
@@ -116,14 +117,14 @@ def read_3mf(
     up: Literal["z", "y"] = "z",
     floor: int = 0,
 ) -> ForeignMap:
-    """Return a mesh, cut at a height; the file says its unit.
+    """Read a mesh, cut at a height; the file gives its unit.
 
     Args:
         path: The file.
-        slice_height: Height of the cut above the floor, m: that of the lidar.
-        cell_size: Side of a cell, m; 0: as the file says if worldgen wrote it, else 0.05.
+        slice_height: Height of the cut above the floor, m, such as the lidar's.
+        cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise 0.05.
         up: The axis that points up in the file.
-        floor: Which floor, from 0, the lowest.
+        floor: Number of the floor, from 0, the lowest.
     """
     return cut_mesh(path, "3mf", slice_height, cell_size, 1.0, up, floor)
 

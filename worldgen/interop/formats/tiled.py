@@ -39,30 +39,34 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["read_tiled", "tiled", "write_tiled"]
 
-_PIXELS = 16  # a side of a tile
-_MOST_BYTES = 16 << 20  # parsed, JSON takes up to some thirty times the file
+# A side of a tile.
+_PIXELS = 16
+# Parsed JSON takes up to about thirty times the file's size.
+_MOST_BYTES = 16 << 20
 _MOST_LISTED = (
-    1_000_000  # cells that are written as numbers; of more, the list alone would be megabytes
+    # Cells that are written as numbers; the list of more would take megabytes.
+    1_000_000
 )
 _STARTS = ("start", "spawn", "robot")
 _TARGETS = ("target", "goal", "end", "finish")
-_MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's rounding
+# Pixels and degrees: a smaller change is another program's rounding, not an edit by hand.
+_MOVED = 1e-3
 
 
 def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> ForeignMap:
-    """Return a map of square tiles: a cell is solid where the layer of walls has a tile.
+    """Read a map of square tiles: a cell is solid where the layer of walls has a tile.
 
-    The start is an object called start, spawn or robot, the target one called target, goal, end or
-    finish.
+    The start is an object called start, spawn or robot; the target is one called target, goal, end
+    or finish.
 
     Args:
-        path: The file; its tiles as numbers or base64, packed by zlib or gzip or not.
-        layer: Name of the layer of walls; if omitted, the one called walls, else the only one of
-            tiles.
-        cell_size: Side of a tile, m; 0 is what the map says, else 0.1.
+        path: The file; its tiles are numbers or base64, optionally packed by zlib or gzip.
+        layer: Name of the layer of walls; if omitted, the one called walls, otherwise the only tile
+            layer.
+        cell_size: Side of a tile, m; 0 means the map's own, otherwise 0.1.
 
     Raises:
-        FormatError: If it is not such a map, or its layer of walls cannot be told.
+        FormatError: If it is not such a map, or its layer of walls is ambiguous.
     """
     data = read_bounded(path, _MOST_BYTES)
     source = str(path)
@@ -127,7 +131,7 @@ def _start(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
 
 
 def _target(part: Part, scale: Fraction, top: Fraction) -> tuple[float, ...]:
-    """Return x, y and radius, likewise; a point has no radius."""
+    """Return x, y and radius in the same way; a point has no radius."""
     shape = numbers_of(part, "x", "y", "width", "height")
     said = numbers_of(part)
     centre = _point(shape, said, scale, top)
@@ -143,7 +147,7 @@ def _point(
 ) -> tuple[float, float]:
     """Return the centre of an object, m from the grid's lower-left corner, y up.
 
-    Its pixels go down from the top.
+    In the file, pixels count down from the top.
     """
     x, y = (
         exact(shape.get(at, 0.0)) + exact(shape.get(by, 0.0)) / 2
@@ -156,8 +160,7 @@ def _point(
 
 
 def write_tiled(world: World, destination: Destination) -> Exported:
-    """Return a map of one layer of tiles and one of objects; next to it the picture of its one
-    tile.
+    """Return a map with a layer of tiles and one of objects, and the picture of its one tile.
 
     Args:
         world: The world.

@@ -1,7 +1,7 @@
-"""A world as a stage of Universal Scene Description, in its text form.
+"""Export a world as a stage of Universal Scene Description, in its text form.
 
-A cube that collides for every wall. The text is written here, so that no library is needed and the
-bytes are the same everywhere; Pixar's own library reads and validates it in the tests.
+Every wall is a cube with collision. The text is written here, so that no library is needed and the
+bytes are the same everywhere; the tests have Pixar's own library read and validate it.
 
 Source: Pixar, "Usda File Format Specification"; "UsdPhysics: USD Physics", OpenUSD 25.
 """
@@ -24,7 +24,8 @@ _COLOURS = {
     "wall": (0.034, 0.042, 0.056),
     "start": (0.0, 0.342, 0.171),
     "target": (0.0, 0.168, 0.445),
-}  # linear
+    # Colours are linear.
+}
 _CUBE = ((-_HALF, -_HALF, -_HALF), (_HALF, _HALF, _HALF))
 
 
@@ -112,11 +113,12 @@ def _cube(box: PlacedBox) -> Iterator[str]:
 
 
 def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
-    """Start or target: a frame on the floor, with a disc that is a guide and does not collide."""
+    """Yield start or target: a frame on the floor, with a disc that does not collide."""
     start = world.start
     target = world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
-    height = radius if name == "start" else radius / 16.0  # the robot stands, the target lies flat
+    # The robot's disc stands, the target's lies flat.
+    height = radius if name == "start" else radius / 16.0
     turn = degrees_text(start.heading) if name == "start" else "0"
     middle = exact(height) / 2
     low, high = (tuple(sign * exact(value) for value in (radius, radius)) for sign in (-1, 1))

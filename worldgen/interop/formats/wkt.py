@@ -1,4 +1,4 @@
-"""A world's walls as one geometry in Well-Known Text, for shapely, GDAL and spatial databases.
+"""Export walls as one geometry in Well-Known Text, for shapely, GDAL and spatial databases.
 
 Source: OGC 06-103r4, "Simple Feature Access, part 1: Common Architecture", 2011, section 7.
 """

@@ -1,1 +1,1 @@
-"""Walls as boxes, polygons and rasters, for the formats that need them."""
+"""Turn walls into boxes, polygons and rasters, for the formats that need them."""

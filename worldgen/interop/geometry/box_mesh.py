@@ -1,4 +1,4 @@
-"""Boxes as a mesh of trimesh's."""
+"""Boxes as a mesh of trimesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Walls as few axis-aligned boxes: what 3D simulators and meshes are built of."""
+"""Cover walls with few axis-aligned boxes, the parts of 3D worlds and meshes."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _Ints = npt.NDArray[np.int64]
 
 
 class _Lines(NamedTuple):
-    """Lines through solid cells as long as they go, along x, (n,) each.
+    """Maximal lines through solid cells, along x, (n,) each.
 
-    Where and from where to where, corners.
+    The fields are the row and both ends, as corners.
     """
 
     y: _Ints
@@ -31,12 +31,12 @@ class _Lines(NamedTuple):
 
 
 def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Return boxes that cover the solid cells, each exactly once; no fewer boxes do.
+    """Cover the solid cells with as few boxes as possible, each cell exactly once.
 
     A corner of free cells that points into the walls needs a cut, and a cut from one such corner to
-    another serves both: so those are made first, as many as do not meet, which is a largest
-        independent set in a bipartite graph. A
-    61 x 61 maze of 1,323 solid cells becomes 243 boxes, where runs joined row by row are 288.
+    another serves both. So as many of those as possible are made first, without any two touching: a
+    largest independent set in a bipartite graph. A 61 x 61 maze of 1,323 solid cells becomes 243
+    boxes; joining runs row by row gives 288.
 
     Args:
         solid: (height, width) bool, row 0 the lowest y.
@@ -59,7 +59,8 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
     keep_level, keep_upright = _apart(level_joins, upright_joins, corner.shape)
     along = level_joins.only(keep_level)
     across = upright_joins.only(keep_upright)
-    for lines, at in ((along, corner), (across, corner.T)):  # what a cut begins or ends at is done
+    # Corners at which a cut begins or ends are done.
+    for lines, at in ((along, corner), (across, corner.T)):
         at[lines.y, lines.begin] = at[lines.y, lines.end] = False
     crossed = _corners_on(across, (corner.shape[1], corner.shape[0])).T >= 0
     level_cut = _edges_on(along, corner.shape)
@@ -69,21 +70,23 @@ def merged_boxes(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
 
 
 def _lines(padded: _Bools) -> _Lines:
-    """Between rows of cells, where both are solid."""
+    """Return the lines between rows of cells that are both solid."""
     height, width = padded.shape
     inside = np.zeros((height - 1, width + 1), np.int8)
     inside[:, 1:] = padded[:-1] & padded[1:]
     edges = np.diff(
-        inside, axis=1
-    )  # at x of the padded cells, one more than that of their left corner
+        inside,
+        axis=1,
+        # x counts padded cells, so it is one more than that of the left corner.
+    )
     y, begin = np.nonzero(edges == 1)
     return _Lines(y, begin - 1, np.nonzero(edges == -1)[1] - 1)
 
 
 def _spread(lines: _Lines, more: int) -> tuple[_Ints, _Ints, _Ints]:
-    """For every corner of every line (``more`` = 1), or every edge (0).
+    """Return one entry for every corner of every line (``more`` = 1), or every edge (0).
 
-    The line's number, y and x.
+    The result is the line's number, y and x.
     """
     lengths = lines.end - lines.begin + more
     number = np.repeat(np.arange(len(lengths)), lengths)
@@ -107,10 +110,10 @@ def _edges_on(lines: _Lines, shape: tuple[int, ...]) -> _Bools:
 
 
 def _apart(level: _Lines, upright: _Lines, shape: tuple[int, ...]) -> tuple[_Bools, _Bools]:
-    """Return the most lines that do not meet: which of those along x, and which of those along y.
+    """Return a largest set of lines that do not touch, as masks over those along x and along y.
 
-    By Koenig's theorem from a largest matching; what trees without an augmenting path reach is the
-    same for every such matching, so the answer does not depend on the order.
+    It follows from a largest matching by Koenig's theorem. The nodes reachable from unmatched ones
+    are the same for every such matching, so the answer does not depend on the order.
     """
     first = _corners_on(level, shape)
     second = _corners_on(upright, shape[::-1]).T
@@ -142,9 +145,9 @@ def _grow(
     mate_of: list[int],
     dropped: _Bools,
 ) -> int:
-    """Return an unmatched line at the end of an alternating path from the first of the queue.
+    """Return an unmatched line at the end of an alternating path from the front of the queue.
 
-    It grows; -1 if none.
+    The queue grows; the result is -1 if there is no such line.
     """
     for one in queue:
         for other in neighbours[one]:
@@ -157,7 +160,7 @@ def _grow(
 
 
 def _cut_from_corners(level: _Lines, corner: _Bools, crossed: _Bools, cut: _Bools) -> None:
-    """Cut along x from the corners that are left, to the next wall's end or cut."""
+    """Cut along x from the remaining corners to the next wall's end or cut."""
     rest = level.only(corner[level.y, level.begin] | corner[level.y, level.end])
     for y, begin, end in zip(rest.y.tolist(), rest.begin.tolist(), rest.end.tolist(), strict=True):
         stops = np.flatnonzero(crossed[y, begin + 1 : end]) + begin + 1
@@ -177,7 +180,7 @@ def _rectangles(padded: _Bools, level_cut: _Bools, upright_cut: _Bools) -> _Ints
 
 
 def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
-    """In each of some rows, the first edge behind a place."""
+    """Return, for each of some rows, the first edge after a place."""
     length = edge.shape[1]
     flat = np.flatnonzero(edge)
     after: _Ints = flat[np.searchsorted(flat, row * length + place, side="right")] % length
@@ -187,7 +190,7 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
 def always_solid(world: World) -> npt.NDArray[np.bool_]:
     """Return the cells that are solid at all times, (height, width) bool.
 
-    For a static world, its walls.
+    In a static world these are its walls.
     """
     later = world.timeline.only(world.timeline.times > 0)
     opened = later.cells_that_become(CellState.FREE, CellState.BURNING, shape=world.walls.shape)
@@ -196,9 +199,9 @@ def always_solid(world: World) -> npt.NDArray[np.bool_]:
 
 
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
-    """Return boxes one cell thick round the grid, for outside it everything is solid.
+    """Return boxes one cell thick around the grid, because everything outside it is solid.
 
-    None where its border stays closed.
+    There are none where the world's border is already closed.
 
     Returns:
         (0 or 4, 4) int64 as :func:`merged_boxes`, with cells -1 and beyond the sides.

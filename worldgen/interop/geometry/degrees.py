@@ -1,4 +1,4 @@
-"""Angles in degrees, as files have them, without losing a bit of the radians."""
+"""Convert angles to and from degrees, as files store them, without losing a bit of the radians."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ __all__ = ["degrees_text", "radians"]
 _PI = Fraction(
     "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
 )
-_MOST_PLACES = 400  # decimals; the smallest angle that there is, 5e-324 rad, needs fewer
+# Number of decimals; the smallest float, 5e-324 rad, needs fewer.
+_MOST_PLACES = 400
 
 
 def radians(degrees: Fraction) -> float:
-    """Return an angle in rad, correctly rounded."""
+    """Convert degrees to an angle in rad, correctly rounded."""
     return float(degrees * _PI / 180)
 
 
 def degrees_text(angle: float) -> str:
-    """Return the shortest decimal of degrees that :func:`radians` makes the same angle of.
+    """Return the shortest decimal of degrees that :func:`radians` converts to the same angle.
 
     Args:
-        angle: rad.
+        angle: Angle, rad.
     """
     whole = Fraction(angle) * 180 / _PI
     tried = (Fraction(round(whole * 10**places), 10**places) for places in range(_MOST_PLACES))

@@ -1,4 +1,4 @@
-"""Where the lines between cells lie in a file's frame, exactly."""
+"""Exact positions of the lines between cells in a file's frame."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from worldgen.world import World
 
 __all__ = ["GridLines"]
 
-_FINEST = Fraction(1, 1000)  # of a cell: by no more may rounding move a wall
+# Rounding may move a wall by at most this part of a cell.
+_FINEST = Fraction(1, 1000)
 
 
 class GridLines:
     """Exact coordinates, m, of the lines between cells, in a file's frame.
 
-    From -1 to one beyond the grid.
+    They reach from -1 to one cell beyond the grid.
 
     Args:
-        world: Whose grid it is.
+        world: The world with the grid.
         destination: Gives the frame of the coordinates.
-        bits: Of a coordinate's significand, in the file or the programs that read it: 24 for
+        bits: Bits of a coordinate's significand in the file or in the programs that read it; 24 for
             float32.
 
     Raises:

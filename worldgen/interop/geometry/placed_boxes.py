@@ -1,6 +1,6 @@
-"""Walls as boxes in the coordinates of a file.
+"""Place walls as boxes in the coordinates of a file.
 
-What meshes, stages and the worlds of simulators are made of.
+Meshes, stages and the worlds of simulators are built from them.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from worldgen.world import World
 __all__ = ["BOX_CORNERS", "BOX_QUADS", "BOX_TRIANGLES", "PlacedBox", "placed_box", "solid_boxes"]
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
-"""Corners of a box: 0 the low end, 1 the high one, of x, y and z."""
+"""Corners of a box: 0 for the low end, 1 for the high end, of x, y and z."""
 
 BOX_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-"""Faces of a box, as numbers of corners, counter-clockwise seen from outside.
+"""Faces of a box as corner numbers, counter-clockwise seen from outside.
 
 -z, +z, -y, +y, -x, +x.
 """
@@ -37,10 +37,10 @@ BOX_TRIANGLES = tuple((quad[0], *pair) for quad in BOX_QUADS for pair in (quad[1
 
 @dataclass(frozen=True)
 class PlacedBox:
-    """A box whose sides run along the axes.
+    """A box with sides parallel to the axes.
 
     Args:
-        name: ``wall_1``, ``border_1``, ``floor``; no two are the same.
+        name: A unique name such as ``wall_1``, ``border_1`` or ``floor``.
         low: x, y and z, m, of its lowest corner.
         high: x, y and z, m, of its highest corner.
     """
@@ -51,14 +51,14 @@ class PlacedBox:
 
     @property
     def size(self) -> tuple[Fraction, Fraction, Fraction]:
-        """Lengths of its sides, m."""
+        """Lengths of the sides, m."""
         ax, ay, az = self.low
         bx, by, bz = self.high
         return bx - ax, by - ay, bz - az
 
     @property
     def centre(self) -> tuple[Fraction, Fraction, Fraction]:
-        """x, y and z, m, of its middle."""
+        """x, y and z, m, of the middle."""
         ax, ay, az = self.low
         bx, by, bz = self.high
         return (ax + bx) / 2, (ay + by) / 2, (az + bz) / 2
@@ -67,18 +67,18 @@ class PlacedBox:
 def solid_boxes(
     world: World, destination: Destination, *, height: float, floor: bool, bits: int = 53
 ) -> list[PlacedBox]:
-    """Return the walls, a wall around the grid where its border is open, and a floor if wanted.
+    """Return boxes for the walls, for a ring around an open border, and for a floor if wanted.
 
     Args:
-        world: What is solid at all times counts.
-        destination: Gives the frame of the coordinates; z is 0 at the walls' foot.
+        world: The world; only what is solid at all times counts.
+        destination: Gives the frame of the coordinates; z is 0 at the foot of the walls.
         height: Height of the walls, m.
-        floor: Whether there is a box as thick as a cell below it all.
-        bits: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` takes them.
+        floor: Whether to add a box one cell thick below everything.
+        bits: Bits of a coordinate, as in :class:`~worldgen.interop.geometry.grid_lines.GridLines`.
 
     Raises:
         InvalidParameter: If the height is below 1e-6 or above 1e6 m.
-        InvalidWorld: As :class:`~worldgen.interop.geometry.grid_lines.GridLines` does.
+        InvalidWorld: If :class:`~worldgen.interop.geometry.grid_lines.GridLines` raises it.
     """
     check_between("height", height, *CELL_SIZES, "m")
     lines = GridLines(world, destination, bits=bits)
@@ -105,9 +105,9 @@ def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction)
     """Return a box on the floor.
 
     Args:
-        name: Of the box.
-        cells: Four numbers, as a row of :func:`~worldgen.interop.geometry.boxes.merged_boxes`.
-        lines: Where the lines between cells lie.
+        name: Name of the box.
+        cells: Four numbers, as in a row of :func:`~worldgen.interop.geometry.boxes.merged_boxes`.
+        lines: Positions of the lines between cells.
         top: z of its upper side, m.
     """
     left, bottom, right, upper = cells

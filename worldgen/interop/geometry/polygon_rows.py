@@ -1,4 +1,4 @@
-"""Polygons cut into the rows of a grid, with shapely."""
+"""Cut polygons into the rows of a grid, with shapely."""
 
 from __future__ import annotations
 
@@ -12,16 +12,19 @@ from worldgen.errors import InvalidWorld
 
 __all__ = ["cut_into_rows", "prepared", "row_pieces"]
 
-TOUCH = 1e-6  # cells; what reaches less far into a cell only touches it: coordinates are rounded
-_MENDABLE = 8  # corners; crossings grow with their square, and 500 corners at random took minutes
-_LINE = 1e-3  # cells; half the width that lines get, for they stop robots too
+# Depth, cells, up to which a shape only touches a cell, because coordinates are rounded.
+TOUCH = 1e-6
+# Most corners; crossings grow with their square, and 500 random corners took minutes.
+_MENDABLE = 8
+# Half the width, cells, given to lines, because they stop robots too.
+_LINE = 1e-3
 
 
 def prepared(points: npt.NDArray[np.float64]) -> Any:
     """Return a valid shape of (n, 2) corners, in cells; two corners make a thin wall between them.
 
     Raises:
-        InvalidWorld: If many corners make an outline that crosses itself.
+        InvalidWorld: If an outline of many corners crosses itself.
     """
     shape: Any = shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points)
     if not shape.is_valid:
@@ -42,15 +45,15 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
 def cut_into_rows(
     shape: Any, rows: slice, columns: slice
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return which cells of each row the shape reaches into, and which it leaves partly free.
+    """Return each row's cells that the shape reaches into, and those that it leaves partly free.
 
     Args:
-        shape: In cells.
-        rows: Of the grid.
-        columns: Same as above.
+        shape: The shape, in cells.
+        rows: Rows of the grid.
+        columns: Columns of the grid.
 
     Returns:
-        Two arrays (n, 3) int64 of row, first and end column, from the first row and column.
+        Two arrays (n, 3) int64 of row, first and end column, counted from the first row and column.
     """
     bands = shapely.box(
         columns.start,
@@ -64,9 +67,10 @@ def cut_into_rows(
 
 
 def row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
-    """Return row, first and end column of each piece of a row; slivers are passed over."""
+    """Yield row, first and end column of each piece of a row, without slivers."""
     pieces, index = shapely.get_parts(parts, return_index=True)
-    pieces, inner = shapely.get_parts(pieces, return_index=True)  # what lies in collections
+    # Collections contain the pieces.
+    pieces, inner = shapely.get_parts(pieces, return_index=True)
     bounds = shapely.bounds(pieces)
     keep = (shapely.area(pieces) > TOUCH**2) & (bounds[:, 3] - bounds[:, 1] > TOUCH)
     first = np.floor(bounds[keep, 0] + TOUCH).astype(np.int64)

@@ -1,9 +1,8 @@
-"""Walls as polygons with holes, in cells: what maps and plans are made of.
+"""Turn walls into polygons with holes, in cells, for maps and plans.
 
-A corner is where an outline turns. Outlines run with solid cells on their left, from corner to
-corner: sorted by
-place, the n-th corner that is left eastwards is followed by the n-th that is entered eastwards, and
-so in every direction, for the sides of one line never overlap.
+A corner is a point where an outline turns. Outlines keep solid cells on their left, from corner to
+corner. Sorted by position, the n-th corner that is left eastwards is followed by the n-th that is
+entered eastwards, and likewise in every direction, because sides on one line never overlap.
 """
 
 from __future__ import annotations
@@ -22,8 +21,9 @@ Ring: TypeAlias = list[tuple[int, int]]
 Polygon: TypeAlias = list[Ring]
 
 _EAST, _NORTH, _WEST, _SOUTH = range(4)
-# Cells about a corner, lower left, lower right, upper left, upper right, as bits 1, 2, 4, 8: solid
-# ones, and the direction in which the corner is entered and left. Diagonal cells are two corners.
+# The four cells around a corner, lower left, lower right, upper left and upper right, as bits 1, 2,
+# 4, 8: which are solid, and the direction in which the corner is entered and left. Diagonal cells
+# make two corners.
 _TURNS = (
     (8, _SOUTH, _EAST), (4, _EAST, _NORTH), (1, _NORTH, _WEST), (2, _WEST, _SOUTH),
     (9, _SOUTH, _EAST), (9, _NORTH, _WEST), (6, _EAST, _NORTH), (6, _WEST, _SOUTH),
@@ -34,16 +34,16 @@ _TURNS = (
 def cell_polygons(solid: npt.NDArray[np.bool_], first: int = 0) -> list[Polygon]:
     """Return polygons that cover exactly the solid cells.
 
-    Pieces that touch at a corner only are polygons of their own.
+    Pieces that touch only at a corner are separate polygons.
 
     Args:
         solid: (height, width) bool, row 0 the lowest y.
         first: Index, in x and y, of the first cell.
 
     Returns:
-        Polygons in order of their first corners; each its outline, counter-clockwise, then its
-        holes, clockwise; each ring from its lowest, of these its leftmost corner on, in cells,
-        without that corner repeated at its end. No ring meets itself, and none crosses another.
+        Polygons in order of their first corners. Each is its outline, counter-clockwise, then its
+        holes, clockwise. Each ring starts at its lowest corner, of these the leftmost, in cells,
+        and does not repeat it at the end. No ring touches itself, and none crosses another.
     """
     x, y, entered, left = _corners(solid)
     after = _links(x, y, entered, left)
@@ -70,7 +70,7 @@ def border_cells(world: World) -> npt.NDArray[np.bool_]:
 
 
 def _corners(solid: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int64], ...]:
-    """Of every corner x, y, and the directions in which it is entered and left."""
+    """Return x and y of every corner, and the directions in which it is entered and left."""
     cells = np.pad(solid, 1).astype(np.uint8)
     about = cells[:-1, :-1] | cells[:-1, 1:] << 1 | cells[1:, :-1] << 2 | cells[1:, 1:] << 3
     found = [np.nonzero(about == pattern) for pattern, _, _ in _TURNS]
@@ -90,7 +90,7 @@ def _links(
     entered: npt.NDArray[np.int64],
     left: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.int64]:
-    """Return the number of the corner that comes after each."""
+    """Return the number of the corner that follows each corner."""
     after = np.empty(len(x), np.int64)
     for direction in range(4):
         keys = (x, y) if direction in (_EAST, _WEST) else (y, x)
@@ -112,7 +112,8 @@ def _rings(
         while owner[begin] < 0:
             place = (x[at], y[at])
             since = places.get(place)
-            if since is not None:  # a ring closes here; another may go on from the same place
+            # A ring closes here; another may continue from the same place.
+            if since is not None:
                 for corner in path[since:]:
                     owner[corner] = len(rings)
                     del places[x[corner], y[corner]]
@@ -126,7 +127,7 @@ def _rings(
 
 
 def _begun(ring: Ring) -> Ring:
-    """Return the ring from its lowest, of these its leftmost corner on."""
+    """Rotate the ring to start at its lowest, of these its leftmost corner."""
     first = min(range(len(ring)), key=lambda k: ring[k][::-1])
     return ring[first:] + ring[:first]
 
@@ -136,15 +137,15 @@ def _shells(
     rings: list[Ring],
     eastward: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]],
 ) -> list[int]:
-    """Return the number of the outline that each ring belongs to: its own, if it is none of a hole.
+    """Return the number of each ring's outline; an outline's is its own.
 
-    Below a hole's first corner is a solid cell; where the solid cells below that end there is a
-    ring of the same piece, whose first corner is lower.
+    Below a hole's first corner is a solid cell. Where the run of solid cells below it ends, there
+    is a ring of the same piece with a lower first corner.
 
     Args:
         solid: The cells.
         rings: As :func:`_rings` gives them.
-        eastward: Of the sides that run east, sorted, the place of their beginnings and their rings.
+        eastward: For the sides that run east, sorted, the place where they begin and their rings.
     """
     across = solid.shape[1] + 1
     keys, owners = eastward
@@ -153,7 +154,8 @@ def _shells(
         (x, y), (_, second) = rings[number][:2]
         if (
             second == y
-        ):  # an outline leaves its first corner eastwards, the ring of a hole northwards
+            # An outline leaves its first corner eastwards, a hole's ring northwards.
+        ):
             continue
         below = solid[:y, x][::-1]
         depth = y if below.all() else int(np.argmin(below))

@@ -1,6 +1,6 @@
-"""Shapes of other worlds as cells.
+"""Rasterise the shapes of other worlds into cells.
 
-Solid is what a shape reaches into, so what is reachable here is so there too.
+A cell is solid if a shape reaches into it, so a path found here also exists there.
 """
 
 from __future__ import annotations
@@ -19,20 +19,25 @@ from worldgen.interop.geometry.boxes import merged_boxes
 
 __all__ = ["Raster", "RasterBox", "RasterDisc", "natural_cell_size"]
 
-# cells; a shape that reaches less far into a cell only touches it: its coordinates were rounded.
+# Depth, cells, up to which a shape only touches a cell, because its coordinates were rounded.
 _TOUCH = 1e-6
 _MOST_PAINTED = (
-    500_000_000  # cells, each shape's window counted; more is an attack, or cells far too small
+    # Most cells, counting each shape's window; more is an attack, or cells that are far too small.
+    500_000_000
 )
-_CORNER = 50  # cells that are painted while a corner is looked at in a row
-_FAR = 1e9  # cells; what lies beyond is in no grid
-_MOST_SIDE = 2000  # cells, where the cell size is ours to choose
-_USUAL = Fraction(1, 10)  # m
+# Cells painted while one corner is examined in a row.
+_CORNER = 50
+# Largest distance, cells; nothing beyond is in any grid.
+_FAR = 1e9
+# Number of cells to aim at if the cell size is ours to choose.
+_MOST_SIDE = 2000
+# Default cell size, m.
+_USUAL = Fraction(1, 10)
 _DIVISORS = [factor * 10**power for power in range(7) for factor in (1, 2, 5)]
 
 
 class RasterBox(NamedTuple):
-    """A rectangle along the axes, m, from the grid's corner, exactly."""
+    """An axis-parallel rectangle, m, from the grid's corner, exact."""
 
     left: Fraction
     low: Fraction
@@ -58,7 +63,7 @@ class Raster:
 
     Attributes:
         solid: (height, width) bool: cells that a shape reaches into; row 0 is the lowest.
-        full: Likewise, cells that lie whole in one shape.
+        full: (height, width) bool: cells that are completely inside one shape.
     """
 
     def __init__(self, width: int, height: int, cell_size: Fraction) -> None:
@@ -69,11 +74,11 @@ class Raster:
 
     @property
     def partly(self) -> int:
-        """How many solid cells lie whole in no shape."""
+        """Number of solid cells that are not completely inside one shape."""
         return int(np.count_nonzero(self.solid & ~self.full))
 
     def box(self, box: RasterBox) -> None:
-        """Paint a rectangle along the axes; its sides count exactly."""
+        """Paint an axis-parallel rectangle; its sides are exact."""
         left, low, right, high = (side / self._cell_size for side in box)
         if right <= left or high <= low:
             return
@@ -106,7 +111,7 @@ class Raster:
         self.full[window] |= far[1][:, None] ** 2 + far[0] ** 2 <= radius**2 + _TOUCH
 
     def polygon(self, corners: npt.NDArray[np.float64]) -> None:
-        """Paint a polygon of (n, 2) corners, m; or, where n is 2, a line without width."""
+        """Paint a polygon of (n, 2) corners, m, or, if n is 2, a line without width."""
         from worldgen.interop.geometry.polygon_rows import cut_into_rows, prepared
 
         points = corners / float(self._cell_size)
@@ -146,7 +151,7 @@ class Raster:
 
 
 def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:
-    """From a coordinate to the nearest, or farthest, point of each cell."""
+    """Return the distances from a coordinate to the nearest, or farthest, point of each cell."""
     if far:
         return np.maximum(np.abs(cells - at), np.abs(cells + 1 - at))
     return np.maximum(np.maximum(cells - at, at - cells - 1), 0.0)
@@ -155,18 +160,18 @@ def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDAr
 def natural_cell_size(
     width: Fraction, height: Fraction, boxes: Iterable[RasterBox]
 ) -> Fraction | None:
-    """Return the side of the largest cells whose lines all sides of boxes lie on.
+    """Return the side of the largest cells whose lines contain all sides of the boxes.
 
-    As somebody may have meant them. Where no box is one such cell thick, the cells are a part of
-    that, at most 0.1 m.
+    That is probably the cell size the author had in mind. If no box is one such cell thick, the
+    cells are a fraction of it, at most 0.1 m.
 
     Args:
-        width: Of the world, m.
-        height: Same as above.
-        boxes: Its walls.
+        width: Width of the world, m.
+        height: Height of the world, m.
+        boxes: The world's walls.
 
     Returns:
-        m; None if there are no such cells, or too many.
+        The side, m; None if there are no such cells, or too many.
     """
     common = _common(width, height)
     longest = max(width, height)

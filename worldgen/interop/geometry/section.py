@@ -1,13 +1,12 @@
-"""A horizontal cut through triangles, as cells: what a lidar at that height would see.
+"""Cut triangles horizontally into cells: what a lidar at that height would see.
 
-Closed bodies are solid inside: a cell's centre counts as inside if surfaces whose outer side looks
-    away from it wind
-around it more often than others, so a building whose rooms are cavities has free rooms. A cell that
-a surface passes through is solid too. Bodies that are not closed have no inside; their surfaces are
-walls without thickness.
+Closed bodies are solid inside: a cell's centre is inside if the outward-facing surfaces around it
+    wind around it more often than the others, so a building whose rooms are cavities has free
+    rooms. A cell that a surface passes through is solid too. Open bodies have no inside; their
+    surfaces are walls without thickness.
 
-trimesh 5.2 makes polygons of a section only with another compiled library, rtree, so the cut is
-made here.
+trimesh 5.2 needs another compiled library, rtree, to make polygons of a section, so the cut is made
+here.
 """
 
 from __future__ import annotations
@@ -26,21 +25,24 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _SHEET = (
-    1e-3  # cells; half the thickness that a wall without any gets: on a line, it blocks both sides
+    # Half the thickness, cells, given to a wall that has none; on a line it blocks both sides.
+    1e-3
 )
-_MOST_VISITS = 400_000_000  # rows of cells that all segments together pass
-_CHUNK = 2_000_000  # of them looked at together
+# Rows of cells that all segments together may pass.
+_MOST_VISITS = 400_000_000
+# Rows examined together.
+_CHUNK = 2_000_000
 
 
 class Bodies(NamedTuple):
-    """Triangles sorted by whether they bound an inside.
+    """Triangles sorted by whether they enclose a volume.
 
     Args:
         vertices: (n, 3) float64.
-        closed: (m, 3) int64: triangles of closed bodies, their outer sides counter-clockwise.
+        closed: (m, 3) int64: triangles of closed bodies, counter-clockwise seen from outside.
         sheets: (k, 3) int64: triangles of all others.
         closed_count: How many closed bodies there are.
-        open_count: How many others.
+        open_count: How many open bodies there are.
     """
 
     vertices: Floats
@@ -54,8 +56,8 @@ class Section(NamedTuple):
     """Segments in the plane, (n, 2, 2) float64: from, to; x, y.
 
     Args:
-        closed: Around insides, which lie on their left.
-        sheets: The others.
+        closed: Segments around volumes, which are on their left.
+        sheets: All other segments.
     """
 
     closed: Floats
@@ -65,7 +67,7 @@ class Section(NamedTuple):
 def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
     """Sort triangles into closed bodies and sheets.
 
-    Vertices at the same place count as one, whatever part of the file they come from, so a wall of
+    Vertices at the same place count as one, whichever part of the file they come from, so a wall of
     two materials is still one body. A body is closed if each of its edges runs as often one way as
     the other.
 
@@ -82,7 +84,7 @@ def sort_bodies(vertices: Floats, faces: Ints) -> Bodies:
     )
     faces, both_sides = _without_copies(faces[proper])
 
-    # A body is what hangs together by vertices; one is closed if its edges cancel out.
+    # A body is a set of triangles connected by vertices; it is closed if its edges cancel out.
     body, count = _components(len(vertices), faces)
     unbalanced = np.zeros(count, np.bool_)
     unbalanced[body[_lone_edges(len(vertices), faces)]] = True
@@ -106,15 +108,17 @@ def _as_records(rows: npt.NDArray[np.generic]) -> npt.NDArray[np.void]:
 
 
 def _without_copies(faces: Ints) -> tuple[Ints, Ints]:
-    """Return each triangle once; and apart from them those that look both ways.
+    """Return each triangle once, and separately those that occur in both orientations.
 
-    It are walls without thickness.
+    Those are walls without thickness.
     """
     order = np.argsort(faces, axis=1)
     corners = np.take_along_axis(faces, order, axis=1)
     even = np.isin(
-        order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2], (5, 15, 19)
-    )  # 012, 120, 201: turned, not mirrored
+        order[:, 0] * 9 + order[:, 1] * 3 + order[:, 2],
+        (5, 15, 19),
+        # The orders 012, 120 and 201 are rotated, not mirrored.
+    )
     _, first, place = np.unique(_as_records(corners), return_index=True, return_inverse=True)
     net = np.bincount(place.reshape(-1), weights=np.where(even, 1.0, -1.0), minlength=len(first))
     once = corners[first]
@@ -152,8 +156,8 @@ def _lone_edges(count: int, faces: Ints) -> Ints:
 def cut(bodies: Bodies, height: float) -> Section:
     """Cut bodies just above a height, so that no vertex lies in the plane.
 
-    Both triangles at an edge get the same point of it, to the last bit: outlines of closed bodies
-        are closed.
+    Both triangles at an edge get the same point of it, to the last bit, so outlines of closed
+        bodies are closed.
     """
     return Section(
         _segments(bodies.vertices, bodies.closed, height),
@@ -167,8 +171,8 @@ def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
     faces = faces[(sides.any(axis=1)) & ~(sides.all(axis=1))]
     sides = above[faces]
 
-    # One edge of each such triangle rises through the plane and one sinks; the inside lies left of
-    # the way from the sinking one to the rising one.
+    # One edge of each such triangle rises through the plane and one sinks; the inside is to the
+    # left of the direction from the sinking to the rising one.
     after = np.roll(sides, -1, axis=1)
     following = np.roll(faces, -1, axis=1)
     rows = np.arange(len(faces))
@@ -180,7 +184,7 @@ def _segments(vertices: Floats, faces: Ints, height: float) -> Floats:
 
 
 def _crossings(vertices: Floats, one: Ints, other: Ints, height: float) -> Floats:
-    """Return where edges pass a height, computed from the vertex with the lower number on."""
+    """Return where edges cross a height, computed from the vertex with the lower number."""
     begin = vertices[np.minimum(one, other)]
     end = vertices[np.maximum(one, other)]
     share = (height - begin[:, 2]) / (end[:, 2] - begin[:, 2])
@@ -192,17 +196,17 @@ def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArra
     """Return the cells that a section fills.
 
     Args:
-        section: In cells, from the grid's corner.
-        width: Of the grid, cells.
-        height: Of the grid, cells.
-        touch: Cells; an outline that reaches less far into a cell only touches it, because
-            coordinates are rounded.
+        section: The section, in cells from the grid's corner.
+        width: Width of the grid, cells.
+        height: Height of the grid, cells.
+        touch: Depth, cells, up to which an outline only touches a cell, because coordinates are
+            rounded.
 
     Returns:
         (height, width) bool, row 0 the lowest.
 
     Raises:
-        InvalidWorld: If that would take minutes.
+        InvalidWorld: If it would take minutes.
     """
     solid = _insides(section.closed, width, height)
     solid |= _passed(section.closed, width, height, touch)
@@ -211,12 +215,12 @@ def paint(section: Section, width: int, height: int, touch: float) -> npt.NDArra
 
 
 def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]:
-    """Return cells whose centres outlines wind around."""
+    """Return the cells whose centres the outlines wind around."""
     turns = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
     high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
 
-    # The rows whose centre line a segment passes: low <= row + 1/2 < high.
+    # Find the rows whose centre line a segment crosses: low <= row + 1/2 < high.
     first = np.ceil(low - 0.5)
     end = np.ceil(high - 0.5)
     for which, row in _rows(first, end, height):
@@ -230,12 +234,12 @@ def _insides(segments: Floats, width: int, height: int) -> npt.NDArray[np.bool_]
 
 
 def _passed(segments: Floats, width: int, height: int, touch: float) -> npt.NDArray[np.bool_]:
-    """Return cells that segments pass through."""
+    """Return the cells that segments pass through."""
     runs = np.zeros((height, width + 1), np.int32)
     low = np.minimum(segments[:, 0, 1], segments[:, 1, 1])
     high = np.maximum(segments[:, 0, 1], segments[:, 1, 1])
     for which, row in _rows(np.floor(low + touch), np.ceil(high - touch), height):
-        # The part of the segment in the row, then the columns that this part reaches into.
+        # Clip the segment to the row, then find the columns that the clipped part reaches into.
         ax, ay = segments[which, 0].T
         bx, by = segments[which, 1].T
         level = ay == by

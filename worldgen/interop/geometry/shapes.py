@@ -1,4 +1,4 @@
-"""Discs and outlines at poses, as other simulators have them, on their way to cells."""
+"""Discs and outlines at poses, as other simulators have them, before they become cells."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ __all__ = ["Shapes", "turned"]
 
 Point = tuple[Fraction, Fraction]
 
-_NEAR_QUARTER = 1e-3  # rad; people write 1.57 for a quarter turn
+# Tolerance, rad; people write 1.57 for a quarter turn.
+_NEAR_QUARTER = 1e-3
 
 
 @dataclass
 class Shapes:
-    """What stands in a world, m; boxes along the axes exactly, the rest in floating point."""
+    """The obstacles of a world, m; axis-parallel boxes are exact, the rest is in floating point."""
 
     boxes: list[RasterBox] = field(default_factory=list)
     circles: list[RasterDisc] = field(default_factory=list)
@@ -29,7 +30,7 @@ class Shapes:
     notes: list[str] = field(default_factory=list)
 
     def disc(self, middle: Point, radius: Fraction, at: Point, heading: Fraction) -> None:
-        """Add a disc whose middle lies so on a body that stands at a pose."""
+        """Add a disc that is fixed to a body at a pose."""
         if heading == 0 or not any(middle):
             x = float(middle[0] + at[0])
             y = float(middle[1] + at[1])
@@ -40,7 +41,7 @@ class Shapes:
     def outline(
         self, corners: Sequence[Point], at: Point, heading: Fraction, *, closed: bool = True
     ) -> None:
-        """Add a polygon of a body that stands at a pose, or the lines between its corners."""
+        """Add a polygon of a body at a pose, or the lines between its corners."""
         quarters = round(float(heading) / (math.pi / 2))
         off = abs(float(heading) - quarters * math.pi / 2)
         sides = [sorted({corner[axis] for corner in corners}) for axis in (0, 1)]
@@ -76,7 +77,7 @@ class Shapes:
 
 
 def turned(points: npt.NDArray[np.float64], at: Point, heading: float) -> npt.NDArray[np.float64]:
-    """Return the points of a body, (n, 2), m, where it stands at a pose."""
+    """Return the points of a body at a pose, (n, 2), m."""
     cos = math.cos(heading)
     sin = math.sin(heading)
     moved: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(

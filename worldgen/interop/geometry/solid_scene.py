@@ -1,6 +1,6 @@
-"""A world as physics engines build it.
+"""A world the way physics engines build it.
 
-Boxes in m, bodies that come and go, a floor, all as exact decimals.
+It has boxes in m, bodies that come and go, and a floor, all as exact decimals.
 """
 
 from __future__ import annotations
@@ -22,22 +22,24 @@ from worldgen.world import World
 
 __all__ = ["TIMESTEPS", "Body", "SolidScene", "events_file", "plain_name", "scene"]
 
-TIMESTEPS = (1e-6, 1e3)  # s
-_LONGEST_NAME = 60  # characters; names become parts of topics and file paths in other programs
+# Time step of the player, s.
+TIMESTEPS = (1e-6, 1e3)
+# Most characters; names become parts of topics and file paths in other programs.
+_LONGEST_NAME = 60
 
 
 @dataclass(frozen=True)
 class Body:
-    """A cell that is there at some times.
+    """A cell that exists at some times.
 
-    Solid ones are ``cell_IX_IY``, burning ones ``fire_IX_IY``.
+    Solid ones are called ``cell_IX_IY``, burning ones ``fire_IX_IY``.
 
     Args:
-        name: Of the body.
-        box: Where it stands when it is there.
+        name: Name of the body.
+        box: Its place while it exists.
         burning: Whether it is fire, which stops nothing.
-        shown: Whether it is there at time 0.
-        changes: Times, s, and whether it is there from then on.
+        shown: Whether it exists at time 0.
+        changes: Times, s, and whether it exists from then on.
     """
 
     name: str
@@ -49,12 +51,12 @@ class Body:
 
 @dataclass(frozen=True)
 class SolidScene:
-    """What stands in a world.
+    """The obstacles and the floor of a world.
 
     Args:
-        still: What is always solid, with a wall around the grid where its border is open.
-        bodies: What comes and goes.
-        floor: The ground below it all.
+        still: Boxes that are always solid, with a wall around the grid if its border is open.
+        bodies: Cells that come and go.
+        floor: The ground below everything.
     """
 
     still: tuple[PlacedBox, ...]
@@ -67,7 +69,7 @@ def scene(world: World, destination: Destination, height: float) -> SolidScene:
 
     Args:
         world: The world.
-        destination: Says where the grid's lower-left corner lies.
+        destination: Gives the position of the grid's lower-left corner.
         height: Height of the walls, m.
 
     Raises:
@@ -88,9 +90,9 @@ def scene(world: World, destination: Destination, height: float) -> SolidScene:
 
 
 def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
-    """Of every cell that the timeline names, by row and column, its states from a time on.
+    """Return, for every cell in the timeline, by row and column, its states from each time on.
 
-    Of one time the last.
+    If a cell changes several times at one time, the last change counts.
     """
     states: dict[tuple[int, int], dict[float, CellState]] = {}
     for time, ix, iy, state in world.timeline:
@@ -100,7 +102,7 @@ def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
 
 
 def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
-    """Yield what a cell is at some times, but not at all."""
+    """Yield the states that a cell has at some times but not at all times."""
     for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
         there = [(time, state == kind) for time, state in by_time.items()]
         changes = tuple(now for before, now in itertools.pairwise(there) if before[1] != now[1])
@@ -109,21 +111,20 @@ def _bodies(by_time: dict[float, CellState], box: PlacedBox) -> Iterator[Body]:
 
 
 def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
-    """Return what a player script plays.
+    """Return the table that a player script plays.
 
-    Where bodies stand, and the height of their centres from a time on.
+    It has the places of bodies, and the height of their centres from each time on.
 
     Args:
-        model: Name of the file that has the bodies.
+        model: Name of the file with the bodies.
         bodies: As in :class:`SolidScene`.
-        height: Height of the walls, m; what is not there is parked with its upper side half of that
-            below the floor.
+        height: Height of the walls, m; a body that does not exist is parked half that height below
+            the floor.
         world: Name of the world in that file, if it has one.
 
     Returns:
         JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s,
-            name, z, m, in order
-        of time; those of time 0 come first, one a body.
+            name and z, m, in order of time, with one event per body at time 0 first.
     """
     heights = {True: exact(height) / 2, False: -exact(height)}
     events = [(0.0, body.name, body.shown) for body in bodies]
@@ -147,10 +148,11 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: s
 def plain_name(destination: Destination) -> str:
     """Return the file's stem in letters, digits, ``_`` and ``-``.
 
-    What every program takes as a name, in XML and in topics.
+    Every program accepts such a name, in XML and in topics.
     """
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", PurePath(destination.name).stem)[:_LONGEST_NAME].strip(
         "_"
     )
-    usual = re.match("[A-Za-z]", name) and name != "world"  # which Gazebo keeps for itself
+    # Gazebo reserves this name.
+    usual = re.match("[A-Za-z]", name) and name != "world"
     return name if usual else f"worldgen_{name}".rstrip("_")

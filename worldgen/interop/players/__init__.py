@@ -1,4 +1,4 @@
-"""Scripts that go out beside worlds that change.
+"""Scripts that are exported along with worlds that change.
 
-Each is a program of its own, and worldgen imports none of them.
+Each is a separate program, and worldgen imports none of them.
 """

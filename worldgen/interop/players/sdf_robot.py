@@ -32,14 +32,18 @@ _DRIVES = {
     "fortress": ("ignition-gazebo-diff-drive-system", "ignition::gazebo::systems::DiffDrive"),
     "harmonic": ("gz-sim-diff-drive-system", "gz::sim::systems::DiffDrive"),
 }
-# Parts of the robot's radius. All lies within the disc.
+# Lengths in units of the robot's radius. Everything is inside the disc.
 _WHEEL = Fraction(1, 2)
 _WHEEL_WIDTH = Fraction(1, 8)
-_WHEEL_AT = Fraction(5, 8)  # to the left and to the right
-_GAP = Fraction(1, 4)  # below the chassis
-_TALL = Fraction(3, 4)  # the chassis
-_CASTER_AT = Fraction(3, 4)  # to the front and to the back
-# kg
+# Wheels, to the left and right.
+_WHEEL_AT = Fraction(5, 8)
+# Wheels, below the chassis.
+_GAP = Fraction(1, 4)
+# Height of the chassis.
+_TALL = Fraction(3, 4)
+# Casters, at the front and the back.
+_CASTER_AT = Fraction(3, 4)
+# Masses, kg.
 _MASS = Fraction(1)
 _WHEEL_MASS = Fraction(1, 10)
 
@@ -47,12 +51,12 @@ _WHEEL_MASS = Fraction(1, 10)
 def robot_lines(world: World, destination: Destination, plugins: str) -> Iterator[str]:
     """Yield the model ``robot`` at the start.
 
-    A cylinder of the robot's radius, joints ``left_joint`` and ``right_joint``.
+    It is a cylinder of the robot's radius, with joints ``left_joint`` and ``right_joint``.
 
     Args:
         world: The world.
-        destination: Says where the grid's lower-left corner lies.
-        plugins: A key of ``SYSTEMS``; with all but ``none`` the robot takes velocity commands.
+        destination: Gives the position of the grid's lower-left corner.
+        plugins: A key of ``SYSTEMS``; with any but ``none`` the robot takes velocity commands.
     """
     radius = exact(world.robot_radius)
     start = world.start
@@ -70,7 +74,7 @@ def robot_lines(world: World, destination: Destination, plugins: str) -> Iterato
 
 
 def _inertial(mass: Fraction, about: Fraction, across: Fraction, *, axis: str) -> str:
-    """Of a flat disc: twice as hard to turn about its axis as across it."""
+    """Return the inertia of a flat disc: turning about its axis is twice as hard as across it."""
     moments = {name: text(about if name == axis * 2 else across) for name in ("xx", "yy", "zz")}
     inside = "".join(f"<i{name}>{value}</i{name}>" for name, value in moments.items())
     return f"        <inertial><mass>{text(mass)}</mass><inertia>{inside}</inertia></inertial>"
@@ -126,7 +130,7 @@ def _wheel(name: str, side: int, radius: Fraction) -> Iterator[str]:
 
 
 def _drive(file: str, system: str, radius: Fraction, speed: float) -> Iterator[str]:
-    """Commands come on the topic ``/model/robot/cmd_vel``."""
+    """Yield the systems; commands arrive on the topic ``/model/robot/cmd_vel``."""
     numbers = {
         "left_joint": "left_joint",
         "right_joint": "right_joint",

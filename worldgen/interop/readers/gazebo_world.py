@@ -1,4 +1,4 @@
-"""Reading worlds of Gazebo: what of their models stops a robot on the floor, and BARN's own idiom.
+"""Read Gazebo worlds: what in their models stops a robot on the floor, and BARN's own style.
 
 Source: the SDFormat specification; Daffan/the-barn-challenge, ``run.py`` and
     ``jackal_helper/worlds/BARN``.
@@ -30,33 +30,37 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["MAX_BYTES", "OURS", "grid_line", "read_gazebo_world"]
 
-OURS = "worldgen:"  # prefix of what SDFormat has no words for
-_ROBOT = "robot"  # the model that drives in files of ours
+# Prefix of our elements for facts that SDFormat lacks.
+OURS = "worldgen:"
+# The model that drives, in our own files.
+_ROBOT = "robot"
 MAX_BYTES = 64 << 20
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
-# m; what ends below, or begins above, stops no robot
+# Heights, m; a body that ends below or begins above them stops no robot.
 _FLOOR = Fraction(1, 50)
 _ABOVE = Fraction(2)
-_FLAT = 1e-6  # rad; a body that rolls or pitches more does not stand upright
-# BARN's posts, and how far they stand apart, m
+# Tolerance, rad; a body that rolls or pitches more does not stand upright.
+_FLAT = 1e-6
+# BARN's posts, and the distance between them, m.
 _POST = Fraction("0.075")
 _LATTICE = Fraction("0.15")
-_ROUNDED = Fraction(1, 10**6)  # of the lattice's spacing; coordinates come with six digits
-# m; where BARN's posts stand
+# Part of the lattice's spacing; coordinates come with six digits.
+_ROUNDED = Fraction(1, 10**6)
+# Where BARN's posts stand, m.
 _LEFT = Fraction("-4.5")
 _LOW = Fraction(0)
 _WIDTH = Fraction("4.5")
 _HEIGHT = Fraction(15)
-# the challenge's; it counts as there within 1 m
+# The challenge's target; it counts as reached within 1 m.
 _START = ("-2.25", "3", "1.57")
 _GOAL = ("-2.25", "13")
 _REACH = 1.0
 
 
 def grid_line(world: World, destination: Destination) -> str:
-    """Return the element of ours, with which a file of Gazebo comes back.
+    """Return our own element, from which an exported world can be restored.
 
-    Corner, sides and cell size of the grid, m.
+    It has the grid's corner, sides and cell size, m.
     """
     side = exact(world.cell_size)
     grid = [
@@ -68,7 +72,7 @@ def grid_line(world: World, destination: Destination) -> str:
 
 
 class _BodyPose(NamedTuple):
-    """Where a body stands, m, and how it is turned, rad."""
+    """A body's position, m, and rotation, rad."""
 
     x: Fraction = Fraction(0)
     y: Fraction = Fraction(0)
@@ -78,7 +82,7 @@ class _BodyPose(NamedTuple):
     yaw: Fraction = Fraction(0)
 
     def then(self, inner: _BodyPose) -> _BodyPose:
-        """Of a body that stands so in one that stands here upright."""
+        """Chain this pose with one given in its frame."""
         x = inner.x
         y = inner.y
         if self.yaw != 0 and (x or y):
@@ -99,7 +103,7 @@ class _BodyPose(NamedTuple):
 class _Frame(NamedTuple):
     """The part of the world that becomes cells.
 
-    Its lower-left corner and its sides, m, and the side of a cell.
+    It is given by its lower-left corner and its sides, m, and the side of a cell.
     """
 
     left: Fraction
@@ -122,16 +126,17 @@ class _GazeboScene:
 def read_gazebo_world(
     path: Path, *, cell_size: float = 0.0, raster: Literal["outer", "inner"] = "outer"
 ) -> ForeignMap:
-    """Return a world file of Gazebo, BARN's among them.
+    """Read a Gazebo world file, including BARN's.
 
     Args:
         path: The ``.world`` or ``.sdf`` file.
-        cell_size: Side of a cell, m; 0: as our files say, 0.15 of BARN's, else as large as boxes
-            let it be, or 0.1.
-        raster: Whether a cell is solid if a shape reaches into it, or only if it lies in one.
+        cell_size: Side of a cell, m; 0 means that of our own files, 0.15 for BARN's, and otherwise
+            as large as the boxes allow, or 0.1.
+        raster: Whether a cell is solid if a shape reaches into it, or only if it is completely
+            inside one.
 
     Raises:
-        FormatError: If the file breaks a rule, with the line where there is one.
+        FormatError: If the file breaks a rule, with the line if there is one.
     """
     data = read_bounded(path, MAX_BYTES)
     source = str(path)
@@ -175,7 +180,7 @@ def read_gazebo_world(
 
 
 def _unread(scene: _GazeboScene) -> tuple[str, ...]:
-    """Return what stands in the world and was not read, counted."""
+    """Return what in the world was not read, counted."""
     return tuple(
         f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}"
         for what, count in sorted(scene.unread.items())
@@ -325,7 +330,7 @@ def _add_shape(scene: _GazeboScene, shape: XmlElement, pose: _BodyPose, *, uprig
 
 
 def _add_plane(scene: _GazeboScene, plane: XmlElement, pose: _BodyPose, *, upright: bool) -> None:
-    """A plane is the floor; one that stands on edge is a wall, and is not read."""
+    """Treat a plane as the floor; a plane on edge is a wall, and is reported as unread."""
     normal = plane.first("normal")
     x, y, _ = (
         _numbers(scene, normal, 3)
@@ -354,7 +359,7 @@ def _is_barn(scene: _GazeboScene) -> bool:
 def _frame(scene: _GazeboScene, own: XmlElement | None, wanted: float, *, barn: bool) -> _Frame:
     """Return the part of the world that becomes cells.
 
-    What the file says, BARN's, or all that stands there.
+    It is what the file gives, BARN's own, or everything in the world.
     """
     size = Fraction(repr(wanted)) if wanted else None
     if own is not None:
@@ -454,7 +459,7 @@ def _cells(
 def _ends(
     scene: _GazeboScene, frame: _Frame, *, barn: bool, ours: bool
 ) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
-    """Start and target: the challenge's, or the models of these names."""
+    """Return start and target: the challenge's, or the models of these names."""
     if barn:
         x, y, heading = map(Fraction, _START)
         goal = (
@@ -474,7 +479,7 @@ def _ends(
 
 
 def _disc_radius(world: XmlElement, name: str, scene: _GazeboScene) -> tuple[float, ...]:
-    """Of the disc that marks a place, m; empty where there is none."""
+    """Return the radius of the disc that marks a place, m; empty if there is none."""
     for model in world.all("model"):
         if model.attributes.get("name") == name:
             for disc in model.all("link", "visual", "geometry", "cylinder"):

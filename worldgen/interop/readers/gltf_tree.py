@@ -1,8 +1,8 @@
-"""The JSON of a glTF file, checked before a library builds what it claims.
+"""Check the JSON of a glTF file before a library builds what it claims.
 
-A tree, of bounded size, without surprises. trimesh 5.2 allocates whatever an accessor claims: a
-    file of 400 bytes can ask for 22 GiB. Of nodes that break
-the rule of one parent it drops some without a word.
+The result is a tree of bounded size without surprises. trimesh 5.2 allocates whatever an accessor
+    claims: a file of 400 bytes can ask for 22 GiB. It also silently drops some nodes with more than
+    one parent.
 
 Source: The Khronos Group, "glTF 2.0 Specification", 2021.
 """
@@ -20,7 +20,8 @@ __all__ = ["MOST_FACES", "check_gltf", "gltf_json", "root_extras"]
 MOST_FACES = 5_000_000
 _MOST_NODES = 200_000
 _MOST_DEPTH = 200
-_MOST_VALUES = 60_000_000  # numbers in all accessors together
+# Most numbers in all accessors together.
+_MOST_VALUES = 60_000_000
 _COMPRESSED = (
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization",
     "EXT_mesh_gpu_instancing",
@@ -33,7 +34,7 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
     """Return the document of a ``.gltf`` or ``.glb`` file.
 
     Raises:
-        FormatError: If it is neither, or no JSON object.
+        FormatError: If it is neither, or not a JSON object.
     """
     text = data
     if data[:4] == b"glTF":
@@ -62,10 +63,10 @@ def gltf_json(data: bytes, source: str) -> dict[str, Any]:
 
 
 def check_gltf(document: dict[str, Any], source: str) -> None:
-    """Refuse what a reader would choke on, or would read wrongly.
+    """Reject what a reader would choke on or misread.
 
     Raises:
-        FormatError: If the nodes are no trees, there is too much of anything, or the triangles are
+        FormatError: If the nodes are not trees, there is too much of anything, or the triangles are
             compressed.
     """
     try:
@@ -110,9 +111,9 @@ def _check_sizes(document: dict[str, Any], source: str) -> None:
 
 
 def _check_nodes(document: dict[str, Any], source: str) -> None:
-    """Each node has one parent at most, and none is above itself.
+    """Check that each node has at most one parent and is not its own ancestor.
 
-    Instances count as often as they stand there.
+    An instance counts each time it is placed.
     """
     nodes = document.get("nodes", [])
     parent = [-1] * len(nodes)
@@ -128,7 +129,7 @@ def _check_nodes(document: dict[str, Any], source: str) -> None:
                 )
             parent[child] = number
 
-    # From the roots on, each level is visited once; what is never met hangs in a circle.
+    # Visit each level once, starting at the roots; a node that is never met is in a cycle.
     level = [number for number in range(len(nodes)) if parent[number] < 0]
     met = 0
     depth = 0
@@ -172,7 +173,7 @@ def _faces(document: dict[str, Any], mesh: dict[str, Any]) -> int:
 
 
 def root_extras(document: dict[str, Any]) -> dict[str, Any]:
-    """Return what our own files say of the world next to its walls; nothing of others."""
+    """Return the facts about the world in one of our own files; nothing for other files."""
     for node in document.get("nodes", []):
         extras = node.get("extras")
         if node.get("name") == "worldgen" and isinstance(extras, dict):
@@ -181,7 +182,7 @@ def root_extras(document: dict[str, Any]) -> dict[str, Any]:
 
 
 def _joined(extras: dict[str, Any]) -> dict[str, Any]:
-    """Return points put together again from their two numbers."""
+    """Join the two numbers of each point."""
     joined = {name: value for name, value in extras.items() if name[-2:] not in ("_x", "_y")}
     for name, value in extras.items():
         if name.endswith("_x") and f"{name[:-2]}_y" in extras:

@@ -1,6 +1,6 @@
-"""Grey pictures of maps: PGM by our own reader, exact in every depth, PNG and BMP by Pillow.
+"""Grey pictures of maps: PGM by our own reader, exact in every depth; PNG and BMP by Pillow.
 
-A picture is untrusted: its header's sizes are checked before anything is allocated for them.
+A picture is untrusted: the sizes in its header are checked before anything is allocated for them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ _PILLOW_FORMATS = ("PNG", "BMP")
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
 _FIELD = re.compile(rb"(?:\s|#[^\r\n]*+[\r\n])++([0-9]{1,9})")
 _COMMENT = re.compile(rb"#[^\r\n]*+")
-_MAX_DIGITS = 5  # 65535
+# The largest value, 65535.
+_MAX_DIGITS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +38,8 @@ class GreyImage:
     Args:
         values: (height, width) uint8 or uint16, top row first, 0 black to ``maximum`` white.
         maximum: The value of white.
-        alpha: (height, width) uint8 where the picture has transparency: 0 clear to 255 opaque.
-        text: What a PNG says next to its pixels, by keyword.
+        alpha: (height, width) uint8 if the picture has transparency: 0 clear to 255 opaque.
+        text: Text chunks of a PNG, by keyword.
     """
 
     values: npt.NDArray[np.uint8 | np.uint16]
@@ -48,14 +49,14 @@ class GreyImage:
 
     @property
     def opaque(self) -> npt.NDArray[np.bool_] | None:
-        """Where the picture has transparency: False where not fully opaque."""
+        """A mask of transparency: True where not fully opaque."""
         return None if self.alpha is None else self.alpha == 255
 
 
 def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
     """Return a binary PGM of greys, top row first.
 
-    Its maximum is 255, for some loaders misread any other.
+    Its maximum is 255, because some loaders misread any other.
     """
     height, width = values.shape
     return b"P5\n%d %d\n255\n" % (width, height) + values.tobytes()
@@ -66,7 +67,7 @@ def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = No
 
     Args:
         values: (height, width), top row first.
-        text: What it says next to its pixels, by keyword; written in this order, before the pixels.
+        text: Text chunks, by keyword; written in this order, before the pixels.
     """
     said = PngImagePlugin.PngInfo()
     for keyword, words in (text or {}).items():
@@ -81,13 +82,13 @@ def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = Non
 
     Args:
         solid: (height, width), row 0 the lowest y.
-        text: As of :func:`png_bytes`.
+        text: As for :func:`png_bytes`.
     """
     return png_bytes(np.where(flip_rows(solid), np.uint8(0), np.uint8(255)), text)
 
 
 def read_grey_image(data: bytes, source: str) -> GreyImage:
-    """Return a picture of a map.
+    """Decode a picture of a map.
 
     Args:
         data: PGM (P2 or P5), PNG or BMP; colours become grey by their luma (ITU-R BT.601).
@@ -209,7 +210,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
 
 
 def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
-    # Comments were taken out, line ends were not: lines count from the end of both.
+    # Comments were removed but line ends were not, so lines are counted from the end of both.
     line = data.count(b"\n") - text.count(b"\n", at) + 1
     word = quote(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
     raise FormatError(
@@ -230,7 +231,8 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
         with warnings.catch_warnings():
             warnings.simplefilter(
                 "ignore"
-            )  # a bomb is refused by check_sides below, before it is unpacked
+                # check_sides below rejects a decompression bomb before it is unpacked.
+            )
             with Image.open(io.BytesIO(data), formats=_PILLOW_FORMATS) as image:
                 check_sides(*image.size, source=source)
                 return _to_grey(image)
@@ -244,7 +246,8 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
         raise FormatError(
             "unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source
         ) from error
-    except Exception as error:  # Pillow's decoders raise whatever a damaged file leads them to
+    # Pillow's decoders raise all kinds of exceptions on damaged files.
+    except Exception as error:
         raise FormatError(
             "damaged-file",
             "is a damaged picture: {reason}",
@@ -257,7 +260,8 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
 def _to_grey(image: Image.Image) -> GreyImage:
     image.load()
     text = {str(keyword): str(words) for keyword, words in getattr(image, "text", {}).items()}
-    if image.mode.startswith("I"):  # 16-bit grey; convert("L") would cut it off at 255
+    # 16-bit grey; convert("L") would clip it at 255.
+    if image.mode.startswith("I"):
         wide = np.asarray(image).astype(np.int64)
         return GreyImage(np.clip(wide, 0, 65535).astype(np.uint16), 65535, text=text)
     alpha = None

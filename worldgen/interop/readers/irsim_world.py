@@ -1,4 +1,4 @@
-"""Reading worlds of IR-SIM: what its YAML files say of walls, robot and goal.
+"""Read IR-SIM worlds: walls, robot and goal from their YAML files.
 
 Source: IR-SIM 2.12, ``world/world.py``, ``object_factory.py``, ``geometry_handler.py`` and
     ``image_map_generator.py``.
@@ -28,16 +28,18 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value
 
 __all__ = ["MAX_YAML_BYTES", "read_irsim"]
 
-MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
+# A maze of 500 x 500 cells has 1 MB of boxes.
+MAX_YAML_BYTES = 2 << 20
 _MOST_OBJECTS = 1_000_000
-_SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
+# IR-SIM's default width and height, m.
+_SIZE = Fraction(10)
 _STATE = [Fraction(1), Fraction(1), Fraction(0)]
 _GOAL = [Fraction(1), Fraction(9), Fraction(0)]
 
 
 @dataclass
 class _IrsimScene:
-    """What the file has, m, from the world's corner."""
+    """The contents of the file, m, from the world's corner."""
 
     width: Fraction
     height: Fraction
@@ -49,17 +51,16 @@ class _IrsimScene:
 
 
 def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) -> ForeignMap:
-    """Return a world file of IR-SIM.
+    """Read an IR-SIM world file.
 
     Args:
         path: The YAML file.
-        cell_size: Side of a cell, m; 0: that of the obstacle map, or on whose lines all walls lie,
-            or 0.1.
-        threshold: How dark a pixel of the obstacle map must at least be to be solid, 0 white to 1
-            black.
+        cell_size: Side of a cell, m; 0 means the obstacle map's, or the largest with all walls on
+            its lines, or 0.1.
+        threshold: Least darkness of a solid pixel of the obstacle map, 0 white to 1 black.
 
     Raises:
-        FormatError: If the file breaks a rule, with the line where there is one.
+        FormatError: If the file breaks a rule, with the line if there is one.
     """
     check_between("threshold", threshold, 0.0, 1.0)
     data = read_bounded(path, MAX_YAML_BYTES)
@@ -128,7 +129,7 @@ def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
 def _picture(
     world: YamlTable, path: Path, threshold: float
 ) -> tuple[npt.NDArray[np.bool_], str, str]:
-    """Return solid cells, lowest row first, of the obstacle map, its name and digest."""
+    """Return the obstacle map's solid cells, lowest row first, its name and its digest."""
     word = _picture_name(world)
     try:
         image = sibling_file(path, "obstacle_map", word)
@@ -145,8 +146,8 @@ def _picture(
                 "wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step
             ),
         )
-    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is just as dark counts
-    # too.
+    # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is exactly as dark
+    # counts too.
     solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
     return flip_rows(solid)[::step, ::step], image.name, digest(data)
 
@@ -172,9 +173,9 @@ def _picture_name(world: YamlTable) -> str:
 
 
 def _add_obstacles(scene: _IrsimScene, table: YamlTable) -> None:
-    """The obstacles of one entry.
+    """Add the obstacles of one entry.
 
-    ``number`` of them, with a shape and a state each, the last for the rest.
+    There are ``number`` of them, each with a shape and a state; the last ones serve for the rest.
     """
     number = int(_fraction(table, "number", Fraction(1)))
     if not 0 <= number <= _MOST_OBJECTS:
@@ -218,7 +219,7 @@ def _placing(table: YamlTable) -> str:
 def _add_shape(
     scene: _IrsimScene, owner: YamlTable, shape: YamlTable | None, state: list[Fraction]
 ) -> None:
-    """One shape at a state; the parts of a compound one after the other."""
+    """Add one shape at a state, or the parts of a compound shape one after another."""
     x, y, heading = (*state, Fraction(0))[:3]
     at = (x - scene.corner[0], y - scene.corner[1])
     name = "circle" if shape is None else _word(shape, "name", "circle")
@@ -369,7 +370,8 @@ def _paint(raster: Raster, scene: _IrsimScene, size: Fraction) -> None:
     scene.shapes.paint(raster)
     raster.box(
         RasterBox(scene.width, Fraction(0), width * size, height * size)
-    )  # where the last cells stick out
+        # The last cells may extend beyond the world.
+    )
     raster.box(RasterBox(Fraction(0), scene.height, width * size, height * size))
 
 
@@ -377,7 +379,7 @@ _Point = tuple[float, ...] | None
 
 
 def _robot(top: YamlTable, scene: _IrsimScene) -> tuple[_Point, _Point, float | None, float | None]:
-    """Start, target, radius and speed of the first robot."""
+    """Return start, target, radius and speed of the first robot."""
     tables = _tables(top, "robot")
     if not tables:
         scene.notes.append("there is no robot in the file")
@@ -427,7 +429,7 @@ def _from_corner(
 
 
 def _radius(robot: YamlTable, scene: _IrsimScene) -> float:
-    """Of the disc around the robot's own point that covers it."""
+    """Return the radius of the disc around the robot's reference point that covers it."""
     shapes = _tables(robot, "shape")
     if not shapes:
         return 1.0

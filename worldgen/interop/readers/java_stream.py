@@ -1,6 +1,6 @@
-"""Whole numbers in a stream of Java's serialisation.
+"""Read whole numbers from a Java serialisation stream.
 
-What ``ObjectOutputStream.writeInt`` leaves behind.
+``ObjectOutputStream.writeInt`` writes such streams.
 
 Source: Java Object Serialization Specification, version 6, chapter 6, "Object Serialization Stream
     Protocol".
@@ -22,10 +22,11 @@ Ints = npt.NDArray[np.int32]
 MAGIC = b"\xac\xed"
 _VERSION = 5
 _HEADER = MAGIC + _VERSION.to_bytes(2, "big")
-# records of bare bytes: their length in one byte, or in four
+# Records of raw bytes, with their length in one byte or in four.
 _SHORT = 0x77
 _LONG = 0x7A
-_BLOCK = 1024  # bytes that ObjectOutputStream gathers before it writes a record
+# Bytes that ObjectOutputStream collects before it writes a record.
+_BLOCK = 1024
 _RECORDS = {
     0x70: "a null",
     0x71: "a reference",
@@ -44,18 +45,18 @@ _RECORDS = {
 
 
 def read_ints(data: bytes, source: str) -> Ints:
-    """Return the numbers of a stream that holds nothing else.
+    """Return the numbers of a stream that contains nothing else.
 
     Args:
         data: The file's bytes.
-        source: Its name for messages.
+        source: Name of the file for messages.
 
     Returns:
         (n,) int32.
 
     Raises:
-        FormatError: If the header is another, a record holds no bare bytes, is empty or is cut
-            short, or the bytes end within a number.
+        FormatError: If the header is different, a record isn't raw bytes, is empty or is cut short,
+            or the bytes end within a number.
     """
     _check_header(data, source)
     payload = bytearray()
@@ -156,10 +157,10 @@ def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
 def write_ints(values: npt.NDArray[np.integer]) -> bytes:
     """Return the stream as ``ObjectOutputStream`` writes it, byte for byte.
 
-    Full blocks, then what is left.
+    It consists of full blocks, then the rest.
 
     Args:
-        values: Numbers within 32 bits, in the order of writing.
+        values: Numbers of at most 32 bits, in the order of writing.
     """
     payload = values.astype(">i4").tobytes()
     blocks = (payload[at : at + _BLOCK] for at in range(0, len(payload), _BLOCK))
@@ -171,5 +172,5 @@ def _block_head(length: int) -> bytes:
 
 
 def stream_bytes(count: int) -> int:
-    """Return largest size of a stream that holds ``count`` numbers in full blocks."""
+    """Return the largest size of a stream that holds ``count`` numbers in full blocks."""
     return len(_HEADER) + 4 * count + 5 * (4 * count // _BLOCK + 1)

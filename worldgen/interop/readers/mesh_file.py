@@ -1,6 +1,6 @@
-"""Triangles of a mesh file, all of them in one frame.
+"""Load the triangles of a mesh file, all in one frame.
 
-Trimesh reads, this checks what goes in and what comes out.
+trimesh reads the file; this module checks what goes in and what comes out.
 """
 
 from __future__ import annotations
@@ -30,19 +30,20 @@ __all__ = ["RawMesh", "load_mesh"]
 _COUNTED = re.compile(rb"^element[ \t]+\w+[ \t]+(\d+)", re.MULTILINE)
 _HELD_LINE = re.compile(rb"^(?:#|comment) (\w+ = .{1,200})$", re.MULTILINE)
 _STL_FRAME = re.compile(rb"worldgen: m, z up; size (\d+) (\d+); cell (\S+); origin (\S+) (\S+) *")
-_FURTHEST = 1e15  # in the file's unit; squares of such numbers still are numbers
+# Largest coordinate, in the file's unit; its square is still a finite number.
+_FURTHEST = 1e15
 
 
 class RawMesh(NamedTuple):
-    """A mesh as its file has it.
+    """A mesh as stored in its file.
 
     Args:
         vertices: (n, 3) float64, in the file's unit and axes.
         faces: (m, 3) int64.
-        held: What a file of ours says next to the walls, by the names of
-            :data:`~worldgen.interop.format.HELD`, and ``size``; empty for others' files.
-        unit: Metres in a unit, if the file says so.
-        left_out: Parts that are no surfaces, such as points and lines.
+        held: Facts about the world in a file of ours, by the names of
+            :data:`~worldgen.interop.format.HELD`, and ``size``; empty for other files.
+        unit: Metres per unit, if the file gives it.
+        left_out: Parts that are not surfaces, such as points and lines.
         sha_data: The bytes of the file.
     """
 
@@ -85,7 +86,7 @@ def load_mesh(path: Path, kind: str) -> RawMesh:
 
 
 def _check_counts(data: bytes, kind: str, source: str) -> None:
-    """Refuse headers that claim more parts than the file has bytes."""
+    """Reject headers that claim more parts than the file has bytes."""
     if kind == "ply" and any(
         int(count[:20]) > len(data) for count in _COUNTED.findall(data[: 1 << 16])
     ):
@@ -97,9 +98,9 @@ def _check_counts(data: bytes, kind: str, source: str) -> None:
 
 
 def _held(data: bytes, kind: str) -> dict[str, Any]:
-    """Return what a file of ours says of its world.
+    """Return the facts about the world in a file of ours.
 
-    In comments, as TOML, or in the header of an STL file.
+    They are in comments, as TOML, or in the header of an STL file.
     """
     if kind == "stl":
         found = _STL_FRAME.match(data[:80])
@@ -117,7 +118,7 @@ def _held(data: bytes, kind: str) -> dict[str, Any]:
 
 
 class _Beside(trimesh.resolvers.Resolver):
-    """Files that the mesh file names, for trimesh: only those in its folder or below it."""
+    """Opens files that the mesh file names for trimesh, only in its folder or below it."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -142,7 +143,7 @@ class _Beside(trimesh.resolvers.Resolver):
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep a library's log and warnings from the user; text that is cut off is an error."""
+    """Hide a library's log and warnings from the user; truncated text is an error."""
     logger = logging.getLogger("trimesh")
     before = logger.disabled
     logger.disabled = True
@@ -156,7 +157,7 @@ def _quiet() -> Iterator[None]:
 
 
 def _loaded(data: bytes, kind: str, path: Path) -> Any:
-    """Return the scene that trimesh makes of a file; whatever it raises is the file's fault."""
+    """Return the scene that trimesh makes of a file; any exception is the file's fault."""
     try:
         with _quiet():
             return trimesh.load_scene(
@@ -166,11 +167,13 @@ def _loaded(data: bytes, kind: str, path: Path) -> Any:
                 process=False,
                 skip_materials=True,
             )
-    except InvalidParameter as error:  # of a file that it names
+    # The error is about a file that it names.
+    except InvalidParameter as error:
         raise FormatError.of(error.message, source=str(path)) from error
     except WorldgenError:
         raise
-    except Exception as error:  # a damaged file makes trimesh raise anything
+    # A damaged file can make trimesh raise anything.
+    except Exception as error:
         raise FormatError(
             "unreadable-mesh",
             "cannot be read as {kind} ({reason})",
@@ -212,7 +215,7 @@ def _in_one_frame(
                 "out-of-range", "has a triangle without vertices", "export it again", source=source
             )
         with np.errstate(all="ignore"):
-            # One rounding for each product and sum, so that every machine has the same bits.
+            # Round each product and sum once, so that every machine gets the same bits.
             moved = sum(vertices[:, [axis]] * matrix[:3, axis] for axis in range(3)) + matrix[:3, 3]
             mirrored = np.linalg.det(matrix[:3, :3]) < 0
         places.append(np.asarray(moved))

@@ -1,8 +1,8 @@
-"""How mesh formats are read.
+"""Readers of the mesh formats.
 
-A cut at a height, with the options that each kind of file leaves open. Source of the axes: glTF
-    2.0, section 3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files of
-robotics follow, though their formats say nothing.
+Each cuts at a height, with the options that its kind of file leaves open. Source of the axes: glTF
+    2.0, section 3.3 (y up, metres); ROS REP 103 (z up), which STL, OBJ and PLY files in robotics
+    follow although their formats do not require it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 
 
 def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
-    """Return the reader of a format that has neither unit nor up axis.
+    """Return the reader of a format without unit or up axis.
 
     Args:
         kind: ``stl``, ``obj`` or ``ply``.
@@ -34,15 +34,16 @@ def unitless_reader(kind: str) -> Callable[..., ForeignMap]:
         up: Literal["z", "y"] = "z",
         floor: int = 0,
     ) -> ForeignMap:
-        """Return a mesh, cut at a height.
+        """Read a mesh, cut at a height.
 
         Args:
             path: The file.
-            slice_height: Height of the cut above the floor, m: that of the lidar.
-            cell_size: Side of a cell, m; 0: as the file says if worldgen wrote it, else 0.05.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
             unit: The file's unit of length.
-            up: The axis that points up in the file; Blender's OBJ files have y.
-            floor: Which floor, from 0, the lowest.
+            up: The axis that points up in the file; in Blender's OBJ files it is y.
+            floor: Number of the floor, from 0, the lowest.
         """
         return cut_mesh(path, kind, slice_height, cell_size, _METRES[unit], up, floor)
 
@@ -64,14 +65,15 @@ def metric_reader(kind: str) -> Callable[..., ForeignMap]:
         up: Literal["y", "z"] = "y",
         floor: int = 0,
     ) -> ForeignMap:
-        """Return a mesh, cut at a height.
+        """Read a mesh, cut at a height.
 
         Args:
             path: The file.
-            slice_height: Height of the cut above the floor, m: that of the lidar.
-            cell_size: Side of a cell, m; 0: as the file says if worldgen wrote it, else 0.05.
-            up: The axis that points up in the file; glTF's is y, but not all exporters heed it.
-            floor: Which floor, from 0, the lowest.
+            slice_height: Height of the cut above the floor, m, such as the lidar's.
+            cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise
+                0.05.
+            up: The axis that points up in the file; glTF's is y, but not all exporters follow it.
+            floor: Number of the floor, from 0, the lowest.
         """
         return cut_mesh(path, kind, slice_height, cell_size, 1.0, up, floor)
 
@@ -81,16 +83,16 @@ def metric_reader(kind: str) -> Callable[..., ForeignMap]:
 def cut_mesh(
     path: Path, kind: str, slice_height: float, cell_size: float, unit: float, up: str, floor: int
 ) -> ForeignMap:
-    """Cut a mesh file; trimesh is imported no sooner.
+    """Cut a mesh file; trimesh is not imported before.
 
     Args:
         path: The file.
         kind: Its format.
-        slice_height: Above the floor, m.
-        cell_size: m; 0: as the file says, or the usual one.
-        unit: Metres in the file's unit, where the file does not say it.
+        slice_height: Height above the floor, m.
+        cell_size: Side of a cell, m; 0 means the file's own, or the default.
+        unit: Metres per unit of the file, if the file does not give it.
         up: ``z`` or ``y``.
-        floor: From 0.
+        floor: Number of the floor, from 0.
     """
     from worldgen.interop.readers.mesh_slice import Plane, read_slice
 

@@ -1,7 +1,6 @@
-"""A mesh cut at the height of a robot's lidar: floors, the plane, the cells.
+"""Cut a mesh at the height of a robot's lidar: find the floors, the plane and the cells.
 
-What stands lower or higher than the plane is not seen, as a lidar does not see it: a table is its
-    legs.
+As with a real lidar, anything lower or higher than the plane is not seen: a table is its legs.
 """
 
 from __future__ import annotations
@@ -26,15 +25,22 @@ from worldgen.world import Value
 __all__ = ["Plane", "read_slice"]
 
 
-_USUAL_CELL = 0.05  # m, where neither user nor file say it
-_FLAT = 0.99  # cosine of the steepest slope that counts as a floor
+# Default, m, if neither the user nor the file gives one.
+_USUAL_CELL = 0.05
+# Cosine of the steepest slope that counts as a floor.
+_FLAT = 0.99
 _SAME_FLOOR = (
-    0.5  # m; levels that are nearer to each other are one floor, with a step or a platform
+    # Levels less than this apart, m, are one floor, with a step or a platform.
+    0.5
 )
-_SMALL = 0.25  # of the largest floor's area; less is a landing, or furniture
-_ROUNDED = 2.0**-22  # of the largest coordinate: meshes are mostly kept as float32
-_TOUCH = 1e-6  # cells; as in `worldgen.interop.geometry.raster`
-_ODD_SIDES = (0.5, 1000.0)  # m; a building that is smaller or larger is mostly in another unit
+# Part of the largest floor's area; less is a landing or furniture.
+_SMALL = 0.25
+# Part of the largest coordinate: meshes are mostly stored as float32.
+_ROUNDED = 2.0**-22
+# Depth in cells, as in `worldgen.interop.geometry.raster`.
+_TOUCH = 1e-6
+# Sizes in m; a smaller or larger building is probably in another unit.
+_ODD_SIDES = (0.5, 1000.0)
 _OURS = (
     "start",
     "heading",
@@ -52,11 +58,11 @@ class Plane:
     """Where and how a mesh is cut.
 
     Args:
-        height: Above the floor, m.
-        cell_size: Side of a cell, m; 0: as a file of ours says, else 0.05.
+        height: Height above the floor, m.
+        cell_size: Side of a cell, m; 0 means the file's own if worldgen wrote it, otherwise 0.05.
         up: The axis that points up in the file.
-        unit: Metres in the file's unit of length.
-        floor: Which floor, from 0, the lowest.
+        unit: Metres per unit of length in the file.
+        floor: Number of the floor, from 0, the lowest.
     """
 
     height: float
@@ -71,13 +77,13 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
 
     Args:
         path: The file.
-        kind: Its format, as :func:`~worldgen.interop.readers.mesh_file.load_mesh` takes it.
-        plane: Where it is cut.
+        kind: Its format, one that :func:`~worldgen.interop.readers.mesh_file.load_mesh` takes.
+        plane: The cut to make.
 
     Raises:
-        FormatError: If the file breaks its format's rules, or nothing stands in the plane.
+        FormatError: If the file breaks its format's rules, or nothing crosses the plane.
         InvalidParameter: If there is no such floor, or a number is out of range.
-        InvalidWorld: If the cells are too many.
+        InvalidWorld: If there are too many cells.
     """
     check_between("slice_height", plane.height, 0.0, 1000.0, "m")
     mesh = load_mesh(path, kind)
@@ -85,7 +91,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
     cell_size = plane.cell_size or held.get("cell_size", _USUAL_CELL)
     check_between("cell_size", cell_size, *CELL_SIZES, "m")
 
-    # Into metres, z up, and cut.
+    # Convert to metres, z up, and cut.
     unit = plane.unit if mesh.unit is None else mesh.unit
     vertices = mesh.vertices * unit
     if plane.up == "y":
@@ -118,7 +124,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
             source=str(path),
         )
 
-    # Into cells.
+    # Convert to cells.
     size = held.get("size") if held.get("cell_size") == cell_size else None
     origin, width, height = _frame(vertices, cell_size, held.get("origin"), size, str(path))
     solid = _cells(section, cell_size, origin, width, height)
@@ -127,7 +133,7 @@ def read_slice(path: Path, kind: str, plane: Plane) -> ForeignMap:
 
 @dataclass(frozen=True)
 class _Told:
-    """What the notes are made of."""
+    """Facts for the notes."""
 
     plane: Plane
     floors: list[float]
@@ -136,9 +142,9 @@ class _Told:
 
 
 def _checked(held: dict[str, Any]) -> dict[str, Any]:
-    """Return what a file of ours says, if all of it has the right form.
+    """Return the facts in a file of ours, if all of them have the right form.
 
-    Else it is read as any other file.
+    Otherwise the file is read like any other.
     """
     numbers: dict[str, Any] = {}
     for name in ("size", *_OURS):
@@ -169,9 +175,9 @@ def _checked(held: dict[str, Any]) -> dict[str, Any]:
 def _floors(
     vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64], height: float
 ) -> list[float]:
-    """Return heights, m, of large level surfaces that look up and have something above them.
+    """Return heights, m, of large level surfaces that face up and have something above them.
 
-    Else the mesh's lowest point.
+    If there are none, return the mesh's lowest point.
     """
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -180,8 +186,8 @@ def _floors(
     top = float(vertices[faces.reshape(-1), 2].max())
     lowest = float(vertices[faces.reshape(-1), 2].min())
 
-    # Area by height, to the millimetre; heights near each other are one floor, at the height of
-    # most of it.
+    # Sum the area by height, to the millimetre. Heights near each other are one floor, at the
+    # height of its largest part.
     heights, place = np.unique(np.round(corners[level, :, 2].mean(axis=1), 3), return_inverse=True)
     by_height = np.bincount(place.reshape(-1), weights=areas[level], minlength=len(heights))
     groups: list[list[int]] = []
@@ -210,7 +216,7 @@ def _frame(
 ) -> tuple[tuple[float, float], int, int]:
     """Return the grid's corner, m, and its sides, cells.
 
-    As a file of ours says, else around the mesh, on whole cells.
+    They are the file's own if worldgen wrote it; otherwise they surround the mesh, on whole cells.
     """
     if origin is not None and size is not None:
         check_sides(size[0], size[1], source=source)

@@ -1,6 +1,6 @@
-"""Start, target and robot as words, for files with room for words.
+"""Store start, target and robot as words, in files that have room for words.
 
-Keys of a table, a picture's text, properties.
+The words are keys of a table, a picture's text, or properties.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from worldgen.world import World
 __all__ = ["KEYS", "Places", "from_decimal", "place_words", "read_places"]
 
 KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
-"""Names of what is said, and of how many numbers each is."""
+"""Names of the facts, and how many numbers each has."""
 
-# More digits than any sum of two float64 of a world has.
+# More digits than the sum of any two float64 of a world.
 _NUMBER = re.compile(
     r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?"
 )
@@ -28,13 +28,13 @@ _NUMBER = re.compile(
 
 @dataclass(frozen=True)
 class Places:
-    """What a file's words say.
+    """The facts in a file's words.
 
     Args:
         start: x, y, m from the grid's lower-left corner, and heading, rad.
         target: x, y and radius, m.
-        robot_radius: m.
-        robot_speed: m/s.
+        robot_radius: Radius, m.
+        robot_speed: Top speed, m/s.
     """
 
     start: tuple[float, ...] | None = None
@@ -46,7 +46,7 @@ class Places:
 def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
     """Return the words by the names of :data:`KEYS`.
 
-    Exact decimals, m and rad, points in the file's frame.
+    Numbers are exact decimals, m and rad; points are in the file's frame.
     """
     start = world.start
     target = world.target
@@ -59,15 +59,15 @@ def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
 
 
 def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
-    """Return what :func:`place_words` wrote; a world's numbers come back as they were, to the bit.
+    """Parse what :func:`place_words` wrote; a world's numbers come back bit for bit.
 
     Args:
-        words: Any of them, or none.
+        words: Any number of the words.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
 
     Raises:
-        InvalidParameter: If there are too few or too many numbers, one is none, or a length is not
-            above 0.
+        InvalidParameter: If there are too few or too many numbers, one isn't a number, or a length
+            isn't above 0.
     """
     found: dict[str, tuple[float, ...]] = {}
     for key, count in KEYS.items():
@@ -100,12 +100,12 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
 
 
 def from_decimal(word: str, shift: float = 0.0) -> float:
-    """Return the number that a word says, less a shift, rounded once.
+    """Parse a number, minus a shift, rounded once.
 
-    What :func:`~worldgen.interop.format.decimal` wrote.
+    :func:`~worldgen.interop.format.decimal` wrote it.
 
     Raises:
-        InvalidParameter: If it is no finite number.
+        InvalidParameter: If it isn't a finite number.
     """
     if _NUMBER.fullmatch(word):
         try:

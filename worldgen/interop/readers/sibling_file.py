@@ -1,4 +1,4 @@
-"""Files that a map file names: they lie next to it or below it, nothing else is opened."""
+"""Open files that a map file names: only those next to it or below it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def sibling_file(path: Path, key: str, name: str) -> Path:
 
     Args:
         path: The map file.
-        key: What names the other one, for messages.
-        name: Its name as it stands there.
+        key: The key that names the other file, for messages.
+        name: The other file's name as written there.
 
     Raises:
-        InvalidParameter: If it leads out of the map's folder, or nothing is there; callers add the
+        InvalidParameter: If it leads out of the map's folder, or does not exist; callers add the
             line.
     """
     if "\0" in name:
@@ -39,7 +39,8 @@ def sibling_file(path: Path, key: str, name: str) -> Path:
         )
     try:
         there = other.is_file()
-    except OSError:  # a name too long for the disk
+    # The name is too long for the file system.
+    except OSError:
         there = False
     if not there:
         raise InvalidParameter(

@@ -1,8 +1,8 @@
-"""The grammar of Stage's world files.
+"""Parse Stage's world files.
 
-``name value``, ``name [ ... ]``, ``name ( ... )``, ``define name base ( ... )``. A file is
-untrusted: it is bounded, and so is what its definitions grow to. Source: rtv/Stage 4.3,
-    ``worldfile.cc``.
+The grammar is ``name value``, ``name [ ... ]``, ``name ( ... )``, ``define name base ( ... )``. A
+file is untrusted: its size is limited, and so is the size that its definitions expand to. Source:
+rtv/Stage 4.3, ``worldfile.cc``.
 """
 
 from __future__ import annotations
@@ -22,8 +22,10 @@ _TOKEN = re.compile(
     r'|(?P<number>[+\-.0-9]+)|"(?P<text>[^"\r\n]*)"|(?P<mark>[()\[\]])'
 )
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
-_MOST_DEPTH = 16  # parts of parts, and definitions that build on definitions
-# Looked at, a definition's again wherever it is used; hospital.world of Stage has 498,236.
+# Nested parts, and definitions that build on definitions.
+_MOST_DEPTH = 16
+# Most tokens to read, counting a definition's again wherever it is used; Stage's hospital.world has
+# 498,236.
 _MOST_TOKENS = 700_000
 
 
@@ -42,16 +44,15 @@ class _Value(NamedTuple):
 
 @dataclass
 class Entity:
-    """A thing with its properties, those of its definition included.
+    """An entity with its properties, including those of its definition.
 
     Args:
-        kind: What it is in the end, ``model`` or ``position``, or a name that the file does not
-            define.
-        line: Where it begins.
-        source: The file that has it, for messages.
-        names: The definitions it builds on, its own word first.
-        properties: By name.
-        parts: What lies inside its brackets.
+        kind: Its base kind, ``model`` or ``position``, or a name that the file does not define.
+        line: Line where it begins.
+        source: The file that contains it, for messages.
+        names: The definitions it builds on, starting with its own word.
+        properties: Properties by name.
+        parts: The entities inside its brackets.
     """
 
     kind: str
@@ -76,10 +77,10 @@ class Entity:
         return value.items[0].text if value is not None and value.items else default
 
     def numbers(self, key: str) -> list[Fraction]:
-        """Return the numbers of a property, exactly; none where it is not there.
+        """Return the numbers of a property, exactly; none if it is missing.
 
         Raises:
-            FormatError: If one is no number.
+            FormatError: If one isn't a number.
         """
         items = self.properties[key].items if key in self.properties else ()
         for item in items:
@@ -99,7 +100,7 @@ class Entity:
 
 @dataclass
 class _StageReader:
-    """Goes along the tokens; knows the definitions so far."""
+    """Walks along the tokens and knows the definitions so far."""
 
     tokens: list[_Token]
     at: int = 0
@@ -107,7 +108,7 @@ class _StageReader:
     defined: dict[str, tuple[str, int, int]] = field(default_factory=dict)
 
     def fill(self, entity: Entity, depth: int, end: int) -> None:
-        """Read what stands in an entity's brackets, or in the file, up to a token."""
+        """Read an entity's brackets, or the file, up to a token."""
         while self.at < end:
             token = self.tokens[self.at]
             self._spend(1, token)
@@ -150,7 +151,7 @@ class _StageReader:
         self.defined[words[0].text] = (words[1].text, begin + 1, self._skip())
 
     def _skip(self) -> int:
-        """Go behind the bracket that closes the one here; its place."""
+        """Move past the bracket that closes the current one, and return its position."""
         begin = self.at
         first = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1]
         depth = 0
@@ -210,7 +211,7 @@ class _StageReader:
         )
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
-        """Return what stands between two tokens, on top of what its definition says."""
+        """Return the entity between two tokens, on top of its definition."""
         if depth > _MOST_DEPTH:
             raise _fault(
                 name,
@@ -247,12 +248,12 @@ def read_stage_file(
 
     Args:
         text: The file.
-        source: Its name for messages.
-        include: Given a name and its line, the text and source of an included file, or None to go
-            on without.
+        source: Name of the file for messages.
+        include: Takes a name and its line; returns the text and source of an included file, or None
+            to skip it.
 
     Raises:
-        FormatError: If it is no world file of Stage, with the line.
+        FormatError: If it isn't a Stage world file, with the line.
     """
     tokens = list(_tokens(text, source, include, 0))
     world = Entity("", 1, source)
@@ -263,7 +264,7 @@ def read_stage_file(
 def _tokens(
     text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
 ) -> Iterator[_Token]:
-    """Yield the tokens, those of included files in their place."""
+    """Yield the tokens, with those of included files in place."""
     at = 0
     line = 1
     including = False

@@ -1,4 +1,4 @@
-"""Reading worlds of Stage: the floor plan's picture, a robot, and what we call its target.
+"""Read Stage worlds: the floor plan's picture, a robot, and our name for its target.
 
 Stage stretches the bounding box of the black pixels, not the picture, over the floor plan's size.
 Source: rtv/Stage 4.3, ``blockgroup.cc``, ``stage.cc`` and ``model.cc``.
@@ -28,11 +28,13 @@ from worldgen.world import Value
 
 __all__ = ["RINGED", "TARGET", "read_stage"]
 
-RINGED = "walls-in-a-ring"  # name of a floor plan whose outermost pixels are not the world's
+# Name of a floor plan whose outermost pixels do not belong to the world.
+RINGED = "walls-in-a-ring"
 TARGET = "target"
 _MAX_BYTES = 1 << 20
 _MOST_INCLUDES = 100
-_BLACK = 127  # up to here, of 255, a pixel is a wall
+# Largest grey, of 255, of a wall's pixel.
+_BLACK = 127
 _ROBOTS = (
     "position",
     "pioneer",
@@ -41,7 +43,8 @@ _ROBOTS = (
     "erratic",
     "amigobot",
     "robot",
-)  # as names of included things begin
+    # Beginnings of the names of included objects.
+)
 _UNITS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000)}
 
 _Point = tuple[Fraction, Fraction]
@@ -49,7 +52,7 @@ _Point = tuple[Fraction, Fraction]
 
 @dataclass
 class _Includes:
-    """Files that a world file includes: those next to it are read, the others said."""
+    """Files that a world file includes: those next to it are read, the others reported."""
 
     path: Path
     notes: list[str] = field(default_factory=list)
@@ -79,7 +82,7 @@ def _text(path: Path) -> str:
 
 @dataclass(frozen=True)
 class _Plan:
-    """The floor plan: its picture, the size of a pixel, and where its lower-left corner lies, m."""
+    """The floor plan: its picture, the size of a pixel, and its lower-left corner, m."""
 
     solid: npt.NDArray[np.bool_]
     across: Fraction
@@ -88,14 +91,14 @@ class _Plan:
 
 
 def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
-    """Return a world file of Stage.
+    """Read a Stage world file.
 
     Args:
         path: The ``.world`` file; it names the picture.
-        cell_size: Side of a cell, m; 0: that of the picture's pixels.
+        cell_size: Side of a cell, m; 0 means that of the picture's pixels.
 
     Raises:
-        FormatError: If a file breaks a rule, with the line where there is one.
+        FormatError: If a file breaks a rule, with the line if there is one.
     """
     source = str(path)
     includes = _Includes(path)
@@ -124,7 +127,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
 
 
 def _units(world: Entity) -> tuple[Fraction, bool]:
-    """Return a unit of length in m, and whether angles are in degrees."""
+    """Return the unit of length in m, and whether angles are in degrees."""
     length = world.text("unit_length", "m")
     angle = world.text("unit_angle", "degrees")
     if length not in _UNITS:
@@ -147,7 +150,7 @@ def _units(world: Entity) -> tuple[Fraction, bool]:
 
 
 def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
-    """Return the one thing with a picture; of several the largest."""
+    """Return the only object with a picture, or the largest of several."""
     found = [entity for entity in world.parts if "bitmap" in entity]
     if not found:
         message = Message(
@@ -164,7 +167,10 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
 
 
 def _picture(floor: Entity, path: Path) -> Path:
-    """Return the picture lies next to the world file, also where an included file names it."""
+    """Return the picture's path.
+
+    It is relative to the world file, even if an included file names it.
+    """
     try:
         return sibling_file(path, "bitmap", floor.text("bitmap"))
     except InvalidParameter as error:
@@ -286,7 +292,7 @@ def _target(world: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[flo
 
 
 def _pose(entity: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[float, ...]:
-    """X and y from the grid's corner, m, and heading, rad."""
+    """Return x and y from the grid's corner, m, and the heading, rad."""
     pose = [*entity.numbers("pose"), *[Fraction(0)] * 4][:4]
     x, y = (
         float(value * unit - corner) for value, corner in zip(pose[:2], plan.corner, strict=True)
@@ -295,9 +301,9 @@ def _pose(entity: Entity, plan: _Plan, unit: Fraction, turn: bool) -> tuple[floa
 
 
 def _radius(robot: Entity, unit: Fraction, notes: list[str]) -> float | None:
-    """Of the disc around the robot's own point that covers its blocks.
+    """Return the radius of the disc around the robot's reference point that covers its blocks.
 
-    None where its size is not known.
+    It is None if the robot's size is unknown.
     """
     size = robot.numbers("size")
     shift = [*robot.numbers("origin"), Fraction(0), Fraction(0)]
@@ -342,7 +348,7 @@ def _outline(robot: Entity) -> list[_Point]:
 
 
 def _unread(world: Entity, floor: Entity) -> Iterator[str]:
-    """Yield what else stands in the world and stops a robot, such as a second picture."""
+    """Yield other obstacles in the world, such as a second picture."""
     others = [
         entity for entity in world.parts
         if entity is not floor and not _is_robot(entity) and entity.kind not in ("window", "speech", "camera")

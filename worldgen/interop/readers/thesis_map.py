@@ -1,8 +1,8 @@
 """Map files of the thesis's simulator (``.gex``, ``.map``): the signal of every cell, row by row.
 
-A cell holds -2 for a wall, 0 for the target, and else its squared distance to the target in cells,
-which the map editor's noise filter may have changed. The file has no header: the map is a square, y
-down.
+A cell is -2 for a wall, 0 for the target, and otherwise its squared distance to the target in
+cells, which the map editor's noise filter may have changed. The file has no header: the map is a
+square, y down.
 
 Source: the thesis's listing, ``fileOps.saveFile``, ``loadFile``, ``Grid.lightGridGenrtr`` and
 ``simWorldCreator.noiseMapGen``; bytes as in files that its save routine wrote.
@@ -35,16 +35,22 @@ __all__ = [
 ]
 
 WALL = -2
-MIN_SIZE = 3  # cells a side: a border of walls around one cell
-MAX_SIZE = 2000  # cells a side; the program itself goes up to 100
-_LOADABLE = (10, 100)  # cells a side, even
-_REACH = 2  # cells around a wall whose signal the noise filter changes
-_START_CELLS = 3.5  # from the left and from the top: 35 px
-_START_HEADING = 4.5  # rad, clockwise from -x
+# Least cells a side: a border of walls around one cell.
+MIN_SIZE = 3
+# Most cells a side; the program itself stops at 100.
+MAX_SIZE = 2000
+# Cells a side must be even.
+_LOADABLE = (10, 100)
+# Cells around a wall whose signal the noise filter changes.
+_REACH = 2
+# Start, from the left and from the top: 35 px.
+_START_CELLS = 3.5
+# Heading at the start, rad, clockwise from -x.
+_START_HEADING = 4.5
 
 
 def signal(walls: npt.NDArray[np.bool_], target: tuple[int, int]) -> Ints:
-    """Return what the program's map editor holds for walls drawn with the noise filter off.
+    """Return the signal in the program's map editor for walls drawn with the noise filter off.
 
     Args:
         walls: (n, n) bool, top row first.
@@ -70,10 +76,10 @@ def _light(size: int, target: tuple[int, int]) -> Ints:
 def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     """Return the signal after one pass of the noise filter, in the program's order of walls.
 
-    A wall changes the cells within two of it: one that now holds more than the wall's own distance
-        gets one and a half times its undisturbed value, any other nine tenths, unless that is 0.
-        What a cell ends with depends on the order of the walls around it, and on no other cell; so
-        all cells take their turns at once.
+    A wall changes the cells within two of it: a cell that now holds more than the wall's own
+        distance gets one and a half times its undisturbed value, any other nine tenths of it unless
+        that is 0. A cell's final value depends on the order of the walls around it and on no other
+        cell, so all cells are processed together.
 
     Args:
         values: As :func:`signal` gives them.
@@ -90,7 +96,8 @@ def filtered(values: Ints, target: tuple[int, int]) -> Ints:
     size = values.shape[0]
     for down in range(
         2 * _REACH + 1
-    ):  # the wall's row and column, as seen from the cell, in scan order
+        # Row and column of the wall relative to the cell, in scan order.
+    ):
         for right in range(2 * _REACH + 1):
             there = np.s_[down : down + size, right : right + size]
             struck = walls[there] & (result > 0)
@@ -110,7 +117,7 @@ def program_start(size: int, cell_size: float) -> Pose:
 
 
 def unloadable(size: int) -> str | None:
-    """Return why the program would not load a map of this size; None if it would."""
+    """Return why the program would not load a map of this size, or None if it would."""
     low, high = _LOADABLE
     if low <= size <= high and size % 2 == 0:
         return None
@@ -121,14 +128,14 @@ def unloadable(size: int) -> str | None:
 
 
 def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
-    """Return a map that the thesis's program saved.
+    """Read a map that the thesis's program saved.
 
     Args:
-        path: The file; the program's own ending is ``.gex``.
-        cell_size: Side of a cell, m: the format has pixels, 10 a cell.
+        path: The file; the program's own suffix is ``.gex``.
+        cell_size: Side of a cell, m; the format has pixels, 10 a cell.
 
     Raises:
-        FormatError: If it is no Java stream of bare numbers, or the numbers are no map.
+        FormatError: If it isn't a Java stream of bare numbers, or the numbers aren't a map.
     """
     source = str(path)
     data = read_bounded(path, stream_bytes(MAX_SIZE**2))
@@ -150,7 +157,7 @@ def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
 def _explain(
     values: Ints, target: tuple[int, int], params: dict[str, Value]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Notes and warnings about size and values; ``params`` learns of the noise filter."""
+    """Return notes and warnings about size and values; record the noise filter in ``params``."""
     why = unloadable(values.shape[0])
     notes = (why,) if why else ()
     plain = signal(values == WALL, target)

@@ -1,9 +1,8 @@
-"""Reading 3MF: a ZIP archive with an XML model.
+"""Read 3MF: a ZIP archive with an XML model.
 
-trimesh 5.2 reads 3MF too, with two more libraries, but in time that grows with the square of the
-number of parts: 4,000 parts take it 2.7 s, 40,000 more than 90 s, and worldgen writes a part per
-    wall. It also unpacks archives without
-a limit.
+trimesh 5.2 reads 3MF too, with two more libraries, but its time grows with the square of the number
+of parts: 4,000 parts take 2.7 s, 40,000 more than 90 s, and worldgen writes a part per wall. It
+also unpacks archives without a limit.
 
 Source: 3MF Consortium, "3D Manufacturing Format Core Specification", version 1.3, 2021.
 """
@@ -35,9 +34,12 @@ UNITS = {
     "meter": 1.0,
 }
 _MODEL = "3D/3dmodel.model"
-_MOST_XML = 256 << 20  # bytes, unpacked
-_MOST_DEPTH = 16  # components within components
-_MOST_PARTS = 200_000  # items and components, each as often as it is placed
+# Most bytes, unpacked.
+_MOST_XML = 256 << 20
+# Deepest nesting of components.
+_MOST_DEPTH = 16
+# Most items and components, each counted as often as it is placed.
+_MOST_PARTS = 200_000
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -46,14 +48,14 @@ Mesh = tuple[Floats, Ints]
 
 @dataclass
 class _Left:
-    """How many parts and triangles a file may still place."""
+    """How many more parts and triangles a file may place."""
 
     parts: int
     faces: int
 
 
 def read_threemf(data: bytes, source: str) -> tuple[Floats, Ints, dict[str, Any], float]:
-    """Return vertices, triangles, what a file of ours says of its world, and metres in a unit.
+    """Return vertices, triangles, the facts of a file of ours, and metres per unit.
 
     Raises:
         FormatError: If the file breaks the format's rules.
@@ -139,7 +141,7 @@ def _children(element: XmlElement, *names: str) -> list[XmlElement]:
 
 
 def _transform(element: XmlElement) -> Floats:
-    """(4, 3): three rows that turn and stretch, one that moves."""
+    """Return a transform, (4, 3): three rows that turn and stretch, one that moves."""
     words = element.attributes.get("transform")
     if words is None:
         return np.concatenate([np.eye(3), np.zeros((1, 3))])
@@ -155,7 +157,7 @@ def _placed(
     depth: int,
     left: _Left,
 ) -> list[Mesh]:
-    """Return the meshes of an object and of its components, each where it stands."""
+    """Return the meshes of an object and of its components, each in its place."""
     if depth == 0:
         raise FormatError(
             "too-deep", "its components nest too deep", "export it flat", source=source
@@ -217,7 +219,7 @@ def _joined(found: list[Mesh]) -> Mesh:
 
 
 def _held(root: XmlElement) -> dict[str, Any]:
-    """Return what a file of ours says of its world, in an element of metadata, as TOML."""
+    """Return the facts in a file of ours, in an element of metadata, as TOML."""
     for element in _children(root, "metadata"):
         if element.attributes.get("name") == "worldgen:world":
             try:

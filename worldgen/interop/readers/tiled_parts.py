@@ -1,6 +1,6 @@
-"""Parts of a Tiled map.
+"""Read the parts of a Tiled map.
 
-Layers, tiles, objects and properties, none of them believed before it is checked.
+Layers, tiles, objects and properties are all checked before they are used.
 """
 
 from __future__ import annotations
@@ -32,17 +32,20 @@ __all__ = [
 ]
 
 Part: TypeAlias = dict[str, Any]
-_TILE = 0x0FFFFFFF  # the upper bits say how a tile is flipped and turned
+# The upper bits say how a tile is flipped and turned.
+_TILE = 0x0FFFFFFF
 _MOST_LAYERS = 10_000
-_WINDOW = 47  # zlib and gzip, told by their header
+# zlib and gzip are recognised by their headers.
+_WINDOW = 47
 _COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
 
 
 def parse_tiled(data: bytes, source: str) -> Part:
-    """Return the map, its kind checked.
+    """Return the map after checking its kind.
 
     Raises:
-        FormatError: If it is no JSON, no map, endless, or not of square tiles in rows and columns.
+        FormatError: If it isn't JSON, isn't a map, is endless, or doesn't have square tiles in rows
+            and columns.
     """
     try:
         parsed = json.loads(data)
@@ -61,7 +64,8 @@ def parse_tiled(data: bytes, source: str) -> Part:
     except (
         RecursionError,
         ValueError,
-    ) as error:  # nested too deep; a number of thousands of digits
+        # Nested too deep, or a number of thousands of digits.
+    ) as error:
         raise FormatError(
             "wrong-form",
             "is no map that Tiled would write",
@@ -108,7 +112,7 @@ def checked_number(part: Part, key: str, source: str) -> int:
     """Return a whole number from 0 to a million.
 
     Raises:
-        FormatError: If it is missing or another thing.
+        FormatError: If it is missing or something else.
     """
     value = part.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
@@ -127,7 +131,7 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
     """Return layers in drawing order, those in groups too.
 
     Raises:
-        FormatError: If there are too many, or one is no layer.
+        FormatError: If there are too many, or one isn't a layer.
     """
     waiting: list[Any] = list(reversed(parsed["layers"]))
     found: list[Part] = []
@@ -152,7 +156,7 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
     """Return the layer of walls: the named one, else one called walls or the only one.
 
     Raises:
-        FormatError: If there is none, or it cannot be told.
+        FormatError: If there is none, or the choice is ambiguous.
     """
     tiles = [layer for layer in layers if layer.get("type") == "tilelayer"]
     for layer in tiles:
@@ -179,10 +183,10 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
 def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
     """Return the numbers of tiles, (height, width), top row first, 0 where there is none.
 
-    How they are flipped is left out.
+    Flips are ignored.
 
     Raises:
-        FormatError: If the layer has another size, or its data cannot be unpacked to that many
+        FormatError: If the layer has another size, or its data does not unpack to that many
             numbers.
     """
     name = f"layer {quote(layer['name'])}"
@@ -264,7 +268,8 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
         if kind == "none":
             return packed[: size + 4]
         unpacker = zlib.decompressobj(_WINDOW)
-        data = unpacker.decompress(packed, size + 1)  # never more than a map of that size has
+        # Never unpack more than a map of that size contains.
+        data = unpacker.decompress(packed, size + 1)
     except (binascii.Error, zlib.error, ValueError) as error:
         raise FormatError(
             "damaged-file",
@@ -286,7 +291,7 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
 
 
 def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
-    """Return the first object whose name, class or type is one of these, whatever its case."""
+    """Return the first object with one of these names, classes or types, ignoring case."""
     for part in _objects(layers):
         if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
             return part
@@ -303,7 +308,7 @@ def _objects(layers: list[Part]) -> Iterator[Part]:
 def numbers_of(part: Part, *keys: str) -> dict[str, float]:
     """Return finite numbers of a part by those keys.
 
-    Without any, of its custom properties by their names.
+    If it has none of them, use its custom properties of these names.
     """
     if keys:
         pairs = [(key, part.get(key)) for key in keys]

@@ -1,6 +1,6 @@
-"""XML read as a tree of names and words.
+"""Read XML as a tree of names and words.
 
-No document type, no entity, no endless depth, every fault with its line.
+Document types, entities and endless depth are refused, and every fault has its line.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ class XmlElement:
     """An element.
 
     Args:
-        name: Its name, with the prefix that the file gives it.
-        line: Where it begins.
-        attributes: Words by name.
-        children: The elements inside.
-        text: The characters inside, without those of its children.
+        name: Its name, with the prefix used in the file.
+        line: Line where it begins.
+        attributes: Values by name.
+        children: The elements inside it.
+        text: The characters inside it, without those of its children.
     """
 
     name: str
@@ -43,11 +43,11 @@ class XmlElement:
                 yield from child.all(*names[1:]) if names[1:] else (child,)
 
     def first(self, *names: str) -> XmlElement | None:
-        """Return the first of them."""
+        """Return the first of the elements that :meth:`all` yields."""
         return next(self.all(*names), None)
 
     def word(self, *names: str, default: str = "") -> str:
-        """Return the characters in the first of them, without white space around."""
+        """Return the text of the first of them, stripped."""
         found = self.first(*names)
         return default if found is None else found.text.strip()
 
@@ -57,10 +57,10 @@ def read_xml(data: bytes, source: str) -> XmlElement:
 
     Args:
         data: The file.
-        source: Its name for messages.
+        source: Name of the file for messages.
 
     Raises:
-        FormatError: If it is no well-formed XML, declares a document type, or is nested too deep.
+        FormatError: If it isn't well-formed XML, declares a document type, or is nested too deep.
     """
     reader = _TreeBuilder(source)
     try:
@@ -79,7 +79,8 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         raise FormatError.of(message, line=error.lineno, source=source) from error
     except FormatError:
         raise
-    except (ValueError, LookupError) as error:  # an encoding that Python does not have
+    # Python does not know this encoding.
+    except (ValueError, LookupError) as error:
         raise FormatError(
             "not-xml",
             "is no XML: {reason}",

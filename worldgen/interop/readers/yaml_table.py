@@ -14,7 +14,7 @@ from worldgen.errors import FormatError, Message
 
 __all__ = ["YamlTable", "read_yaml"]
 
-# The C parser is several times as fast, and there in every wheel of PyYAML.
+# The C parser is several times as fast, and is in every wheel of PyYAML.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MAX_DEPTH = 8
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
@@ -41,9 +41,9 @@ class _Entry(NamedTuple):
 
 
 class YamlTable:
-    """Keys with their values, as words and numbers.
+    """A mapping of keys to words and numbers.
 
-    Asked for what is not so, it raises with the line.
+    Its methods raise an error with the line if a value has another form.
 
     Args:
         node: The mapping.
@@ -82,7 +82,7 @@ class YamlTable:
         return FormatError.of(message, line=self._entries[key].line, source=self.source)
 
     def word(self, key: str) -> str:
-        """Return the one value of a key, as written.
+        """Return the single value of a key, as written.
 
         Raises:
             FormatError: If it is a list, a table, or empty.
@@ -103,7 +103,7 @@ class YamlTable:
         """Return the finite number of a key.
 
         Raises:
-            FormatError: If it is none.
+            FormatError: If it isn't one.
         """
         word = self.word(key)
         value = _parse_number(word)
@@ -121,7 +121,7 @@ class YamlTable:
         return value
 
     def truth(self, key: str) -> bool:
-        """Return the yes or no of a key.
+        """Return the Boolean of a key.
 
         Raises:
             FormatError: If it is neither.
@@ -143,20 +143,20 @@ class YamlTable:
         return [str(item.value) for item in items]
 
     def numbers(self, key: str) -> list[float] | None:
-        """Return the list of a key, of finite numbers; None where it is something else."""
+        """Return a key's list of finite numbers; None if it is something else."""
         numbers = [_parse_number(word) for word in self.words(key) or ("",)]
         return None if None in numbers else [number for number in numbers if number is not None]
 
     def is_null(self, key: str) -> bool:
-        """Return True if a key is there with nothing behind it, or with ``null``."""
+        """Return True if a key has no value, or ``null``."""
         node = self._entries[key].node
         return isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL
 
     def fraction(self, key: str) -> Fraction:
-        """Return the number of a key, exactly as its digits say.
+        """Return the number of a key, exactly as written.
 
         Raises:
-            FormatError: If it is none.
+            FormatError: If it isn't a number.
         """
         word = self.word(key)
         if not _is_exact(word):
@@ -175,7 +175,7 @@ class YamlTable:
     def rows(self, key: str) -> list[list[Fraction]]:
         """Return the lists of numbers of a key, exactly.
 
-        A single list counts as one row, and so does a list of one.
+        A single list counts as one row, as does a list of one.
 
         Raises:
             FormatError: If it is something else.
@@ -223,15 +223,16 @@ class YamlTable:
 
 
 def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
-    """Return the top level of a file.
+    """Parse the top level of a file.
 
     Args:
         text: The file.
-        source: Its name for messages.
-        example: What such a file has, for messages: "a ROS map has `image: map.pgm` and the like".
+        source: Name of the file for messages.
+        example: A typical line, for messages: "a ROS map has `image: map.pgm` and the like".
 
     Raises:
-        FormatError: If it is no YAML, no table, or has anchors, aliases, or lists nested too deep.
+        FormatError: If it isn't YAML, isn't a table, or has anchors, aliases, or lists nested too
+            deep.
     """
     root = _compose(text, source)
     if not isinstance(root, yaml.MappingNode):
@@ -242,7 +243,7 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
 
 
 def _is_exact(word: str) -> bool:
-    """Return True if a word is a number that also a float can hold, with room to reckon."""
+    """Return True if a word is a number that a float can hold with room for arithmetic."""
     return _EXACT.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
@@ -279,7 +280,8 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
         yaml.YAMLError,
         ValueError,
         OverflowError,
-    ) as error:  # a forbidden character, raw or as an escape
+        # A forbidden character, raw or as an escape.
+    ) as error:
         line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
         raise FormatError(
             "forbidden-character",
@@ -291,7 +293,7 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
 
 
 def _refuse_tricks(text: str, source: str) -> None:
-    """Refuse what makes a small YAML file large or deep, before a tree is built."""
+    """Reject what makes a small YAML file large or deep, before a tree is built."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
         line = 1 if event.start_mark is None else event.start_mark.line + 1
