@@ -15,6 +15,7 @@ from worldgen.errors import Message
 __all__ = [
     "CELL_SIZES",
     "LATEST",
+    "MAX_ROBOTS",
     "MAX_SIDE",
     "RADII",
     "SPEEDS",
@@ -25,6 +26,9 @@ __all__ = [
 
 MAX_SIDE: Final = 20_000
 """Most cells of a row or a column."""
+
+MAX_ROBOTS: Final = 1000
+"""Most robots of a world; each is compared with each other."""
 
 CELL_SIZES: Final = (1e-6, 1e6)
 """Side of a cell, m."""

@@ -9,13 +9,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.domain import CELL_SIZES, MAX_SIDE, number_fault, radius_fault, speed_fault
+from worldgen.domain import (
+    CELL_SIZES,
+    MAX_ROBOTS,
+    MAX_SIDE,
+    number_fault,
+    radius_fault,
+    speed_fault,
+)
 from worldgen.errors import InvalidWorld
 from worldgen.support.frozen import HoldsFrozen, frozen
 from worldgen.timeline import CellState, Timeline
@@ -27,6 +34,7 @@ __all__ = [
     "Certificate",
     "Cut",
     "FailureRecord",
+    "JointWitness",
     "Pose",
     "Provenance",
     "Robot",
@@ -200,6 +208,50 @@ class Witness(HoldsFrozen):
     __hash__ = None  # type: ignore[assignment]
 
 
+@dataclass(frozen=True)
+class JointWitness:
+    """One timed path for each robot; it proves that all of them can reach their targets.
+
+    All robots drive at the same time. Their discs stay clear of the walls and of each other. A
+    robot waits where its path ends, which is in its target, and the others have to avoid it there.
+
+    Args:
+        paths: A path for each robot of the world, in order, each with at least one point. The
+            clearance of a path is about the walls alone: the largest radius, m, of a disc that
+            could follow it if there were no other robot.
+    """
+
+    paths: tuple[Witness, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "paths", tuple(self.paths))
+        for number, path in enumerate(self.paths, start=1):
+            if not len(path.times):
+                raise InvalidWorld(
+                    "empty",
+                    "the path of robot {number} has no points",
+                    "begin it at the robot's start",
+                    number=number,
+                )
+
+    @property
+    def clearance(self) -> float:
+        """Smallest clearance of a path, m."""
+        return min((path.clearance for path in self.paths), default=0.0)
+
+    @property
+    def length(self) -> float:
+        """Length of all paths together, m."""
+        return sum(path.length for path in self.paths)
+
+    @property
+    def duration(self) -> float:
+        """Time at which the last robot arrives, s."""
+        return max((path.duration for path in self.paths), default=0.0)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
 @dataclass(frozen=True, eq=False)
 class Cut(HoldsFrozen):
     """A closed chain of solid cells, with gaps narrower than the robot, between start and target.
@@ -210,10 +262,12 @@ class Cut(HoldsFrozen):
             outside.
         clearance: Half the widest gap of the chain, m: the cut stops every disc with a larger
             radius.
+        robot: Number of the robot that it stops, from 1.
     """
 
     cells: npt.NDArray[np.int64]
     clearance: float
+    robot: int = 1
 
     def __post_init__(self) -> None:
         object.__setattr__(
@@ -223,12 +277,15 @@ class Cut(HoldsFrozen):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Cut):
             return NotImplemented
-        return self.clearance == other.clearance and np.array_equal(self.cells, other.cells)
+        return (self.clearance, self.robot) == (
+            other.clearance,
+            other.robot,
+        ) and np.array_equal(self.cells, other.cells)
 
     __hash__ = None  # type: ignore[assignment]
 
 
-Certificate: TypeAlias = Witness | Cut
+Certificate: TypeAlias = Witness | JointWitness | Cut
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +308,8 @@ class World(HoldsFrozen):
 
     Raises:
         InvalidWorld: If a number is outside its limits (`worldgen.domain`), or a point is outside
-            the grid.
+            the grid; if robots overlap at the start, or their targets exclude each other; or if the
+            certificate is not one for this number of robots.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -284,12 +342,54 @@ class World(HoldsFrozen):
             raise InvalidWorld.of(fault)
         for number, robot in enumerate(self.robots, start=1):
             self._check_robot(robot, f"robot {number} " if self.others else "")
+        if self.others:
+            self._check_fleet()
+        self._check_certificate()
         if not self.timeline.is_within(self.width, self.height):
             raise InvalidWorld(
                 "outside-grid",
                 "timeline: every cell must lie in the grid of {width} x {height} cells",
                 width=self.width,
                 height=self.height,
+            )
+
+    def _check_fleet(self) -> None:
+        """Refuse robots that cannot be in one world."""
+        from worldgen.support.robot_pairs import pair_fault
+
+        robots = self.robots
+        if len(robots) > MAX_ROBOTS:
+            raise InvalidWorld(
+                "too-many-robots",
+                "{count} robots; a world has at most {most}",
+                "leave some out",
+                count=len(robots),
+                most=MAX_ROBOTS,
+            )
+        fault = pair_fault(robots, self.cell_size)
+        if fault is not None:
+            raise InvalidWorld.of(fault)
+
+    def _check_certificate(self) -> None:
+        """Refuse a certificate that is about another number of robots."""
+        proof = self.certificate
+        count = len(self.others) + 1
+        if isinstance(proof, Cut):
+            fits = 1 <= proof.robot <= count
+            kind = f"a cut for robot {proof.robot}"
+        elif isinstance(proof, JointWitness):
+            fits = len(proof.paths) == count and count > 1
+            kind = f"a joint witness of {len(proof.paths)} paths"
+        else:
+            fits = proof is None or count == 1
+            kind = "a witness for one robot"
+        if not fits:
+            raise InvalidWorld(
+                "wrong-certificate",
+                "{kind} in a world of {count} robots",
+                "drop it, or prove the world again",
+                kind=kind,
+                count=count,
             )
 
     def _check_robot(self, robot: Robot, prefix: str) -> None:
@@ -342,6 +442,27 @@ class World(HoldsFrozen):
         first = Robot(self.start, self.target, self.robot_radius, self.robot_speed)
         return (first, *self.others)
 
+    def alone(self, number: int) -> World:
+        """Return this world with one of its robots and without the others.
+
+        What speaks of all robots is dropped: certificate, provenance and failure.
+
+        Args:
+            number: The robot's number, from 1.
+        """
+        robot = self.robots[number - 1]
+        return replace(
+            self,
+            start=robot.start,
+            target=robot.target,
+            robot_radius=robot.radius,
+            robot_speed=robot.speed,
+            certificate=None,
+            provenance=None,
+            failure=None,
+            others=(),
+        )
+
     @property
     def is_dynamic(self) -> bool:
         """Whether any cell changes with time."""
@@ -389,7 +510,7 @@ class World(HoldsFrozen):
         proof = self.certificate
         if proof is None:
             proved = "no certificate"
-        elif isinstance(proof, Witness):
+        elif isinstance(proof, Witness | JointWitness):
             proved = f"witness of {proof.length:.4g} m"
         else:
             proved = f"cut of {len(proof.cells)} cells"

@@ -7,15 +7,29 @@ for what must hold for any world at all.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from worldgen.domain import CELL_SIZES, LATEST, RADII, SPEEDS
+from worldgen.errors import InvalidWorld
 from worldgen.files.grid import dumps
 from worldgen.timeline import CellState, Event, Timeline
-from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
+from worldgen.world import (
+    Cut,
+    FailureRecord,
+    JointWitness,
+    Pose,
+    Provenance,
+    Robot,
+    Target,
+    Witness,
+    World,
+)
 
-__all__ = ["damaged_files", "values", "worlds_with_everything"]
+__all__ = ["damaged_files", "fleets_with_everything", "values", "worlds_with_everything"]
 
 _finite = st.floats(allow_nan=False, allow_infinity=False)
 _sides = st.sampled_from([0.1, 0.05, 1.0, 0.3]) | st.floats(*CELL_SIZES)
@@ -58,8 +72,8 @@ def _timelines(draw, width, height):
 
 
 @st.composite
-def _witnesses(draw):
-    points = draw(st.lists(st.tuples(_finite, _finite, _finite), max_size=4))
+def _witnesses(draw, fewest=0):
+    points = draw(st.lists(st.tuples(_finite, _finite, _finite), min_size=fewest, max_size=4))
     times, x, y = np.array(points, float).reshape(-1, 3).T
     return Witness(times, x, y, draw(_finite))
 
@@ -99,9 +113,37 @@ def worlds_with_everything(draw):
 
 
 @st.composite
+def fleets_with_everything(draw):
+    """The same with two to four robots, which do not overlap at the start."""
+    world = draw(worlds_with_everything())
+    size = world.cell_size
+    across = st.floats(0.0, world.width * size)
+    up = st.floats(0.0, world.height * size)
+    radii = st.sampled_from([0.01 * size, 0.05 * size, 1e-6 * size])
+    robots = st.builds(
+        Robot,
+        st.builds(Pose, across, up, _finite),
+        st.builds(Target, across, up, _within(RADII, size)),
+        radii,
+        _within(SPEEDS, size) | st.just(2.0),
+    )
+    others = draw(st.lists(robots, min_size=1, max_size=3))
+    count = len(others) + 1
+    joint = st.lists(_witnesses(1), min_size=count, max_size=count).map(tuple)
+    cuts = st.builds(replace, _cuts(), robot=st.integers(1, count))
+    certificate = draw(st.none() | st.builds(JointWitness, joint) | cuts)
+    try:
+        return replace(
+            world, robot_radius=draw(radii), others=tuple(others), certificate=certificate
+        )
+    except InvalidWorld:  # two of them overlap, or their targets exclude each other
+        assume(False)
+
+
+@st.composite
 def damaged_files(draw):
     """The bytes of a good file after up to three cuts, swaps, doublings or foreign bytes."""
-    data = dumps(draw(worlds_with_everything()))
+    data = dumps(draw(worlds_with_everything() | fleets_with_everything()))
     for _ in range(draw(st.integers(1, 3))):
         separator = draw(st.sampled_from([b"\n", b" ", b""]))
         parts = data.split(separator) if separator else [data[k : k + 1] for k in range(len(data))]

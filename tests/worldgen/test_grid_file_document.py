@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from worldgen.domain import MAX_ROBOTS
 from worldgen.files.grid import dumps, loads, schema
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "reference" / "grid-format.md").read_text(
@@ -14,6 +15,7 @@ EXAMPLES = re.findall(r"```grid\n(.*?)```", DOCUMENT, re.DOTALL)
 ERRORS = re.findall(r"```text\n(.*?)```", DOCUMENT, re.DOTALL)[0].splitlines()
 LIMITS = {
     "MAX_SIDE": 20_000,
+    "MAX_ROBOTS": MAX_ROBOTS,
     "MAX_HEADER_BYTES": schema.MAX_HEADER_BYTES,
     "MAX_FILE_BYTES": schema.MAX_FILE_BYTES,
     "EXPANSION_FLOOR": schema.EXPANSION_FLOOR,
@@ -26,19 +28,22 @@ LIMITS = {
 WORDS = [
     *schema.HEADER_KEYS,
     *(key for keys in schema.TABLE_KEYS.values() for key in keys),
+    *schema.ROBOT_KEYS,
+    *(key for keys in schema.FLEET_TABLE_KEYS.values() for key in keys),
     *(f"[{table}]" for table in schema.TABLE_KEYS),
     *(f"%{section}" for section in schema.SECTIONS),
     *schema.STATES,
     *(section.form for section in schema.LINE_SECTIONS.values()),
-    *(schema.SOLID, schema.FREE, schema.START, schema.TARGET, schema.MAGIC),
+    *(section.form for section in schema.FLEET_LINE_SECTIONS.values()),
+    *(schema.SOLID, schema.FREE, schema.START, schema.TARGET, schema.MAGIC, schema.FLEET_MAGIC),
 ]
 
 
-def test_the_document_has_two_examples():
-    assert len(EXAMPLES) == 2
+def test_the_document_has_three_examples():
+    assert len(EXAMPLES) == 3
 
 
-@pytest.mark.parametrize("text", EXAMPLES, ids=["complete", "drawn"])
+@pytest.mark.parametrize("text", EXAMPLES, ids=["complete", "drawn", "fleet"])
 def test_an_example_is_a_world_that_survives_writing(text):
     world = loads(text.encode())
     assert loads(dumps(world)) == world
@@ -75,7 +80,7 @@ def test_no_limit_of_the_code_is_left_out_above():
 
 
 def test_the_form_of_a_line_fits_its_example():
-    for section in schema.LINE_SECTIONS.values():
+    for section in (*schema.LINE_SECTIONS.values(), schema.FLEET_WITNESS):
         words = section.example.encode().split(b" ")
         assert all(re.fullmatch(f.pattern, w) for f, w in zip(section.fields, words, strict=True))
 

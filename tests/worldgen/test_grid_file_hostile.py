@@ -46,7 +46,7 @@ DRAWN = "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.04\n%cells\nS..\n..
 # name: (old, new, line, what the message says)
 HEADER_FAULTS = {
     "magic": ("%worldgen-grid 1", "hello", 1, {"code": "not-a-grid", "came": "hello"}),
-    "version": ("%worldgen-grid 1", "%worldgen-grid 2", 1, {"code": "other-version"}),
+    "version": ("%worldgen-grid 1", "%worldgen-grid 3", 1, {"code": "other-version"}),
     "bom": ("%worldgen-grid 1", "\ufeff%worldgen-grid 1", 1, {"code": "byte-order-mark"}),
     "only-magic": (GOOD[17:], "", 1, {"code": "cut-short"}),
     "windows": ("\n", "\r\n", 1, {"code": "carriage-return"}),

@@ -169,21 +169,12 @@ class _RecipeReader:
     def __init__(self, text: str, source: str | None) -> None:
         self.header = Header(text, 1, source, noun="the recipe")
         self.source = source
-        self._statements = self.header.statements()
 
     def line(self, part: int | None, *path: str) -> int:
         """Return the line of a key, which is in the n-th ``[[part]]`` unless ``part`` is None."""
         if part is None:
             return self.header.line_of(*path)
-        begins = [k for k, (_, found) in enumerate(self._statements) if found == ("part",)]
-        # The parts may be written as one inline list, which has no [[part]] lines.
-        if part >= len(begins):
-            return self.header.line_of("part")
-        until = begins[part + 1] if part + 1 < len(begins) else len(self._statements)
-        for line, found in self._statements[begins[part] : until]:
-            if found[1 : 1 + len(path)] == path and path:
-                return line
-        return self._statements[begins[part]][0]
+        return self.header.line_in_item("part", part, *path)
 
     @contextmanager
     def at(self, place: str, part: int | None, *path: str) -> Iterator[None]:

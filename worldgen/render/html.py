@@ -10,7 +10,7 @@ from worldgen.render.overlay import Trail
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
 from worldgen.support.plain_text import describe_value
-from worldgen.world import Witness, World
+from worldgen.world import JointWitness, Witness, World
 
 __all__ = ["draw_html"]
 
@@ -86,6 +86,13 @@ def _known(world: World) -> list[tuple[str, str]]:
     if isinstance(proof, Witness):
         rows.append(
             ("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through")
+        )
+    elif isinstance(proof, JointWitness):
+        rows.append(
+            (
+                "proof",
+                f"{len(proof.paths)} paths, the last of which arrives after {proof.duration:.6g} s",
+            )
         )
     elif proof is not None:
         rows.append(

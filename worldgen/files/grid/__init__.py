@@ -1,4 +1,6 @@
-"""The ``.grid`` file, version 1: one world as text, the same world always the same bytes.
+"""The ``.grid`` file: one world as text, the same world always the same bytes.
+
+Version 1 holds one robot, version 2 several.
 
 Contents:
     dumps, loads: between a world and its text.

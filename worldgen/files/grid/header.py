@@ -77,6 +77,22 @@ class Header:
                 found = self._line_at(offset)
         return found
 
+    def line_in_item(self, name: str, index: int, *path: str) -> int:
+        """Line of a key in one table of an array: in the ``[[name]]`` that is ``index``-th from 0.
+
+        It is the line of the table itself if the key is not there, or if no key is asked for.
+        """
+        statements = self.statements()
+        begins = [k for k, (_, found) in enumerate(statements) if found == (name,)]
+        # The tables may be written as one inline list, which has no [[name]] lines.
+        if index >= len(begins):
+            return self.line_of(name)
+        until = begins[index + 1] if index + 1 < len(begins) else len(statements)
+        for line, found in statements[begins[index] : until]:
+            if found[0] == name and found[1 : 1 + len(path)] == path and path:
+                return line
+        return statements[begins[index]][0]
+
     def statements(self) -> list[tuple[int, tuple[str, ...]]]:
         """Return line and full key path of every table line and every ``key = value``, in order."""
         return [(self._line_at(offset), path) for offset, path in self._statement_paths()]

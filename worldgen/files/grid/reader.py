@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,12 +17,15 @@ from worldgen.files.grid.records import (
     read_failure,
     read_number,
     read_provenance,
+    read_robots,
     read_triple,
 )
 from worldgen.files.grid.schema import (
     CERTIFICATE_KINDS,
     CUT,
     END,
+    FLEET_MAGIC,
+    FLEET_WITNESS,
     MAGIC,
     MAX_HEADER_BYTES,
     SECTIONS,
@@ -33,7 +37,17 @@ from worldgen.files.grid.schema import (
 from worldgen.files.grid.sections import Block, CellBlock, LetterMark, read_cells, read_columns
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.timeline import Timeline
-from worldgen.world import DEFAULT_ROBOT_SPEED, Certificate, Cut, Pose, Target, Witness, World
+from worldgen.world import (
+    DEFAULT_ROBOT_SPEED,
+    Certificate,
+    Cut,
+    JointWitness,
+    Pose,
+    Robot,
+    Target,
+    Witness,
+    World,
+)
 
 __all__ = ["loads"]
 
@@ -60,29 +74,53 @@ def loads(data: bytes, source: str | None = None) -> World:
     header_end = _header_end(file)
     header = Header(_decode(file, file.first_line_end, header_end), 2, source)
     blocks = _split(file, header_end)
-    check_keys(header)
+    check_keys(header, fleet=file.is_fleet)
     cell_size = read_number(header, "cell_size")
     fault = number_fault("cell_size", cell_size, CELL_SIZES, "m")
     if fault is not None:
         raise header.fault(fault, "cell_size")
-    robot_radius = read_number(header, "robot_radius")
-    robot_speed = read_number(header, "robot_speed", default=DEFAULT_ROBOT_SPEED)
+    robots: list[Robot] = []
+    radius = speed = 0.0
+    if file.is_fleet:
+        robots = read_robots(header)
+    else:
+        radius = read_number(header, "robot_radius")
+        speed = read_number(header, "robot_speed", default=DEFAULT_ROBOT_SPEED)
     provenance = read_provenance(header)
     failure = read_failure(header)
     cells = read_cells(blocks["cells"])
-    start, target = _ends(header, cells, cell_size)
+    if file.is_fleet:
+        _refuse_marks(header, cells)
+    else:
+        start, target = _ends(header, cells, cell_size)
+        robots = [Robot(start, target, radius, speed)]
     timeline = _timeline(blocks, cells.walls.shape)
-    certificate = _certificate(header, blocks)
+    certificate = _certificate(header, blocks, len(robots))
+    first = robots[0]
     try:
         return World(
-            cells.walls, start, target, cell_size, robot_radius, robot_speed,
-            timeline, certificate, provenance, failure,
+            cells.walls, first.start, first.target, cell_size, first.radius, first.speed,
+            timeline, certificate, provenance, failure, tuple(robots[1:]),
         )  # fmt: skip
-    except InvalidWorld as error:  # a number that no world has, or start or target outside the grid
-        key = str(error.facts["name"]).removesuffix(" radius")
-        mark = {"start": cells.start, "target": cells.target}.get(key)
-        line = header.line_of(key) if mark is None else mark.line
+    except InvalidWorld as error:  # a number that no world has, or robots that cannot be together
+        line = _line_of_fault(header, cells, error.facts, fleet=file.is_fleet)
         raise FormatError.of(error.message, line=line, source=source) from error
+
+
+def _line_of_fault(
+    header: Header, cells: CellBlock, facts: Mapping[str, Any], *, fleet: bool
+) -> int:
+    """Return the line of what a world was refused for."""
+    name = str(facts.get("name", "")).removesuffix(" radius")
+    if not fleet:
+        mark = {"start": cells.start, "target": cells.target}.get(name)
+        return header.line_of(name) if mark is None else mark.line
+    if "second" in facts:
+        return header.line_in_item("robot", facts["second"] - 1)
+    words = str(facts.get("name", "")).split(" ")  # "robot 2 radius", "robot 2 target radius"
+    if len(words) < 3:
+        return header.line_of("robot")
+    return header.line_in_item("robot", int(words[1]) - 1, words[2])
 
 
 class _File(NamedTuple):
@@ -93,7 +131,12 @@ class _File(NamedTuple):
 
     @property
     def first_line_end(self) -> int:
-        return len(MAGIC) + 1
+        return len(MAGIC) + 1  # both versions have first lines of the same length
+
+    @property
+    def is_fleet(self) -> bool:
+        """Whether it is of version 2, with several robots."""
+        return self.data.startswith(FLEET_MAGIC.encode("ascii"))
 
     def fault(self, message: Message, at: int) -> FormatError:
         """Return an error in the line that holds byte ``at``."""
@@ -104,7 +147,8 @@ def _header_end(file: _File) -> int:
     """Check the first line and the line ends; give the offset of the first section's line."""
     data = file.data
     magic = MAGIC.encode("ascii")
-    if data[: len(magic) + 1] != magic + b"\n":
+    known = (MAGIC, FLEET_MAGIC)
+    if data[: len(magic) + 1] not in [f"{line}\n".encode("ascii") for line in known]:
         raise _first_line_fault(file)
     carriage = data.find(b"\r")
     if carriage >= 0:
@@ -134,7 +178,7 @@ def _first_line_fault(file: _File) -> FormatError:
     first = file.data[:200].split(b"\n")[0]
     text = first.decode("utf-8", "replace")
     way_out = "the first line is `{magic}`"
-    magic = MAGIC.encode("ascii")
+    magics = [line.encode("ascii") for line in (MAGIC, FLEET_MAGIC)]
     if not file.data:
         message = Message("empty", "the file is empty", way_out, magic=MAGIC)
     elif first.startswith(b"\xef\xbb\xbf"):
@@ -145,15 +189,15 @@ def _first_line_fault(file: _File) -> FormatError:
     elif first.startswith(b"\x1f\x8b"):
         way_out = f"give the file a name that ends in .gz; unpacked, {way_out}"
         message = Message("packed-file", "this is gzip data", way_out, magic=MAGIC)
-    elif first == magic + b"\r":
+    elif first.endswith(b"\r") and first[:-1] in magics:
         message = _CARRIAGE_RETURN
-    elif first == magic:
+    elif first in magics:
         message = Message(
             "cut-short", "the file ends after its first line; the header and %cells follow it"
         )
-    elif first.startswith(magic.split()[0]):
-        problem = f"{{came!q}}: this program reads version 1: {way_out}"
-        message = Message("other-version", problem, came=text, magic=MAGIC)
+    elif first.startswith(magics[0].split()[0]):
+        problem = f"{{came!q}}: this program reads versions 1 and 2: {way_out}, or `{{fleet}}`"
+        message = Message("other-version", problem, came=text, magic=MAGIC, fleet=FLEET_MAGIC)
     else:
         message = Message(
             "not-a-grid", "no .grid file: it begins with {came!q}", way_out, came=text, magic=MAGIC
@@ -256,7 +300,7 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
 
 
 def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Target]:
-    """Start and target, each from the header or from its mark, never both."""
+    """Return start and target, each from the header or from its mark, never both."""
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
             raise header.missing(
@@ -285,6 +329,20 @@ def _ends(header: Header, cells: CellBlock, cell_size: float) -> tuple[Pose, Tar
         return start, Target(*read_triple(header, "target"))
     radius = lattice_to_metres(UNIT // 2, cell_size)
     return start, Target(*_centre(cells.target, cell_size), radius)
+
+
+def _refuse_marks(header: Header, cells: CellBlock) -> None:
+    """Refuse the marks of version 1 in version 2, which has several starts and targets."""
+    for letter, mark in ((START, cells.start), (TARGET, cells.target)):
+        if mark is not None:
+            message = Message(
+                "conflict",
+                "a cell is marked {letter}, and in version 2 each [[robot]] table has its own start "
+                "and target",
+                "make it a free cell",
+                letter=letter,
+            )
+            raise FormatError.of(message, line=mark.line, source=header.source)
 
 
 def _centre(mark: LetterMark, cell_size: float) -> tuple[float, float]:
@@ -341,12 +399,12 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
     return Timeline(times, ix, iy, states)
 
 
-def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None:
+def _certificate(header: Header, blocks: dict[str, Block], robots: int) -> Certificate | None:
     """Return the certificate; its section is there if and only if the header says so."""
-    record = read_certificate(header)
+    record = read_certificate(header, robots)
     for kind in CERTIFICATE_KINDS:
-        if kind in blocks and (record is None or record[0] != kind):
-            said = "no [certificate]" if record is None else f'kind = "{record[0]}"'
+        if kind in blocks and (record is None or record.kind != kind):
+            said = "no [certificate]" if record is None else f'kind = "{record.kind}"'
             raise blocks[kind].fault(
                 Message(
                     "conflict",
@@ -359,7 +417,8 @@ def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None
             )
     if record is None:
         return None
-    kind, clearance = record
+    kind = record.kind
+    clearance = record.clearances[0]
     if kind not in blocks:
         message = Message(
             "missing-section",
@@ -369,6 +428,42 @@ def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None
         )
         raise header.fault(message, "certificate", "kind")
     if kind == "cut":
-        return Cut(np.column_stack(read_columns(blocks[kind], CUT)), clearance)
+        return Cut(np.column_stack(read_columns(blocks[kind], CUT)), clearance, record.robot)
+    if robots > 1:
+        return _joint_witness(blocks[kind], record.clearances)
     times, x, y = read_columns(blocks[kind], WITNESS)
     return Witness(times, x, y, clearance)
+
+
+def _joint_witness(block: Block, clearances: tuple[float, ...]) -> JointWitness:
+    """Return the paths of all robots: lines of the first robot, then of the second, and so on."""
+    numbers, times, x, y = read_columns(block, FLEET_WITNESS)
+    robots = len(clearances)
+
+    # Each line is of the same robot as the one before, or of the next one.
+    before = np.concatenate([[1], numbers[:-1]])
+    wrong = (numbers < before) | (numbers > before + 1) | (numbers > robots)
+    wrong[:1] |= numbers[:1] != 1
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        message = Message(
+            "not-sorted",
+            "%witness: this line of robot {robot} is out of order",
+            "write the lines of robots 1 to {last} one robot after the other",
+            robot=numbers[row],
+            last=robots,
+        )
+        raise block.fault(message, row)
+    counts = np.bincount(numbers, minlength=robots + 1)[1:]
+    if not counts.all():
+        message = Message(
+            "missing-section",
+            "%witness has no line for robot {robot}",
+            "each robot has a path, of one line at least",
+            robot=int(np.argmin(counts)) + 1,
+        )
+        raise block.fault(message, len(numbers) - 1)
+
+    ends = np.cumsum(counts)[:-1]
+    columns = zip(*(np.split(values, ends) for values in (times, x, y)), clearances, strict=True)
+    return JointWitness(tuple(Witness(*parts) for parts in columns))

@@ -1,70 +1,129 @@
 """What the header's keys and tables mean.
 
-Numbers, provenance, failure, each checked with its line.
+Robots, provenance, certificate, failure, each checked with its line.
 """
 
 from __future__ import annotations
 
 import difflib
-import math
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
-from worldgen.errors import Message
+from worldgen.errors import FormatError, Message
 from worldgen.files.grid.header import Header
 from worldgen.files.grid.schema import (
     CERTIFICATE_KINDS,
+    FLEET_HEADER_KEYS,
+    FLEET_MAGIC,
+    FLEET_TABLE_KEYS,
     HEADER_KEYS,
-    MAX_DEPTH,
-    MAX_INTEGER_BITS,
+    MAGIC,
     OPTIONAL_KEYS,
+    ROBOT_KEYS,
     TABLE_KEYS,
 )
+from worldgen.files.grid.values import (
+    finite_at,
+    integer_at,
+    kind_of,
+    number_of,
+    numbers_at,
+    text_at,
+    values_at,
+)
 from worldgen.support.plain_text import quote
-from worldgen.world import FailureRecord, Provenance, Value
+from worldgen.world import (
+    DEFAULT_ROBOT_SPEED,
+    FailureRecord,
+    Pose,
+    Provenance,
+    Robot,
+    Target,
+)
 
 __all__ = [
+    "CertificateRecord",
     "check_keys",
     "read_certificate",
     "read_failure",
     "read_number",
     "read_provenance",
+    "read_robots",
     "read_triple",
 ]
 
-_KINDS = {
-    bool: "true or false",
-    int: "an integer",
-    float: "a number",
-    str: "text",
-    list: "a list",
-    dict: "a table",
-}
+
+class CertificateRecord(NamedTuple):
+    """What the ``[certificate]`` table says.
+
+    Args:
+        kind: ``witness`` or ``cut``.
+        clearances: m; one number, or one for each robot's path of a joint witness.
+        robot: Number of the robot that a cut of version 2 stops; 1 in version 1.
+    """
+
+    kind: str
+    clearances: tuple[float, ...]
+    robot: int = 1
 
 
-def check_keys(header: Header) -> None:
-    """Refuse every key and table that version 1 does not know.
+class _Place(NamedTuple):
+    """Where keys are looked up: the top of the header, or one ``[[robot]]`` table, from 0."""
+
+    header: Header
+    values: Mapping[str, object]
+    meanings: Mapping[str, str]
+    robot: int | None = None
+
+    @property
+    def name(self) -> str:
+        return "the header" if self.robot is None else f"[[robot]] number {self.robot + 1}"
+
+    def named(self, key: str) -> str:
+        return key if self.robot is None else f"robot {self.robot + 1} {key}"
+
+    def fault(self, message: Message, key: str) -> FormatError:
+        if self.robot is None:
+            return self.header.fault(message, key)
+        line = self.header.line_in_item("robot", self.robot, key)
+        return FormatError.of(message, line=line, source=self.header.source)
+
+    def missing(self, message: Message) -> FormatError:
+        return self.header.missing(message) if self.robot is None else self.fault(message, "")
+
+
+def check_keys(header: Header, *, fleet: bool = False) -> None:
+    """Refuse every key and table that the version does not know.
+
+    Args:
+        header: The header.
+        fleet: Whether it is that of version 2.
 
     Raises:
         FormatError: At the unknown key, with the nearest known one.
     """
+    keys = FLEET_HEADER_KEYS if fleet else HEADER_KEYS
+    tables = FLEET_TABLE_KEYS if fleet else TABLE_KEYS
     for key, value in header.data.items():
-        if key not in HEADER_KEYS and key not in TABLE_KEYS:
-            raise header.fault(_unknown("key", key, (*HEADER_KEYS, *TABLE_KEYS)), key)
-        if key in TABLE_KEYS and not isinstance(value, dict):
+        if fleet and key == "robot":
+            continue
+        if key not in keys and key not in tables:
+            raise header.fault(_strange_key(key, fleet=fleet), key)
+        if key in tables and not isinstance(value, dict):
             raise header.fault(
                 Message(
                     "wrong-type",
                     "{key} is {kind}; it is a table: write [{key}] on a line of its own",
                     key=key,
-                    kind=_kind(value),
+                    kind=kind_of(value),
                 ),
                 key,
             )
-    for table, known in TABLE_KEYS.items():
+    for table, known in tables.items():
         for key in header.data.get(table, ()):
             if key not in known:
                 message = _unknown(f"key in [{table}]", key, known)
-                if key in HEADER_KEYS:
+                if key in keys:
                     message = Message(
                         "wrong-place",
                         "{key} stands in [{table}]; it belongs above the first [table]",
@@ -72,6 +131,76 @@ def check_keys(header: Header) -> None:
                         table=table,
                     )
                 raise header.fault(message, table, key)
+
+
+def _strange_key(key: str, *, fleet: bool) -> Message:
+    if fleet and key in HEADER_KEYS:
+        return Message(
+            "wrong-place",
+            "{key} is above the [[robot]] tables; in version 2 each robot has its own",
+            "write `{own} = ...` in each [[robot]] table",
+            key=key,
+            own=key.removeprefix("robot_"),
+        )
+    if not fleet and key == "robot":
+        return Message(
+            "other-version",
+            "[[robot]] tables are of version 2, and this file is of version 1",
+            "begin it with `{magic}`",
+            magic=FLEET_MAGIC,
+        )
+    known = (
+        (*FLEET_HEADER_KEYS, "robot", *FLEET_TABLE_KEYS) if fleet else (*HEADER_KEYS, *TABLE_KEYS)
+    )
+    return _unknown("key", key, known)
+
+
+def read_robots(header: Header) -> list[Robot]:
+    """Return the robots of version 2, in order.
+
+    Raises:
+        FormatError: If there are not at least two, or a table breaks a rule.
+    """
+    tables = header.data.get("robot")
+    if tables is None:
+        raise header.missing(
+            Message(
+                "missing-key",
+                "the header has no [[{key}]] table",
+                "add one for each robot",
+                key="robot",
+            )
+        )
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        message = Message(
+            "wrong-type",
+            "robot is {kind}; the robots are tables: begin each with [[robot]]",
+            kind=kind_of(tables),
+        )
+        raise header.fault(message, "robot")
+    if len(tables) < 2:
+        message = Message(
+            "one-robot",
+            "version 2 with {count} robots; a file of one robot is of version 1",
+            "write version 1: begin it with `{magic}`, with start, target, robot_radius and "
+            "robot_speed above the first [table]",
+            count=len(tables),
+            magic=MAGIC,
+        )
+        raise header.fault(message, "robot")
+    return [_read_robot(header, tables[k], k) for k in range(len(tables))]
+
+
+def _read_robot(header: Header, table: Mapping[str, object], index: int) -> Robot:
+    place = _Place(header, table, ROBOT_KEYS, index)
+    for key in table:
+        if key not in ROBOT_KEYS:
+            raise place.fault(_unknown("key in [[robot]]", key, ROBOT_KEYS), key)
+    start = _triple(place, "start")
+    target = _triple(place, "target")
+    radius = _number(place, "radius")
+    speed = _number(place, "speed", default=DEFAULT_ROBOT_SPEED)
+    return Robot(Pose(*start), Target(*target), radius, speed)
 
 
 def _unknown(what: str, name: str, known: Iterable[str]) -> Message:
@@ -87,64 +216,36 @@ def _unknown(what: str, name: str, known: Iterable[str]) -> Message:
     )
 
 
-def _kind(value: object) -> str:
-    """Return a TOML value's kind, for messages."""
-    return _KINDS.get(type(value), "a date or time")
-
-
-def _finite(header: Header, value: object, what: str, path: tuple[str, ...]) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{what} is {kind}",
-                "write a number, like 0.1",
-                what=what,
-                kind=_kind(value),
-            ),
-            *path,
-        )
-    try:
-        number = float(value) + 0.0  # no minus zero
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise header.fault(
-            Message(
-                "not-finite",
-                "{what} is {number}",
-                "write a finite number within the range of a float64",
-                what=what,
-                number=number,
-            ),
-            *path,
-        )
-    return number
-
-
 def read_number(header: Header, key: str, *, default: float | None = None) -> float:
     """Return a length or speed, above 0."""
-    if key not in header.data:
+    return _number(_Place(header, header.data, HEADER_KEYS), key, default=default)
+
+
+def _number(place: _Place, key: str, *, default: float | None = None) -> float:
+    if key not in place.values:
         if default is not None:
             return default
-        raise header.missing(
+        raise place.missing(
             Message(
                 "missing-key",
-                "the header has no {key}",
+                "{place} has no {key}",
                 "add `{key} = ...`: {meaning}",
+                place=place.name,
                 key=key,
-                meaning=HEADER_KEYS[key],
+                meaning=place.meanings[key],
             )
         )
-    number = _finite(header, header.data[key], key, (key,))
+    number = number_of(place.values[key], place.named(key))
+    if isinstance(number, Message):
+        raise place.fault(number, key)
     if number <= 0.0:
-        raise header.fault(
+        raise place.fault(
             Message(
                 "not-positive",
                 "{key} is {number}; it is above 0: {meaning}",
-                key=key,
+                key=place.named(key),
                 number=number,
-                meaning=HEADER_KEYS[key],
+                meaning=place.meanings[key],
             ),
             key,
         )
@@ -153,28 +254,50 @@ def read_number(header: Header, key: str, *, default: float | None = None) -> fl
 
 def read_triple(header: Header, key: str) -> tuple[float, float, float]:
     """Return the three numbers of ``start`` or ``target``."""
-    value = header.data[key]
+    return _triple(_Place(header, header.data, HEADER_KEYS), key)
+
+
+def _triple(place: _Place, key: str) -> tuple[float, float, float]:
+    if key not in place.values:
+        raise place.missing(
+            Message(
+                "missing-key",
+                "{place} has no {key}",
+                "add `{key} = {meaning}`",
+                place=place.name,
+                key=key,
+                meaning=place.meanings[key],
+            )
+        )
+    value = place.values[key]
     if not isinstance(value, list) or len(value) != 3:
-        came = f"a list of {len(value)}" if isinstance(value, list) else _kind(value)
-        raise header.fault(
+        came = f"a list of {len(value)}" if isinstance(value, list) else kind_of(value)
+        raise place.fault(
             Message(
                 "wrong-type",
                 "{key} is {came}",
                 "write three numbers: {meaning}",
-                key=key,
+                key=place.named(key),
                 came=came,
-                meaning=HEADER_KEYS[key],
+                meaning=place.meanings[key],
             ),
             key,
         )
-    x, y, third = (_finite(header, item, f"{key}[{k}]", (key,)) for k, item in enumerate(value))
+    numbers: list[float] = []
+    for k, item in enumerate(value):
+        number = number_of(item, f"{place.named(key)}[{k}]")
+        if isinstance(number, Message):
+            raise place.fault(number, key)
+        numbers.append(number)
+    x, y, third = numbers
     if key == "target" and third <= 0.0:
-        raise header.fault(
+        raise place.fault(
             Message(
                 "not-positive",
-                "the target's radius is {radius}; it is above 0: {meaning}",
+                "the {target}'s radius is {radius}; it is above 0: {meaning}",
+                target=place.named(key),
                 radius=third,
-                meaning=HEADER_KEYS[key],
+                meaning=place.meanings[key],
             ),
             key,
         )
@@ -187,22 +310,22 @@ def read_provenance(header: Header) -> Provenance | None:
     if table is None:
         return None
     return Provenance(
-        family=_text(header, table, "provenance", "family"),
-        version=_integer(header, table, "provenance", "version"),
-        seed=_integer(header, table, "provenance", "seed"),
-        params=_values(header, table, "provenance", "params"),
-        metrics=_numbers(header, table, "provenance", "metrics"),
+        family=text_at(header, table, "provenance", "family"),
+        version=integer_at(header, table, "provenance", "version"),
+        seed=integer_at(header, table, "provenance", "seed"),
+        params=values_at(header, table, "provenance", "params"),
+        metrics=numbers_at(header, table, "provenance", "metrics"),
     )
 
 
-def read_certificate(header: Header) -> tuple[str, float] | None:
-    """Return the kind and clearance of the ``[certificate]`` table."""
+def read_certificate(header: Header, robots: int = 1) -> CertificateRecord | None:
+    """Return the ``[certificate]`` table of a world with this many robots."""
     table = _table(header, "certificate")
     if table is None:
         return None
     kind = table["kind"]
     if kind not in CERTIFICATE_KINDS:
-        came = quote(kind) if isinstance(kind, str) else _kind(kind)
+        came = quote(kind) if isinstance(kind, str) else kind_of(kind)
         raise header.fault(
             Message(
                 "unknown-name", "certificate kind is {came}", 'write "witness" or "cut"', came=came
@@ -211,7 +334,54 @@ def read_certificate(header: Header) -> tuple[str, float] | None:
             "kind",
         )
     path = ("certificate", "clearance")
-    return str(kind), _finite(header, table["clearance"], "clearance", path)
+    clearance = table["clearance"]
+    if robots == 1:
+        return CertificateRecord(str(kind), (finite_at(header, clearance, "clearance", path),))
+    if kind == "witness":
+        if "robot" in table:
+            message = Message(
+                "conflict",
+                'kind = "witness", and [certificate] has a robot; a witness is about all of them',
+                "remove `robot`",
+            )
+            raise header.fault(message, "certificate", "robot")
+        if not isinstance(clearance, list) or len(clearance) != robots:
+            came = (
+                f"a list of {len(clearance)}" if isinstance(clearance, list) else kind_of(clearance)
+            )
+            message = Message(
+                "wrong-type",
+                "clearance is {came}",
+                "write a list of {count} numbers, m, one for each robot",
+                came=came,
+                count=robots,
+            )
+            raise header.fault(message, *path)
+        numbers = [
+            finite_at(header, each, f"clearance[{k}]", path) for k, each in enumerate(clearance)
+        ]
+        return CertificateRecord(str(kind), tuple(numbers))
+    if "robot" not in table:
+        message = Message(
+            "missing-key",
+            "[{table}] has no {key}",
+            "add `{key} = ...`: the number, from 1, of the robot that the cut stops",
+            table="certificate",
+            key="robot",
+        )
+        raise header.fault(message, "certificate")
+    robot = integer_at(header, table, "certificate", "robot")
+    if not 1 <= robot <= robots:
+        message = Message(
+            "out-of-range",
+            "certificate.{name} is {robot}",
+            "the robots are numbered from 1 to {last}",
+            name="robot",
+            robot=robot,
+            last=robots,
+        )
+        raise header.fault(message, "certificate", "robot")
+    return CertificateRecord(str(kind), (finite_at(header, clearance, "clearance", path),), robot)
 
 
 def read_failure(header: Header) -> FailureRecord | None:
@@ -220,14 +390,14 @@ def read_failure(header: Header) -> FailureRecord | None:
     if table is None:
         return None
     return FailureRecord(
-        controller=_text(header, table, "failure", "controller"),
-        motion=_text(header, table, "failure", "motion"),
-        seed=_integer(header, table, "failure", "seed"),
-        verdict=_text(header, table, "failure", "verdict"),
-        trace_digest=_text(header, table, "failure", "trace_digest"),
-        parameters=_values(header, table, "failure", "parameters"),
-        evidence=_values(header, table, "failure", "evidence"),
-        details=_values(header, table, "failure", "details"),
+        controller=text_at(header, table, "failure", "controller"),
+        motion=text_at(header, table, "failure", "motion"),
+        seed=integer_at(header, table, "failure", "seed"),
+        verdict=text_at(header, table, "failure", "verdict"),
+        trace_digest=text_at(header, table, "failure", "trace_digest"),
+        parameters=values_at(header, table, "failure", "parameters"),
+        evidence=values_at(header, table, "failure", "evidence"),
+        details=values_at(header, table, "failure", "details"),
     )
 
 
@@ -247,131 +417,3 @@ def _table(header: Header, name: str) -> Mapping[str, object] | None:
                     name,
                 )
     return table
-
-
-def _text(header: Header, table: Mapping[str, object], name: str, key: str) -> str:
-    value = table[key]
-    if not isinstance(value, str):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {kind}",
-                "write text in double quotes",
-                table=name,
-                key=key,
-                kind=_kind(value),
-            ),
-            name,
-            key,
-        )
-    return value
-
-
-def _integer(header: Header, table: Mapping[str, object], name: str, key: str) -> int:
-    value = table[key]
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int)
-        or value.bit_length() > MAX_INTEGER_BITS
-    ):
-        came = "an integer out of range" if type(value) is int else _kind(value)
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {came}",
-                "write an integer of at most {most} bits",
-                table=name,
-                key=key,
-                came=came,
-                most=MAX_INTEGER_BITS,
-            ),
-            name,
-            key,
-        )
-    return value
-
-
-def _values(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, Value]:
-    value = table.get(key, {})
-    if not isinstance(value, dict):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{table}.{key} is {kind}",
-                "write a table: {key} = {{ name = 1 }}",
-                table=name,
-                key=key,
-                kind=_kind(value),
-            ),
-            name,
-            key,
-        )
-    return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
-
-
-def _numbers(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, float]:
-    """Return a table of numbers; whole ones stay whole."""
-    found: dict[str, float] = {}
-    for part, value in _values(header, table, name, key).items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            what = f"{name}.{key}.{quote(part)[1:-1]}"
-            raise header.fault(
-                Message(
-                    "wrong-type",
-                    "{what} is {kind}; a metric is a number",
-                    "leave it out",
-                    what=what,
-                    kind=_kind(value),
-                ),
-                name,
-                key,
-                part,
-            )
-        found[part] = value
-    return found
-
-
-def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> Value:
-    what = ".".join(quote(part)[1:-1] for part in path[:4])
-    if isinstance(value, bool | str):
-        return value
-    if isinstance(value, int):
-        if value.bit_length() > MAX_INTEGER_BITS:
-            raise header.fault(
-                Message(
-                    "too-large",
-                    "{what}: an integer has at most {most} bits",
-                    "write it as text",
-                    what=what,
-                    most=MAX_INTEGER_BITS,
-                ),
-                *path,
-            )
-        return value
-    if isinstance(value, float):
-        return _finite(header, value, what, path)
-    if not isinstance(value, list | dict):
-        raise header.fault(
-            Message(
-                "wrong-type",
-                "{what} is {kind}",
-                "write it as text in double quotes",
-                what=what,
-                kind=_kind(value),
-            ),
-            *path,
-        )
-    if depth > MAX_DEPTH:
-        raise header.fault(
-            Message(
-                "nested-too-deep",
-                "{what}: nested deeper than {most} levels",
-                "flatten it",
-                what=what,
-                most=MAX_DEPTH,
-            ),
-            *path,
-        )
-    if isinstance(value, list):
-        return [_value(header, item, path, depth + 1) for item in value]
-    return {key: _value(header, item, (*path, key), depth + 1) for key, item in value.items()}

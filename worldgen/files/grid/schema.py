@@ -1,4 +1,4 @@
-"""The rules of ``.grid`` version 1 as data: keys, sections, words, limits.
+"""The rules of ``.grid`` files as data: keys, sections, words, limits.
 
 ``docs/reference/grid-format.md`` says the same in prose; a test holds the two together. This module imports
 neither the reader nor the writer, which both go by it.
@@ -21,6 +21,11 @@ __all__ = [
     "END",
     "EXPANSION_FLOOR",
     "EXPANSION_RATIO",
+    "FLEET_HEADER_KEYS",
+    "FLEET_LINE_SECTIONS",
+    "FLEET_MAGIC",
+    "FLEET_TABLE_KEYS",
+    "FLEET_WITNESS",
     "FREE",
     "HEADER_KEYS",
     "LINE_SECTIONS",
@@ -32,6 +37,7 @@ __all__ = [
     "MAX_INTEGER_BITS",
     "MAX_WORD",
     "OPTIONAL_KEYS",
+    "ROBOT_KEYS",
     "SECTIONS",
     "SOLID",
     "START",
@@ -44,7 +50,8 @@ __all__ = [
     "LineSection",
 ]
 
-MAGIC: Final = "%worldgen-grid 1"
+MAGIC: Final = "%worldgen-grid 1"  # one robot
+FLEET_MAGIC: Final = "%worldgen-grid 2"  # several
 END: Final = "end"
 SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)  # in this order, each at most once
 
@@ -64,6 +71,14 @@ HEADER_KEYS: Final = {
     "start": "[x m, y m, heading rad]",
     "target": "[x m, y m, radius m]",
 }
+# Version 2 has these instead: one [[robot]] table for each robot.
+FLEET_HEADER_KEYS: Final = {"cell_size": HEADER_KEYS["cell_size"]}
+ROBOT_KEYS: Final = {
+    "start": HEADER_KEYS["start"],
+    "target": HEADER_KEYS["target"],
+    "radius": HEADER_KEYS["robot_radius"],
+    "speed": HEADER_KEYS["robot_speed"],
+}
 TABLE_KEYS: Final = {
     "provenance": ("family", "version", "seed", "params", "metrics"),
     "certificate": ("kind", "clearance"),
@@ -71,8 +86,9 @@ TABLE_KEYS: Final = {
         "controller", "motion", "seed", "verdict", "trace_digest", "parameters", "evidence", "details",
     ),
 }  # fmt: skip
+FLEET_TABLE_KEYS: Final = TABLE_KEYS | {"certificate": ("kind", "robot", "clearance")}
 OPTIONAL_KEYS: Final = frozenset(
-    {"robot_speed", "params", "metrics", "parameters", "evidence", "details"}
+    {"robot", "robot_speed", "speed", "params", "metrics", "parameters", "evidence", "details"}
 )
 
 MAX_HEADER_BYTES: Final = (
@@ -160,5 +176,9 @@ TIMELINE: Final = LineSection(
 WITNESS: Final = LineSection(
     "witness", tuple(_decimal(name) for name in ("time", "x", "y")), "0.0 0.35 5.65"
 )
+FLEET_WITNESS: Final = LineSection(
+    "witness", (_index("robot", signed=False), *WITNESS.fields), "2 0.0 0.35 5.65"
+)
 CUT: Final = LineSection("cut", tuple(_index(name, signed=True) for name in ("ix", "iy")), "8 3")
 LINE_SECTIONS: Final = {section.name: section for section in (TIMELINE, WITNESS, CUT)}
+FLEET_LINE_SECTIONS: Final = LINE_SECTIONS | {FLEET_WITNESS.name: FLEET_WITNESS}

@@ -9,15 +9,26 @@ from dataclasses import replace
 import numpy as np
 
 from worldgen.errors import InvalidWorld
-from worldgen.files.grid.schema import END, FREE, MAGIC, MAX_HEADER_BYTES, SOLID
+from worldgen.files.grid.schema import (
+    END,
+    FLEET_MAGIC,
+    FREE,
+    MAGIC,
+    MAX_HEADER_BYTES,
+    SOLID,
+)
 from worldgen.files.grid.toml_text import number_text, value_text
 from worldgen.support.rows import flip_rows
 from worldgen.timeline import CellState
 from worldgen.world import (
     DEFAULT_ROBOT_SPEED,
+    Certificate,
     Cut,
     FailureRecord,
+    JointWitness,
+    Pose,
     Provenance,
+    Target,
     Value,
     Witness,
     World,
@@ -71,23 +82,47 @@ def world_digest(world: World) -> str:
 
 
 def _header_lines(world: World) -> Iterator[str]:
-    yield MAGIC
+    yield FLEET_MAGIC if world.others else MAGIC
     yield f"cell_size = {number_text(world.cell_size, 'cell_size')}"
-    yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
-    if world.robot_speed != DEFAULT_ROBOT_SPEED:
-        yield f"robot_speed = {number_text(world.robot_speed, 'robot_speed')}"
-    start = world.start
-    target = world.target
-    yield f"start = {_numbers('start', (start.x, start.y, start.heading))}"
-    yield f"target = {_numbers('target', (target.x, target.y, target.radius))}"
+    if world.others:
+        yield from _robot_lines(world)
+    else:
+        yield f"robot_radius = {number_text(world.robot_radius, 'robot_radius')}"
+        if world.robot_speed != DEFAULT_ROBOT_SPEED:
+            yield f"robot_speed = {number_text(world.robot_speed, 'robot_speed')}"
+        yield from _ends_lines(world.start, world.target)
     if world.provenance is not None:
         yield from _provenance_lines(world.provenance)
     if world.certificate is not None:
-        kind = "witness" if isinstance(world.certificate, Witness) else "cut"
-        yield from ("", "[certificate]", f'kind = "{kind}"')
-        yield f"clearance = {number_text(world.certificate.clearance, 'certificate.clearance')}"
+        yield from _certificate_lines(world.certificate, fleet=bool(world.others))
     if world.failure is not None:
         yield from _failure_lines(world.failure)
+
+
+def _robot_lines(world: World) -> Iterator[str]:
+    for robot in world.robots:
+        yield from ("", "[[robot]]")
+        yield from _ends_lines(robot.start, robot.target)
+        yield f"radius = {number_text(robot.radius, 'radius')}"
+        if robot.speed != DEFAULT_ROBOT_SPEED:
+            yield f"speed = {number_text(robot.speed, 'speed')}"
+
+
+def _ends_lines(start: Pose, target: Target) -> Iterator[str]:
+    yield f"start = {_numbers('start', (start.x, start.y, start.heading))}"
+    yield f"target = {_numbers('target', (target.x, target.y, target.radius))}"
+
+
+def _certificate_lines(proof: Certificate, *, fleet: bool) -> Iterator[str]:
+    kind = "cut" if isinstance(proof, Cut) else "witness"
+    yield from ("", "[certificate]", f'kind = "{kind}"')
+    if fleet and isinstance(proof, Cut):
+        yield f"robot = {proof.robot}"
+    if isinstance(proof, JointWitness):
+        clearances = (path.clearance for path in proof.paths)
+        yield f"clearance = {_numbers('certificate.clearance', clearances)}"
+    else:
+        yield f"clearance = {number_text(proof.clearance, 'certificate.clearance')}"
 
 
 def _numbers(what: str, values: Iterable[float]) -> str:
@@ -147,14 +182,24 @@ def _section_lines(world: World) -> Iterator[str]:
             yield f"{time!r} {ix} {iy} {words[state]}"
     if isinstance(certificate, Witness):
         yield "%witness"
-        points = np.column_stack((certificate.times, certificate.x, certificate.y)) + 0.0
-        if not np.isfinite(points).all():
-            raise InvalidWorld(
-                "not-finite",
-                "the witness has a number that is not finite; a .grid file cannot hold it; prove "
-                "it again",
-            )
-        yield from (f"{time!r} {x!r} {y!r}" for time, x, y in points.tolist())
+        yield from _point_lines(certificate, "")
+    elif isinstance(certificate, JointWitness):
+        yield "%witness"
+        for number, path in enumerate(certificate.paths, start=1):
+            yield from _point_lines(path, f"{number} ")
     elif isinstance(certificate, Cut):
         yield "%cut"
         yield from (f"{ix} {iy}" for ix, iy in certificate.cells.tolist())
+
+
+def _point_lines(path: Witness, prefix: str) -> Iterator[str]:
+    """The points of one path; ``prefix`` precedes each."""
+    points = np.column_stack((path.times, path.x, path.y)) + 0.0
+    if not np.isfinite(points).all():
+        raise InvalidWorld(
+            "not-finite",
+            "the witness has a number that is not finite; a .grid file cannot hold it; prove "
+            "it again",
+        )
+    for time, x, y in points.tolist():
+        yield f"{prefix}{time!r} {x!r} {y!r}"

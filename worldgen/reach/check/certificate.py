@@ -18,9 +18,10 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from worldgen.reach.check.joint import nearest_pair
 from worldgen.reach.check.target import TooMuch, poses_to_part
 from worldgen.timeline import CellState
-from worldgen.world import Certificate, Cut, Witness, World
+from worldgen.world import Certificate, Cut, JointWitness, Witness, World
 
 __all__ = [
     "TOLERANCE",
@@ -65,15 +66,22 @@ def check_certificate(
 ) -> CheckReport:
     """Return True if a certificate proves that a disc can, or cannot, get from start to target.
 
+    In a world of several robots, a joint witness proves that all of them can, and a cut that one of
+    them cannot.
+
     Args:
         world: The world.
-        certificate: The proof; the world's own if omitted.
-        radius: Radius of the disc, m; the robot's if omitted.
+        certificate: The proof; the world's own where left out.
+        radius: Radius of the disc, m; the robot's where left out, or each robot's.
     """
     certificate = world.certificate if certificate is None else certificate
-    radius = world.robot_radius if radius is None else radius
     if certificate is None:
         return CheckReport(False, "the world carries no certificate", 0.0)
+    if isinstance(certificate, JointWitness):
+        return _check_joint(world, certificate, radius)
+    if world.others:
+        return _check_one_of_several(world, certificate, radius)
+    radius = world.robot_radius if radius is None else radius
     measured = [0.0]
     try:
         with np.errstate(all="ignore"):  # a hostile file may hold times whose difference overflows
@@ -85,6 +93,46 @@ def check_certificate(
     except _Refused as refusal:
         return CheckReport(False, str(refusal), measured[0])
     return CheckReport(True, reason, measured[0])
+
+
+def _check_joint(world: World, joint: JointWitness, radius: float | None) -> CheckReport:
+    """Check the path of each robot alone, and then the distances between the robots."""
+    count = len(world.robots)
+    if len(joint.paths) != count:
+        return CheckReport(False, f"{len(joint.paths)} paths for {count} robots", 0.0)
+    clearance = math.inf
+    for number, path in enumerate(joint.paths, start=1):
+        report = check_certificate(world.alone(number), path, radius=radius)
+        if not report.valid:
+            return CheckReport(False, f"robot {number}: {report.reason}", report.clearance)
+        clearance = min(clearance, report.clearance)
+    radii = [robot.radius if radius is None else radius for robot in world.robots]
+    pair, half = nearest_pair(world, joint.paths, radii)
+    clearance = min(clearance, half)
+    if pair is not None:
+        needed = radii[pair.first - 1] + radii[pair.second - 1]
+        if not pair.distance >= needed - TOLERANCE * world.cell_size:
+            reason = (
+                f"robots {pair.first} and {pair.second} overlap at {pair.time:.6g} s: their centres "
+                f"are {pair.distance:.9g} m apart, and their radii add up to {needed:.9g} m"
+            )
+            return CheckReport(False, reason, clearance)
+    reason = f"the paths of all {count} robots are clear of walls and of each other"
+    return CheckReport(True, reason, clearance)
+
+
+def _check_one_of_several(
+    world: World, certificate: Witness | Cut, radius: float | None
+) -> CheckReport:
+    """Check a cut of one of several robots; where that robot cannot arrive, not all of them can."""
+    if not isinstance(certificate, Cut):
+        return CheckReport(False, "the witness is about one robot, and there are several", 0.0)
+    if not 1 <= certificate.robot <= len(world.robots):
+        return CheckReport(False, f"there is no robot {certificate.robot}", 0.0)
+    report = check_certificate(world.alone(certificate.robot), certificate, radius=radius)
+    return CheckReport(
+        report.valid, f"robot {certificate.robot}: {report.reason}", report.clearance
+    )
 
 
 def _require(holds: bool, otherwise: str) -> None:

@@ -1,0 +1,202 @@
+"""Values of the header, each checked, with the line of its key in every error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from worldgen.errors import Message
+from worldgen.files.grid.header import Header
+from worldgen.files.grid.schema import MAX_DEPTH, MAX_INTEGER_BITS
+from worldgen.support.plain_text import quote
+from worldgen.world import Value
+
+__all__ = [
+    "finite_at",
+    "integer_at",
+    "kind_of",
+    "number_of",
+    "numbers_at",
+    "text_at",
+    "values_at",
+]
+
+_KINDS = {
+    bool: "true or false",
+    int: "an integer",
+    float: "a number",
+    str: "text",
+    list: "a list",
+    dict: "a table",
+}
+
+
+def kind_of(value: object) -> str:
+    """Return a TOML value's kind, for messages."""
+    return _KINDS.get(type(value), "a date or time")
+
+
+def finite_at(header: Header, value: object, what: str, path: tuple[str, ...]) -> float:
+    """Return a number that is finite."""
+    number = number_of(value, what)
+    if isinstance(number, Message):
+        raise header.fault(number, *path)
+    return number
+
+
+def number_of(value: object, what: str) -> float | Message:
+    """Return a finite number, or what is wrong with it."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return Message(
+            "wrong-type",
+            "{what} is {kind}",
+            "write a number, like 0.1",
+            what=what,
+            kind=kind_of(value),
+        )
+    try:
+        number = float(value) + 0.0  # no minus zero
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        return Message(
+            "not-finite",
+            "{what} is {number}",
+            "write a finite number within the range of a float64",
+            what=what,
+            number=number,
+        )
+    return number
+
+
+def text_at(header: Header, table: Mapping[str, object], name: str, key: str) -> str:
+    """Return the text of a key in a table."""
+    value = table[key]
+    if not isinstance(value, str):
+        raise header.fault(
+            Message(
+                "wrong-type",
+                "{table}.{key} is {kind}",
+                "write text in double quotes",
+                table=name,
+                key=key,
+                kind=kind_of(value),
+            ),
+            name,
+            key,
+        )
+    return value
+
+
+def integer_at(header: Header, table: Mapping[str, object], name: str, key: str) -> int:
+    """Return the integer of a key in a table."""
+    value = table[key]
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int)
+        or value.bit_length() > MAX_INTEGER_BITS
+    ):
+        came = "an integer out of range" if type(value) is int else kind_of(value)
+        raise header.fault(
+            Message(
+                "wrong-type",
+                "{table}.{key} is {came}",
+                "write an integer of at most {most} bits",
+                table=name,
+                key=key,
+                came=came,
+                most=MAX_INTEGER_BITS,
+            ),
+            name,
+            key,
+        )
+    return value
+
+
+def values_at(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, Value]:
+    """Return the table of values of a key in a table; empty if it is not there."""
+    value = table.get(key, {})
+    if not isinstance(value, dict):
+        raise header.fault(
+            Message(
+                "wrong-type",
+                "{table}.{key} is {kind}",
+                "write a table: {key} = {{ name = 1 }}",
+                table=name,
+                key=key,
+                kind=kind_of(value),
+            ),
+            name,
+            key,
+        )
+    return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
+
+
+def numbers_at(
+    header: Header, table: Mapping[str, object], name: str, key: str
+) -> dict[str, float]:
+    """Return a table of numbers; whole ones stay whole."""
+    found: dict[str, float] = {}
+    for part, value in values_at(header, table, name, key).items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            what = f"{name}.{key}.{quote(part)[1:-1]}"
+            raise header.fault(
+                Message(
+                    "wrong-type",
+                    "{what} is {kind}; a metric is a number",
+                    "leave it out",
+                    what=what,
+                    kind=kind_of(value),
+                ),
+                name,
+                key,
+                part,
+            )
+        found[part] = value
+    return found
+
+
+def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> Value:
+    what = ".".join(quote(part)[1:-1] for part in path[:4])
+    if isinstance(value, bool | str):
+        return value
+    if isinstance(value, int):
+        if value.bit_length() > MAX_INTEGER_BITS:
+            raise header.fault(
+                Message(
+                    "too-large",
+                    "{what}: an integer has at most {most} bits",
+                    "write it as text",
+                    what=what,
+                    most=MAX_INTEGER_BITS,
+                ),
+                *path,
+            )
+        return value
+    if isinstance(value, float):
+        return finite_at(header, value, what, path)
+    if not isinstance(value, list | dict):
+        raise header.fault(
+            Message(
+                "wrong-type",
+                "{what} is {kind}",
+                "write it as text in double quotes",
+                what=what,
+                kind=kind_of(value),
+            ),
+            *path,
+        )
+    if depth > MAX_DEPTH:
+        raise header.fault(
+            Message(
+                "nested-too-deep",
+                "{what}: nested deeper than {most} levels",
+                "flatten it",
+                what=what,
+                most=MAX_DEPTH,
+            ),
+            *path,
+        )
+    if isinstance(value, list):
+        return [_value(header, item, path, depth + 1) for item in value]
+    return {key: _value(header, item, (*path, key), depth + 1) for key, item in value.items()}
