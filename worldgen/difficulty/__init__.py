@@ -1,10 +1,10 @@
-"""How hard a world is, and worlds as hard as is wished.
+"""Measure how hard a world is, and search for worlds of a given difficulty.
 
 Contents:
-    measure, with_metrics: the metrics of a world; the world with them in its provenance.
-    Metrics, METRICS, Metric: what is measured, in which unit, and which way is harder.
-    parse, Expression: wishes about metrics.
-    search_world, Search: worlds that fulfil a wish.
+    measure, with_metrics: the metrics of a world; a world with the metrics in its provenance.
+    Metrics, METRICS, Metric: what is measured, in which unit, and which direction is harder.
+    parse, Expression: constraints on metrics.
+    search_world, Search: worlds that satisfy a constraint.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from worldgen.difficulty.search import Search, search_world
 
 __getattr__, __dir__ = lazy_names(
-    __name__, {"search": ("Search", "search_world")}
-)  # which needs the families
+    __name__,
+    {"search": ("Search", "search_world")},
+    # This import needs the families.
+)
 
 __all__ = [
     "METRICS",

@@ -1,9 +1,9 @@
 """Find the largest disc that can get from start to target, without trying disc after disc.
 
-A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from
-target (docs/explanation/reachability.md). So the gaps are taken from the narrowest on, and the cells on both
-sides united; the first gap that closes such a chain is the bottleneck between two poses. Beside it,
-start and target have to hold the disc.
+A disc is stopped by a closed chain of cells, with gaps below its diameter, that separates start
+from target (docs/explanation/reachability.md). So the gaps are processed from the narrowest on,
+uniting the cells on both sides; the first gap that closes such a chain is the bottleneck between
+two poses. In addition, start and target must have room for the disc.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ from worldgen.world import World
 
 __all__ = ["bottleneck", "narrowest_gap_sq"]
 
-# Share of the radius to which it is found where a pose next to the target's centre may take a
-# larger disc.
+# Relative precision of the radius where a pose next to the target's centre may take a larger disc.
 _CLOSE = 1e-7
 _LEAST = (
     1 / 64
-)  # cell: where the target's centre cannot be reached, smaller discs are not asked for
+    # Cells: if the target's centre cannot be reached, smaller discs are not tried.
+)
 
 
 def bottleneck(world: World, solid: Bools) -> float:
-    """Return radius, m, of the largest disc that gets from the start to the target.
+    """Return the radius, m, of the largest disc that gets from the start to the target.
 
-    0 if none of 1/64 cell or more does.
+    It is 0 if no disc of 1/64 cell or more does.
 
     Args:
         world: Start, target and lengths.
-        solid: (height, width) bool, the cells that count.
+        solid: (height, width) bool, the solid cells.
     """
     walls = Walls(solid, Fraction(1))
     disc = target_disc(world)
@@ -66,13 +66,13 @@ def bottleneck(world: World, solid: Bools) -> float:
     reach = float(disc.radius) / UNIT
     highest = min(at_start, at_target + reach)
     if sure < highest and not (between == sure and at_target - reach > between):
-        # Some other pose of the target's disc may be reached by a larger disc than its centre.
+        # A larger disc may reach a pose of the target's disc other than its centre.
         sure = _halved(world, solid, sure, highest)
     return sure * float(exact(world.cell_size))
 
 
 def _halved(world: World, solid: Bools, low: float, high: float) -> float:
-    """Return the largest radius, cells, between two; ``low`` if nothing larger passes."""
+    """Return the largest radius, cells, between two bounds; ``low`` if nothing larger passes."""
     question = _DiscQuery(world, solid)
     if not question.passes(max(low * (1 + _CLOSE), _LEAST)):
         return low
@@ -87,7 +87,7 @@ def _halved(world: World, solid: Bools, low: float, high: float) -> float:
 class _DiscQuery:
     """Answers, one radius after another, whether a disc that fits at the start reaches the target.
 
-    No way is sought: a pose that no chain parts from the start can be reached
+    It searches for no path: a pose that no chain separates from the start can be reached
     (docs/explanation/reachability.md).
     """
 
@@ -100,7 +100,7 @@ class _DiscQuery:
         )
 
     def passes(self, radius: float) -> bool:
-        """For a radius in cells."""
+        """Return True if a disc of this radius, in cells, gets to the target."""
         exactly = Fraction(radius)
         start = (self.start[0], self.start[1])
         if radius <= 0.0:
@@ -109,7 +109,8 @@ class _DiscQuery:
         if not walls.is_clear(start, start):
             return False
         poses = deciding_poses(walls, self.disc)
-        if poses is None:  # thousands of corners lie near a large target
+        # Thousands of corners can be near a large target.
+        if poses is None:
             still = replace(self.world, walls=self.solid, timeline=Timeline(), certificate=None)
             metres = radius * self.world.cell_size
             return decide(still, radius=metres, certificate=False).result == REACHABLE
@@ -131,15 +132,15 @@ class _DiscQuery:
 
 
 def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int | None:
-    """Return squared width, cells, of the narrowest gap that closes a chain between two poses.
+    """Return the squared width, cells, of the narrowest gap that closes a chain between two poses.
 
-    None from ``below`` on.
+    Return None if it is ``below`` or more.
 
     Args:
         solid: (height, width) bool.
         start: A pose outside the cells, 1/1024 cell.
-        target: Another.
-        below: Squared widths that matter.
+        target: Another such pose.
+        below: Limit on the squared widths of interest.
     """
     cells, number, stride, pad = _rim(solid, below)
     ffi = _core.ffi
@@ -157,7 +158,7 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
             near = np.flatnonzero(other >= 0)
 
             # Only links near the rays upwards from the two poses can cross them, and few cells are
-            # there.
+            # near them.
             for pose, close in rays:
                 odd[close] ^= _crosses(cells[close] - pad, dx, dy, pose)
             crossing = odd[near]
@@ -173,7 +174,7 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
 def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
     """Return solid cells next to free ones: (n, 2) padded (column, row), numbers by place, stride.
 
-    Padding.
+    The cells are padded.
     """
     pad = math.isqrt(max(below - 1, 0)) + 2
     rim = np.pad(rim_cells(solid), pad - 1)

@@ -1,10 +1,9 @@
-"""Wishes about metrics.
+"""Constraints on metrics, such as ``detour > 3 and bottleneck < 1.2r``.
 
-``detour > 3 and bottleneck < 1.2r``, read by Python's own parser, never run as code. Grammar,
-loosest first: ``or``, ``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained),
-    ``+ -``, ``* /``, signs, parentheses, names of metrics, numbers. A number may carry a unit:
-    ``m``, ``s``, or ``r``, the robot's
-radius.
+Python's own parser reads the text, which is never run as code. Grammar, loosest first: ``or``,
+``and``, ``not``, comparisons (``<  <=  >  >=  ==  !=``, also chained), ``+ -``, ``* /``, signs,
+parentheses, names of metrics, numbers. A number may carry a unit: ``m``, ``s``, or ``r``, the
+robot's radius.
 """
 
 from __future__ import annotations
@@ -26,9 +25,11 @@ __all__ = ["Expression", "parse"]
 UNITS: Final = ("m", "s", "r")
 MOST_CHARACTERS: Final = 2000
 MOST_NESTED: Final = 50
-_DEEPEST: Final = 250  # levels of the syntax tree; Python allows a thousand calls within each other
+# Most levels of the syntax tree; Python allows a thousand nested calls.
+_DEEPEST: Final = 250
 _EMPTY: Final = (
-    2.0  # violation of a comparison with a metric that the world does not have: more than any other
+    # Violation of a comparison with a metric that the world lacks: larger than any other.
+    2.0
 )
 
 _TOKEN = re.compile(
@@ -54,13 +55,13 @@ Values = Mapping[str, float]
 
 
 class _Number(NamedTuple):
-    """A number or what is worked out of numbers: its value, nan if a metric is missing."""
+    """A number or an arithmetic expression: its value, nan if a metric is missing."""
 
     value: Callable[[Values, float], float]
 
 
 class _Wish(NamedTuple):
-    """A condition: how far a world is from it, 0 exactly where it holds; and its opposite."""
+    """A condition: how far a world is from it, exactly 0 if it holds; and its negation."""
 
     violation: Callable[[Values, float], float]
     opposite: Callable[[], _Wish]
@@ -68,11 +69,11 @@ class _Wish(NamedTuple):
 
 @dataclass(frozen=True)
 class Expression:
-    """A parsed wish.
+    """A parsed constraint.
 
     Args:
-        text: As it was written.
-        names: The metrics that it asks for.
+        text: The text as written.
+        names: The metrics that it uses.
     """
 
     text: str
@@ -80,22 +81,22 @@ class Expression:
     _wish: _Wish
 
     def violation(self, metrics: Values, robot_radius: float) -> float:
-        """Return how far a world is from it: 0 if it holds, else more the farther.
+        """Return how far a world is from satisfying it: 0 if it does, more the farther it is.
 
-        A metric left out fulfils nothing.
+        A missing metric satisfies nothing.
         """
         return self._wish.violation(metrics, robot_radius)
 
     def holds(self, metrics: Values, robot_radius: float) -> bool:
-        """Return True if the wish is fulfilled."""
+        """Return True if the constraint is satisfied."""
         return self.violation(metrics, robot_radius) == 0.0
 
 
 def parse(text: str) -> Expression:
-    """Return the wish that a text says.
+    """Parse a constraint.
 
     Raises:
-        InvalidParameter: If it is none, with a mark under the place.
+        InvalidParameter: If it cannot be parsed; the message marks the place.
     """
     if len(text) > MOST_CHARACTERS:
         raise InvalidParameter(
@@ -112,7 +113,8 @@ def parse(text: str) -> Expression:
         SyntaxError,
         MemoryError,
         RecursionError,
-    ):  # the scan leaves nothing to refuse but signs without end
+        # After the scan, nothing is left to refuse except endless signs.
+    ):
         tree = None
     if tree is None or _levels(tree) > _DEEPEST:
         scan.fail(_too_deep(_DEEPEST), 0)
@@ -125,7 +127,7 @@ class _Scan:
     """The words of a text, checked from left to right.
 
     Attributes:
-        operands: What each number and metric means, by the place where it begins.
+        operands: The meaning of each number and metric, by the position where it begins.
         structure: The text with a name of the same length for each of them, which Python's own
             parser can read.
     """
@@ -136,7 +138,8 @@ class _Scan:
         self.operands: dict[int, _Number] = {}
         self.structure = ""
         open_brackets = 0
-        before = "("  # as if the whole were in parentheses
+        # Parse the whole as if it were in parentheses.
+        before = "("
         for token in _TOKEN.finditer(text):
             kind = "number" if token["number"] is not None else str(token.lastgroup)
             word = token[kind]
@@ -146,7 +149,7 @@ class _Scan:
             if kind == "wrong":
                 self.fail(Message("wrong-form", "{word!r} has no meaning here", word=word), at)
 
-            # Operands and operators take turns, so what came before tells what may come now.
+            # Operands and operators alternate, so the previous word determines what may come next.
             begins = before in _BEGINNERS
             is_operand = kind == "number" or (kind == "word" and word not in ("and", "or", "not"))
             if begins:
@@ -228,7 +231,7 @@ class _Scan:
 
 
 def _misplaced(came: str, begins: bool, open_brackets: int) -> Message:
-    """Return what is wrong with a word that does not fit what is before it."""
+    """Describe what is wrong with a word that does not fit what precedes it."""
     if begins:
         return Message("wrong-form", "{came} where a metric or a number belongs", came=came)
     if open_brackets:
@@ -246,13 +249,13 @@ def _too_deep(most: int) -> Message:
 
 
 class _Meaning:
-    """What the nodes of a syntax tree mean; ``at`` is the place in the text where a node begins."""
+    """The meaning of a syntax tree's nodes; ``at`` is the position in the text where a node begins."""
 
     def __init__(self, scan: _Scan) -> None:
         self._scan = scan
 
     def wish(self, node: ast.expr, at: int) -> _Wish:
-        """Return a condition; refuse a number in its place."""
+        """Return a condition; reject a number in its place."""
         if isinstance(node, ast.Compare):
             return self._comparison(node, at)
         if isinstance(node, ast.BoolOp):
@@ -269,7 +272,7 @@ class _Meaning:
         self._scan.fail(message, at)
 
     def number(self, node: ast.expr, at: int) -> _Number:
-        """Return a number; refuse a condition in its place."""
+        """Return a number; reject a condition in its place."""
         if isinstance(node, ast.Name):
             return self._scan.operands[_place(node)]
         if isinstance(node, ast.BinOp):
@@ -302,7 +305,7 @@ class _Meaning:
 
 
 def _levels(tree: ast.expr) -> int:
-    """Return how many nodes of a syntax tree are within each other."""
+    """Return the depth of a syntax tree."""
     levels = 0
     nodes: list[ast.AST] = [tree]
     while nodes:
@@ -312,7 +315,7 @@ def _levels(tree: ast.expr) -> int:
 
 
 def _place(node: ast.expr) -> int:
-    """Return where in the text a node begins; the parser sees one parenthesis before it."""
+    """Return where a node begins in the text; the parser sees an extra parenthesis before it."""
     return node.col_offset - 1
 
 
@@ -337,8 +340,10 @@ def _compare(mark: str, one: _Number, other: _Number) -> _Wish:
             return 0.0
         size = abs(a) + abs(b)
         return max(
-            abs(a - b) / size if 0.0 < size < math.inf else 0.0, 1e-9
-        )  # 1e-9: equal, and should not be
+            abs(a - b) / size if 0.0 < size < math.inf else 0.0,
+            1e-9,
+            # 1e-9: the values are equal, and should not be.
+        )
 
     return _Wish(violation, lambda: _compare(_OPPOSITE[mark], one, other))
 

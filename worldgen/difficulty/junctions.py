@@ -1,12 +1,12 @@
-"""Decision points: places along the way from which three or more ways lead.
+"""Find decision points: places along the path from which three or more routes lead.
 
 A *place* is a point, at a multiple of half a cell, with a locally largest free disc: none of its
-eight neighbours has a larger one, and it lies in no larger disc of another place. Its *ring* are
-the points from 1.5 to 2 radii of its disc away that the robot can reach from it without leaving the
-ring's outer circle; the separate parts of the ring that reach to that circle are the *ways* that
-lead from it. Corners of a passage are nearer than 1.5 radii; those of a blind end, which may stick
-into the ring, are nearer than 2. A *decision point* is a place with three or more ways whose disc
-the witness enters, to half a cell; places that lie in each other's discs are one.
+eight neighbours has a larger one, and it is not in a larger disc of another place. Its *ring*
+consists of the points from 1.5 to 2 radii of its disc away that the robot can reach from it without
+leaving the ring's outer circle. The separate parts of the ring that reach that circle are the
+*routes* that lead from it. Corners of a passage are nearer than 1.5 radii; those of a blind end,
+which may extend into the ring, are nearer than 2. A *decision point* is a place with three or more
+routes whose disc the witness enters, to half a cell; places in each other's discs count as one.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ __all__ = ["decision_points"]
 
 
 def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
-    """Return the decision points along a way, each once.
+    """Return the decision points along a path, each once.
 
-    Column, row and squared radius of its largest disc, in half cells.
+    A row has column, row and squared radius of its largest disc, in half cells.
 
     Args:
-        nodes: The world at rest.
-        touched: (n, 2) int64, (column, row) of the nodes next to the way.
+        nodes: The static world.
+        touched: (n, 2) int64, (column, row) of the nodes next to the path.
     """
     near = np.zeros(nodes.graph.clear.shape, np.bool_)
     near[touched[:, 1], touched[:, 0]] = True
-    # Those whose discs the way may enter, and all whose discs hold these.
+    # Find places whose discs the path may enter, and all places whose discs contain these.
     away = squared_distances(near, 4 * int(nodes.clearance_sq.max(initial=0)))
     places = np.flatnonzero(_largest_discs(nodes, away))
     sizes = nodes.clearance_sq.ravel()[places]
@@ -52,7 +52,7 @@ def _largest_discs(nodes: Nodes, away: Ints) -> Bools:
     """Return True if the robot is clear at a near node and no neighbour has a larger free disc.
 
     Args:
-        nodes: The world at rest.
+        nodes: The static world.
         away: Squared distances; at most two radii of the disc count as near.
     """
     ffi = _core.ffi
@@ -66,13 +66,13 @@ def _largest_discs(nodes: Nodes, away: Ints) -> Bools:
 
 
 def _highest(nodes: Nodes, places: Ints, sizes: Ints, chosen: Ints) -> Bools:
-    """Return whether places lie in no larger disc than their own.
+    """Return which places are not in a larger disc than their own.
 
     Args:
-        nodes: The world at rest.
+        nodes: The static world.
         places: (n,) flat indices, sorted.
         sizes: (n,) squared radii.
-        chosen: (k,) numbers of the places in question.
+        chosen: (k,) numbers of the places to examine.
     """
     ffi = _core.ffi
     lib = _core.lib
@@ -117,12 +117,12 @@ def _openings(nodes: Nodes, places: Ints, sizes: Ints) -> Ints:
 
 
 class _Spots:
-    """Places with their discs, found by where they are.
+    """Places with their discs, indexed by position.
 
     Args:
         places: (n,) flat indices.
         sizes: (n,) squared radii, half cells.
-        stride: Nodes a row.
+        stride: Nodes per row.
     """
 
     def __init__(self, places: Ints, sizes: Ints, stride: int) -> None:
@@ -146,7 +146,7 @@ class _Spots:
                 yield other, (self.spots[other][0] - x) ** 2 + (self.spots[other][1] - y) ** 2
 
     def groups(self) -> Iterator[list[tuple[int, int, int]]]:
-        """Yield the places, those that lie in each other's discs together."""
+        """Yield the places, grouped if they are in each other's discs."""
         left = set(range(len(self.spots)))
         while left:
             group = [left.pop()]

@@ -1,4 +1,4 @@
-"""Measures a world."""
+"""Measure a world."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ _POCKETS = frozenset({"concavity", "retreat"})
 
 
 def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
-    """Return how hard a world is, by every metric that has a meaning for it.
+    """Return how hard a world is, by every metric that is defined for it.
 
-    What goes by a way goes by the world's own witness; a world without a certificate is decided
+    Metrics along a path use the world's own witness; a world without a certificate is decided
     first. Equal worlds with equal witnesses have equal metrics, to the last digit, on every
     machine.
 
     Args:
-        world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot
-            off.
-        only: Names of the metrics that are asked for, which saves time; others may be left out.
+        world: Any world; in one that changes, the walls and obstacles of time 0 count.
+        only: Names of the metrics to compute, which saves time; others may be missing from the
+            result.
     """
     wanted = frozenset(METRICS if only is None else only)
     if "difficulty" in wanted:
@@ -73,7 +73,7 @@ def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
 def with_metrics(world: World) -> World:
     """Return the world with its metrics in its provenance.
 
-    One without provenance has no place for them and stays as it is.
+    A world without provenance cannot store them and is returned unchanged.
     """
     if world.provenance is None:
         return world
@@ -81,13 +81,14 @@ def with_metrics(world: World) -> World:
 
 
 def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, float]:
-    """Return what goes by the witness."""
+    """Return the metrics along the witness."""
     length = way.length * world.cell_size / UNIT
     turns = way.turning
     found = {"length": length, "turns": turns, "duration": way.duration}
     if world.is_dynamic:
         found["waiting"] = way.waiting
-        margin = reach.witness_margin(world, certificate)  # which loads shapely
+        # This import loads shapely.
+        margin = reach.witness_margin(world, certificate)
         if math.isfinite(margin):
             found["margin"] = margin
     straight = distance(world.start.x, world.start.y, world.target.x, world.target.y)
@@ -102,7 +103,7 @@ def _along(world: World, certificate: Witness, way: WitnessPath) -> dict[str, fl
 def _round(
     world: World, solid: Bools, way: WitnessPath, wanted: frozenset[str]
 ) -> dict[str, float]:
-    """Return what the robot has round it, and where it may go."""
+    """Return the metrics of the robot's surroundings and of its free space."""
     samples = samples_of(way)
     found: dict[str, float] = {}
     if wanted & _MEANS:

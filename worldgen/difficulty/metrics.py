@@ -1,4 +1,4 @@
-"""The metrics of a world: names, units, and which way is harder."""
+"""The metrics of a world: names, units, and which direction is harder."""
 
 from __future__ import annotations
 
@@ -7,20 +7,19 @@ from typing import Final, NamedTuple
 
 __all__ = ["DIGITS", "METRICS", "Metric", "Metrics", "rounded"]
 
-# Significant digits that a metric keeps: more than its meaning bears, fewer than a float's last
-# bits.
+# Significant digits of a metric: more than its meaning supports, fewer than a float's last bits.
 DIGITS: Final = 6
 
 
 class Metric(NamedTuple):
-    """What a metric is.
+    """The definition of a metric.
 
     Args:
         unit: m, s, rad, rad/m, or nothing.
-        harder: 1 if more of it should make a world harder, -1 if less of it should, 0 if neither is
-            expected.
+        harder: 1 if higher values should make a world harder, -1 if lower values should, 0 if
+            neither is expected.
         meaning: One line for tables.
-        source: Who published it, if it is not ours.
+        source: Who published it, if it isn't ours.
     """
 
     unit: str
@@ -63,15 +62,15 @@ METRICS: Final = {
     "margin": Metric("s", -1, "how much later the witness may begin"),
     "changing": Metric("", 1, "share of the cells that change with time"),
 }
-"""Every metric by name, in the order of tables."""
+"""Every metric by name, in table order."""
 
 
 @dataclass(frozen=True)
 class Metrics:
     """The difficulty of a world, described in :data:`METRICS` and rounded to :data:`DIGITS` digits.
 
-    A metric that has no meaning for the world is None: those along a way where none is known, those
-    over the straight line where start and target coincide.
+    A metric that is undefined for the world is None: those along a path if none is known, those
+    over the straight line if start and target coincide.
     """
 
     difficulty: float | None = None
@@ -96,7 +95,7 @@ class Metrics:
     changing: float | None = None
 
     def as_dict(self) -> dict[str, float]:
-        """Return the metrics that have a value, by name, in the order of tables."""
+        """Return the metrics that have a value, by name, in table order."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
 

@@ -1,12 +1,12 @@
-"""How likely a controller of the library fails in a world, fitted on campaigns.
+"""Estimate how likely a controller of the library fails in a world; fitted on campaigns.
 
-A weighted sum of a few metrics, each as ``v / (v + scale)``, so that it runs from 0 to 1 without a
-logarithm, and then ``(1 + s / (1 + |s|)) / 2`` of the sum ``s``, which is monotone and needs only
-division. No weight has another sign than :data:`worldgen.difficulty.METRICS` says, so no metric
-that makes a world harder ever lowers its difficulty.
+The model is a weighted sum of a few metrics, each as ``v / (v + scale)``, which maps it to 0 to 1
+without a logarithm. The sum ``s`` becomes ``(1 + s / (1 + |s|)) / 2``, which is monotone and needs
+only division. No weight has another sign than :data:`worldgen.difficulty.METRICS` states, so a
+metric that makes a world harder never lowers its difficulty.
 
-``python -m benchmarks.difficulty`` fits scales and weights and prints them; docs/howto/difficulty.md says
-how well they do.
+``python -m benchmarks.difficulty`` fits scales and weights and prints them;
+docs/howto/difficulty.md shows how good they are.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from worldgen.difficulty.metrics import METRICS
 
 __all__ = ["INPUTS", "difficulty", "squashed"]
 
-# Metric: (scale, weight); lengths in radii of the robot, so that a world and its robot may be
+# Metric: (scale, weight). Lengths are in radii of the robot, so that a world and its robot can be
 # scaled together.
 WEIGHTS: Final = {"concavity": (7.8, 3.46), "detour": (0.39, 2.2)}
 OFFSET: Final = -2.13
@@ -35,8 +35,8 @@ def difficulty(
     """Return the difficulty, 0 to 1.
 
     Args:
-        metrics: At least those that have weights, :data:`INPUTS`.
-        robot_radius: m.
+        metrics: At least those with weights, :data:`INPUTS`.
+        robot_radius: Radius of the robot, m.
         weights: Scale and weight by metric.
         offset: Added to the weighted sum.
     """
@@ -47,7 +47,7 @@ def difficulty(
 
 
 def squashed(name: str, value: float, scale: float, robot_radius: float) -> float:
-    """Return a metric between 0 and 1; a detour counts from 1 on, lengths in radii of the robot."""
+    """Map a metric to 0 to 1; a detour counts from 1, and lengths are in radii of the robot."""
     if name == "detour":
         value = max(0.0, value - 1.0)
     elif name in _LENGTHS:

@@ -1,6 +1,7 @@
-"""Points at multiples of half a cell.
+"""Points at multiples of half a cell, with clearances.
 
-How far each is from the nearest wall, exactly, and where the robot is clear.
+For each point the distance to the nearest wall is exact, and it is known whether the robot is clear
+there.
 """
 
 from __future__ import annotations
@@ -20,18 +21,19 @@ from worldgen.world import World
 
 __all__ = ["HALF", "Nodes", "nodes_of"]
 
-HALF = UNIT // 2  # half a cell in 1/1024 cell
+# Half a cell, in 1/1024 cell.
+HALF = UNIT // 2
 
 Bools = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """A still world seen from the points at multiples of half a cell.
+    """A static world seen from the points at multiples of half a cell.
 
     Args:
-        graph: Where the robot's disc is clear, and the steps that it can make.
-        walls: The solid cells, for exact questions.
+        graph: Where the robot's disc is clear, and the steps it can make.
+        walls: The solid cells, for exact queries.
         clearance_sq: (2 * height + 1, 2 * width + 1) whole numbers, squared distance to the nearest
             wall, half cells.
     """
@@ -69,7 +71,7 @@ def nodes_of(world: World, solid: Bools) -> Nodes:
 
 
 def _in_walls(solid: Bools) -> Bools:
-    """Return True if a node lies in a closed solid cell, or on the rim of the grid."""
+    """Return True if a node is in a closed solid cell, or on the rim of the grid."""
     quarters = np.pad(solid.repeat(2, axis=0).repeat(2, axis=1), 1, constant_values=True)
     rows = quarters[:-1] | quarters[1:]
     found: Bools = rows[:, :-1] | rows[:, 1:]

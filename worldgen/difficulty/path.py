@@ -1,4 +1,4 @@
-"""The witness as a line of whole numbers: its length, its turning, places along it."""
+"""The witness as a line of whole numbers: length, turning, and places along it."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class WitnessPath:
     Args:
         x: (n,) int64, 1/1024 cell, n at least 1; no two neighbours are the same point.
         y: (n,) int64, 1/1024 cell.
-        duration: When it arrives, s.
-        waiting: How long it stands still, s.
+        duration: Time of arrival, s.
+        waiting: How long it pauses, s.
     """
 
     x: Ints
@@ -42,12 +42,12 @@ class WitnessPath:
 
     @property
     def length(self) -> float:
-        """1/1024 cell; rounded once, so that a mirrored way is exactly as long."""
+        """Length, 1/1024 cell; rounded once, so that a mirrored path is exactly as long."""
         return math.fsum(self.pieces)
 
     @property
     def turning(self) -> float:
-        """Sum of the angles between each piece and the next, rad."""
+        """Sum of the angles between consecutive pieces, rad."""
         dx = np.diff(self.x)
         dy = np.diff(self.y)
         dot = dx[:-1] * dx[1:] + dy[:-1] * dy[1:]
@@ -58,11 +58,11 @@ class WitnessPath:
 
 
 def witness_path_of(world: World, witness: Witness) -> WitnessPath:
-    """Return the witness's points to the nearest 1/1024 cell, in which the prover gives them.
+    """Round the witness's points to 1/1024 cell, the unit of the prover.
 
     Args:
-        world: For its cell size.
-        witness: At least one point.
+        world: The world, for its cell size.
+        witness: The witness, of at least one point.
     """
     points = [
         np.rint(np.asarray(values) / world.cell_size * UNIT).astype(np.int64)
@@ -87,14 +87,15 @@ def distance(ax: float, ay: float, bx: float, by: float) -> float:
 def angle(dot: int, cross: int) -> float:
     """Return the angle between two vectors, 0 to pi rad, from their dot and |cross| products.
 
-    The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and
-    square roots, which are the same on every machine, as the arc tangents of C libraries are not.
-    Good to 1e-14.
+    The tangent's angle is halved four times, until its series converges fast. That needs only ``+ -
+    * /`` and square roots, which are the same on every machine, unlike the arc tangents of C
+    libraries. The error is below 1e-14.
     """
     if cross == 0:
         return math.pi if dot < 0 else 0.0
     size = math.sqrt(float(dot * dot + cross * cross))
-    tangent = cross / (size + dot) if dot > 0 else (size - dot) / cross  # neither cancels
+    # Neither term cancels.
+    tangent = cross / (size + dot) if dot > 0 else (size - dot) / cross
     for _ in range(3):
         tangent = tangent / (1.0 + math.sqrt(1.0 + tangent * tangent))
     square = tangent * tangent

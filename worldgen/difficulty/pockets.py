@@ -1,16 +1,15 @@
-"""Pockets into which the target draws a robot, and how far every way leads away from the target.
+"""Measure pockets that draw a robot in, and how far every path must lead away from the target.
 
-A robot at ``p`` is ``D(p)`` from the target as the crow flies. The pass of ``p`` is the least, over
-all ways from ``p`` to the target, of the greatest ``D`` on the way: so far from the target must a
-robot at ``p`` go, whatever it does. Its depth is pass less ``D``.
+A robot at ``p`` is ``D(p)`` from the target in a straight line. The pass of ``p`` is the least,
+over all paths from ``p`` to the target, of the greatest ``D`` on the path: a robot at ``p`` must go
+at least that far from the target, whatever it does. Its depth is pass minus ``D``.
 
-The points are taken in the order of ``D``, each united with its neighbours before it: two pockets
-become one at the lowest point between them, and a pocket's depth shows when it joins what is
-connected with the target.
+The points are processed in the order of ``D``, each united with its earlier neighbours. Two pockets
+become one at the lowest point between them, and a pocket's depth is known when it joins the
+target's component.
 
-Source: Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002; of
-    depressions in
-terrain, filled in that order, Barnes, Lehman, Mulla, "Priority-Flood", 2014.
+Source: Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002.
+    Barnes, Lehman, Mulla, "Priority-Flood", 2014, fill depressions in terrain in that order.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ __all__ = ["pockets"]
 
 
 def pockets(nodes: Nodes, way: WitnessPath, disc: Disc) -> tuple[float, float] | None:
-    """Return the depth of the deepest pocket, and how far every way must go back.
+    """Return the depth of the deepest pocket, and how far every path must go back.
 
-    Of the pockets, those count that a robot can come to without going farther from the target than
-    it has to.
+    Only those pockets count that a robot can enter without going farther from the target than it
+    must.
 
     Args:
-        nodes: The world at rest.
-        way: A way from the start to the target.
+        nodes: The static world.
+        way: A path from the start to the target.
         disc: The target.
 
     Returns:
-        Concavity and retreat, 1/1024 cell; None if no way leads over the half cells.
+        Concavity and retreat, 1/1024 cell; None if no path leads over the half cells.
     """
     start = (int(way.x[0]), int(way.y[0]))
     x = round(disc.x)
@@ -67,7 +66,7 @@ def _flooded(
 ) -> tuple[int, list[tuple[int, int]]]:
     """Return the squared pass of the start, or -1.
 
-    And (pass, bottom), squared, of pockets that joined the target's.
+    It also fills in (pass, bottom), squared, of pockets that joined the target's component.
     """
     ffi = _core.ffi
     lib = _core.lib

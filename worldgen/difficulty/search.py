@@ -1,9 +1,9 @@
-"""Searches for worlds with wanted metrics, over seeds and over the parameters that nobody fixed.
+"""Search for worlds with given metrics, over seeds and over the parameters that are not fixed.
 
-An evolution strategy: of the worlds tried so far the nearest ones are parents; the next world has
-the parameters of one or two of them, some changed, and a new seed or the parent's. What a family
-refuses is left out and has no children. Every fourth is drawn again, so that a wish with more than
-one answer is not lost in a corner.
+This is an evolution strategy: the nearest worlds tried so far are parents. The next world has the
+parameters of one or two of them, some of them changed, and a new seed or the parent's. Worlds that
+a family refuses have no children. Every fourth world is drawn from scratch, so that a constraint
+with more than one solution does not get stuck in one region.
 
 Source: Rechenberg, "Evolutionsstrategie", 1973; Beyer, Schwefel, "Evolution Strategies: A
     Comprehensive Introduction",
@@ -28,13 +28,17 @@ from worldgen.world import Value, World
 
 __all__ = ["CLOSE", "TRIES", "Nearest", "Search", "constraint_for", "search_world"]
 
-TRIES = 500  # worlds made before a search gives up
-CLOSE = 0.025  # by how much the difficulty may miss the one asked for
+# Worlds made before a search gives up.
+TRIES = 500
+# Tolerance of the difficulty.
+CLOSE = 0.025
 _PARENTS = 12
-_FIRST = 12  # tries before there are parents worth the name
-# Times as many proposals as tries: the rest may be refused by the family, which takes no time.
+# Tries before parents are selected.
+_FIRST = 12
+# Proposals per try: the family may refuse most of them, which takes no time.
 _REFUSED = 5
-_SEED_BITS = 32  # short enough to be read and typed
+# Short enough to be read and typed.
+_SEED_BITS = 32
 
 
 @dataclass(frozen=True)
@@ -42,11 +46,11 @@ class Nearest:
     """A world that was tried.
 
     Args:
-        violation: 0 if it fits, else how far it is from the wish.
+        violation: 0 if it fits, otherwise its distance from the constraint.
         seed: Its seed.
-        params: The parameters that differ from the family's defaults, given ones among them.
-        metrics: What was measured of it.
-        number: Which try it was, from 1 on.
+        params: The parameters that differ from the family's defaults, including given ones.
+        metrics: Its metrics.
+        number: Number of the try, from 1.
         world: The world.
     """
 
@@ -59,11 +63,11 @@ class Nearest:
 
 
 def constraint_for(where: str | None, difficulty: float | None = None) -> Expression:
-    """Return the wish of ``--where`` and ``--difficulty`` together.
+    """Combine ``--where`` and ``--difficulty`` into one constraint.
 
     Raises:
-        InvalidParameter: If neither is given, one cannot be read, or the difficulty is outside 0 to
-            1.
+        InvalidParameter: If neither is given, one cannot be parsed, or the difficulty is outside 0
+            to 1.
     """
     parts = []
     if difficulty is not None:
@@ -78,7 +82,8 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
             f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}"
         )
     if where is not None:
-        parse(where)  # whose messages show what was written, no more
+        # Its messages quote only what was written.
+        parse(where)
         parts.append(f"({where})" if parts else where)
     if not parts:
         raise InvalidParameter("missing", "nothing is wished for", "give where or difficulty")
@@ -86,24 +91,25 @@ def constraint_for(where: str | None, difficulty: float | None = None) -> Expres
 
 
 class Search:
-    """A search that can be asked for one world after another.
+    """A search that returns one world after another.
 
     Attributes:
-        asked: Worlds asked of the family so far.
-        tried: Those of them that it made.
-        nearest: The one nearest to the wish.
+        asked: Worlds requested from the family so far.
+        tried: Those that it made.
+        nearest: The world nearest to the constraint.
 
     Args:
         family: The family.
-        wish: What the metrics must be.
-        seed: Of all chance; the first world tried has this seed and the given parameters.
+        wish: The constraint on the metrics.
+        seed: Source of all randomness; the first world tried has this seed and the given
+            parameters.
         given: Parameters that keep their values.
-        guided: Whether to vary parameters; without it only new seeds are tried.
-        learns: Whether the nearest worlds have children; without it all parameters are drawn.
+        guided: Whether to vary parameters; if False, only seeds vary.
+        learns: Whether the nearest worlds have children; if False, all parameters are drawn.
 
     Raises:
-        InvalidParameter: If a given parameter is refused, or a difficulty is wished of worlds that
-            change.
+        InvalidParameter: If a given parameter is refused, or a difficulty is requested of worlds
+            that change.
     """
 
     def __init__(
@@ -120,7 +126,8 @@ class Search:
         self.wish = wish
         self.seed = seed
         self.given = dict(given)
-        family.complete(given)  # refuses at once what it would refuse every time
+        # Refuse immediately what would be refused every time.
+        family.complete(given)
         if family.changes and "difficulty" in wish.names:
             raise InvalidParameter(
                 "world-changes",
@@ -137,10 +144,10 @@ class Search:
         self.nearest: Nearest | None = None
 
     def step(self) -> Nearest | None:
-        """Tries one world; None if there is none with its parameters.
+        """Try one world; return None if none exists with its parameters.
 
         Raises:
-            InvalidParameter: If the very first, with the given parameters alone, is refused.
+            InvalidParameter: If the first world, with just the given parameters, is refused.
         """
         self.asked += 1
         seed, values = (self.seed, {}) if self.asked == 1 else self._proposal()
@@ -168,7 +175,7 @@ class Search:
     def _keep(self, found: Nearest) -> None:
         """Make it a parent if it is near enough.
 
-        Of equally near ones only the last, so that equals do not crowd.
+        Of equally near ones only the last counts, so that equals do not crowd out others.
         """
         others = [one for one in self._parents if one.violation != found.violation]
         self._parents = sorted([*others, found], key=lambda one: one.violation)[:_PARENTS]
@@ -182,7 +189,8 @@ class Search:
             return seed, drawn(self._free, rng, rng.random())
         parent = self._parents[min(rng.below(len(self._parents)), rng.below(len(self._parents)))]
         kind = rng.below(8)
-        if kind < 2:  # the same parameters: chance may do the rest
+        # The parameters are the same: leave the rest to chance.
+        if kind < 2:
             return seed, dict(parent.params)
         values: Mapping[str, Value] = parent.params
         if kind == 2:
@@ -200,23 +208,23 @@ def search_world(
     progress: Callable[[Search], None] | None = None,
     **given: Value,
 ) -> World:
-    """Return a world of a family whose metrics are as wished.
+    """Return a world of a family whose metrics satisfy a constraint.
 
-    It is an ordinary world: ``generate`` makes it again from its provenance.
+    It is an ordinary world: ``generate`` reproduces it from its provenance.
 
     Args:
         family: Name of a family, or the family itself.
-        where: A wish, like ``"detour > 3 and bottleneck < 1.2r"``.
-        difficulty: The difficulty wanted, 0 to 1, to within :data:`CLOSE`.
-        seed: Of the search.
-        tries: Worlds made at most.
-        progress: Called after each.
-        **given: Parameters that keep their values; the others are varied, save the robot's and the
-            cells' size.
+        where: A constraint, such as ``"detour > 3 and bottleneck < 1.2r"``.
+        difficulty: The difficulty, 0 to 1, to within :data:`CLOSE`.
+        seed: Seed of the search.
+        tries: Most worlds to make.
+        progress: Called after each try.
+        **given: Parameters that keep their values; the others vary, except the sizes of robot and
+            cells.
 
     Raises:
-        InvalidParameter: If the wish cannot be read, or a parameter is unknown.
-        GenerationFailed: If no world tried fits, with the nearest.
+        InvalidParameter: If the constraint cannot be parsed, or a parameter is unknown.
+        GenerationFailed: If no world tried fits; the message describes the nearest one.
     """
     made_by = family if isinstance(family, Family) else FAMILIES.find(family, given)
     search = Search(made_by, constraint_for(where, difficulty), seed, given)
@@ -226,16 +234,16 @@ def search_world(
 def found(
     search: Search, count: int, tries: int, progress: Callable[[Search], None] | None = None
 ) -> Iterator[Nearest]:
-    """Different worlds that fit, as they are found.
+    """Yield different worlds that fit, as they are found.
 
     Args:
         search: The search.
-        count: How many.
-        tries: Worlds made at most for each.
+        count: Number of worlds.
+        tries: Most worlds to make for each.
         progress: Called after each try.
 
     Raises:
-        GenerationFailed: If no world fits within the tries, with the nearest.
+        GenerationFailed: If no world fits within the tries; the message describes the nearest one.
     """
     seen: set[str] = set()
     for _ in range(count):

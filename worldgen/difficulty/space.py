@@ -1,7 +1,7 @@
-"""The parameters of a family as a space to search in.
+"""The parameters of a family as a search space.
 
-A family declares types, defaults and words, and refuses what is out of range. So a value is varied
-by what its type and its default allow, and what the family refuses is dropped.
+A family declares types, defaults and choices, and refuses what is out of range. So a value is
+varied as its type and its default suggest, and what the family refuses is dropped.
 """
 
 from __future__ import annotations
@@ -15,16 +15,18 @@ from worldgen.world import Value
 __all__ = ["KEPT", "drawn", "free_parameters", "mixed", "varied"]
 
 KEPT = frozenset({"robot_radius", "robot_speed", MARGIN})
-"""Never varied: they are the robot's."""
+"""Never varied, because they belong to the robot."""
 
-_SIZE = (0.5, 2.0)  # of the default: how small and how large worlds may become
-_CHOSEN = -1  # of a number: the family chooses
+# Factors of the default: how small and how large worlds may become.
+_SIZE = (0.5, 2.0)
+# Value of a number that the family chooses itself.
+_CHOSEN = -1
 
 
 def free_parameters(family: Family, given: Collection[str]) -> tuple[Parameter, ...]:
     """Return the parameters that a search may vary.
 
-    Those not given, save the robot's and texts without a choice of words.
+    These are the ones not given, except the robot's and texts without choices.
     """
     return tuple(
         known
@@ -43,9 +45,9 @@ def drawn(free: Collection[Parameter], rng: RandomStream, share: float) -> dict[
 def varied(
     free: Collection[Parameter], values: Mapping[str, Value], rng: RandomStream
 ) -> dict[str, Value]:
-    """Return the values with one or two changed.
+    """Return the values with one or two of them changed.
 
-    A step up or down, another word, or back to the default.
+    A change is a step up or down, another choice, or a return to the default.
     """
     found = dict(values)
     choices = list(free)
@@ -59,7 +61,7 @@ def varied(
 def mixed(
     one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStream
 ) -> dict[str, Value]:
-    """Return each value from one of two."""
+    """Take each value from one of two parents."""
     names = [*one, *(name for name in other if name not in one)]
     chosen = {name: (one if rng.below(2) else other).get(name) for name in names}
     return {name: value for name, value in chosen.items() if value is not None}
@@ -96,7 +98,7 @@ def _any_value(known: Parameter, rng: RandomStream) -> Value:
 
 
 def _next_value(known: Parameter, value: Value, rng: RandomStream) -> Value:
-    """Return a value near another, or once in four times any."""
+    """Return a value near another one, or, once in four times, any value."""
     if known.choices or isinstance(value, bool | str) or rng.below(4) == 0:
         return _any_value(known, rng)
     if rng.below(8) == 0:
@@ -119,5 +121,5 @@ def _factor(rng: RandomStream, most: float) -> float:
 
 
 def _rounded(value: float) -> float:
-    """To three decimals, so that a command that makes the world again can be read."""
+    """Round to three decimals, so that the command that makes the world again is readable."""
     return round(value, 3)

@@ -1,14 +1,13 @@
-"""Searches for worlds spread evenly over a range of difficulty.
+"""Search for worlds spread evenly over a range of difficulty.
 
 Worlds of one family with its default parameters are about equally hard: 98 % of 10,000 default
-mazes lie between 0.70 and 0.86. So the range is cut into strata of equal width, each of which is to
-get equally many worlds. The strata share one search: each proposal is made for one of them, from
-the parameters of worlds that lie in it or near it, and a world counts for the stratum that it turns
-out to lie in.
+mazes are between 0.70 and 0.86. So the range is cut into strata of equal width, each of which is to
+get the same number of worlds. The strata share one search: each proposal is made for one of them,
+from the parameters of worlds in it or near it, and a world counts for the stratum that it turns out
+to be in.
 
-Source: Mouret, Clune, "Illuminating search spaces by mapping elites", 2015, for an archive with a
-    place for each part
-of the range.
+Source: Mouret, Clune, "Illuminating search spaces by mapping elites", 2015: an archive with a place
+    for each part of the range.
 """
 
 from __future__ import annotations
@@ -30,10 +29,14 @@ from worldgen.world import Value, World
 __all__ = ["MOST_STRATA", "InStratum", "StrataSearch", "check_range", "edges_of"]
 
 MOST_STRATA = 10
-_NARROWEST = 1e-3  # of a range: its strata's edges are rounded to a millionth and must differ
-_PARENTS = 12  # of each stratum, the latest
-_REFUSED = 5  # times as many proposals as tries: what a family refuses takes no time
-_SEED_BITS = 32  # short enough to be read and typed
+# Least width of a range: the edges of its strata are rounded to a millionth and must differ.
+_NARROWEST = 1e-3
+# Parents kept per stratum, the latest.
+_PARENTS = 12
+# Proposals per try: what a family refuses takes no time.
+_REFUSED = 5
+# Short enough to be read and typed.
+_SEED_BITS = 32
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,12 @@ class _Stratum:
     """A part of the range.
 
     Args:
-        wanted: Worlds that it is to get.
+        wanted: Worlds that it should get.
         found: Worlds that it has.
-        tried: Worlds made for it since the last that was found in it.
-        asked: Worlds asked of the family, of which some are refused, since then.
-        closed: Whether the search has given it up.
-        parents: Parameters of the latest worlds in it that fit everything else that is wished.
+        tried: Worlds made for it since the last one was found in it.
+        asked: Worlds requested from the family since then, some of them refused.
+        closed: Whether the search has given up on it.
+        parents: Parameters of its latest worlds that satisfy every other constraint.
     """
 
     wanted: int
@@ -77,7 +80,7 @@ class _Stratum:
 
 
 def check_range(low: float, high: float) -> None:
-    """Refuse what is not a range of difficulty.
+    """Reject an invalid range of difficulty.
 
     Raises:
         InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one
@@ -103,12 +106,12 @@ def check_range(low: float, high: float) -> None:
 
 
 def edges_of(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Return the ends of the strata of a range, one more than there are strata.
+    """Return the edges of a range's strata, one more than there are strata.
 
-    At most 10, and no more than worlds.
+    There are at most 10 strata, and no more than worlds.
 
     Raises:
-        InvalidParameter: If it is not a range of difficulty.
+        InvalidParameter: If it isn't a range of difficulty.
     """
     check_range(low, high)
     strata = min(MOST_STRATA, count)
@@ -120,12 +123,13 @@ class StrataSearch:
 
     Args:
         family: The family.
-        edges: Ends of the strata, rising.
-        count: Worlds to be found in all.
-        seed: Of all chance; the first world tried has this seed and the given parameters.
+        edges: Edges of the strata, ascending.
+        count: Total number of worlds to find.
+        seed: Source of all randomness; the first world tried has this seed and the given
+            parameters.
         given: Parameters that keep their values; the others are varied.
-        where: What else is wished of each world.
-        tries: Worlds made for a stratum, without one in it, before the search gives it up.
+        where: Further constraint on each world.
+        tries: Worlds made in vain for a stratum before the search gives up on it.
 
     Raises:
         InvalidParameter: If a given parameter is refused, or the family's worlds change and have no
@@ -143,7 +147,8 @@ class StrataSearch:
         where: str | None,
         tries: int,
     ) -> None:
-        family.complete(given)  # refuses at once what it would refuse every time
+        # Refuse immediately what would be refused every time.
+        family.complete(given)
         if family.changes:
             raise InvalidParameter(
                 "world-changes",
@@ -166,12 +171,12 @@ class StrataSearch:
         self._asked = 0
 
     def found(self) -> Iterator[InStratum]:
-        """Give different worlds, as many as are wanted, in the order in which they are found.
+        """Yield the requested number of different worlds, in the order in which they are found.
 
-        A stratum that is given up leaves its worlds to the nearest ones that have some.
+        The worlds of an abandoned stratum go to the nearest strata that can be filled.
 
         Raises:
-            GenerationFailed: If every stratum is given up.
+            GenerationFailed: If every stratum is abandoned.
         """
         seen: set[str] = set()
         turn = 0
@@ -191,7 +196,7 @@ class StrataSearch:
             self._give_up(aim)
 
     def _try(self, aim: int) -> InStratum | None:
-        """Make a world for a stratum; None if it is refused, or lies where no more are wanted."""
+        """Make a world for a stratum; None if it is refused, or no more are wanted where it is."""
         stratum = self._strata[aim]
         self._asked += 1
         stratum.asked += 1
@@ -232,7 +237,8 @@ class StrataSearch:
         kind = rng.below(8)
         if (
             kind < 3 and nearest == aim
-        ):  # the same parameters: chance alone gives another world of about this difficulty
+            # The parameters are the same: chance alone gives another world of about this difficulty.
+        ):
             return seed, dict(parent)
         if kind == 3:
             other = rng.choice(self._strata[rng.choice(known)].parents)

@@ -1,12 +1,12 @@
-"""What a robot on its way has round it.
+"""Measure the surroundings of a robot along its path.
 
-The averages along a path by which BARN's authors describe a world. Coordinates are cells in
-float64. Samples are multiples of a power of two not below 2**-23, so that every sum, difference and
-comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
+These are the averages along a path by which BARN's authors describe a world. Coordinates are cells
+in float64. Samples are multiples of a power of two that is at least 2**-23, so every sum,
+difference and comparison here is exact, and a rotated or mirrored world gives the same numbers to
+the last bit.
 
 Source: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", 2020;
-    docs/howto/difficulty.md says where this
-differs from the authors' program.
+    docs/howto/difficulty.md lists the differences from the authors' program.
 """
 
 from __future__ import annotations
@@ -28,10 +28,13 @@ __all__ = ["Samples", "samples_of", "surroundings"]
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_APART = 0.5  # cells: most between two samples
-_MOST = 50_000  # samples; on longer ways they are farther apart
-_PART = 20_000  # samples looked at together: 30 MB
-# Cells along the longer axis, within which walls count for the dispersion; the authors' radius.
+# Most cells between two samples.
+_APART = 0.5
+# Most samples; on longer paths they are farther apart.
+_MOST = 50_000
+# Samples processed together: 30 MB.
+_PART = 20_000
+# Cells along the longer axis within which walls count for the dispersion: the authors' radius.
 _REACH = 3
 # Sixteen directions, counter-clockwise; every second one is along an axis or a diagonal.
 _DIRECTIONS = np.array(
@@ -46,11 +49,11 @@ _ROOT_2 = math.sqrt(2.0)
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Places along a way: the middles of equal parts of each piece.
+    """Places along a path: the middles of equal parts of each piece.
 
     Args:
-        x: (n,) cells.
-        y: (n,) cells.
+        x: (n,) x, cells.
+        y: (n,) y, cells.
         weight: (n,) length of the part, cells.
     """
 
@@ -61,16 +64,16 @@ class Samples:
     def nodes(self) -> Ints:
         """Return a (m, 2) int64 array: column and row of corners of half cells with samples."""
         low, high = ([np.floor(2 * v), np.ceil(2 * v)] for v in (self.x, self.y))
-        # One number for each pair sorts ten times as fast as pairs do.
+        # Sorting one number per pair is ten times as fast as sorting pairs.
         pairs = [a.astype(np.int64) << 32 | b.astype(np.int64) for a in low for b in high]
         found = np.unique(np.concatenate(pairs))
         return np.stack((found >> 32, found & 0xFFFFFFFF), axis=1)
 
 
 def samples_of(way: WitnessPath) -> Samples:
-    """At most half a cell apart, on long ways farther.
+    """Return samples at most half a cell apart, farther on long paths.
 
-    The point itself for a way without a length.
+    A path of no length has its point as the only sample.
     """
     if len(way.x) == 1:
         return Samples(way.x / UNIT, way.y / UNIT, np.ones(1))
@@ -81,7 +84,8 @@ def samples_of(way: WitnessPath) -> Samples:
     share, power = np.frexp(np.maximum(lengths / apart, 1.0))
     parts = 2 ** np.where(share == 0.5, power - 1, power).astype(
         np.int64
-    )  # the next power of two, without logarithms
+        # The next power of two, found without logarithms.
+    )
     piece = np.repeat(np.arange(len(parts)), parts)
     number = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     share = (2 * number + 1) / (2 * parts[piece])
@@ -90,7 +94,7 @@ def samples_of(way: WitnessPath) -> Samples:
 
 
 def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
-    """Return averages along the way, weighted by its length: distances in cells, and changes."""
+    """Return averages along the path, weighted by length: distances in cells, and changes."""
     near, seen, narrow, changes = (np.zeros(len(samples.x)) for _ in range(4))
     table = _Walls(solid)
     for first in range(0, len(samples.x), _PART):
@@ -123,7 +127,7 @@ def surroundings(solid: Bools, samples: Samples) -> dict[str, float]:
 
 
 class _Walls:
-    """Solid cells, for many points at once; what is outside is solid."""
+    """Solid cells, for queries about many points; everything outside is solid."""
 
     def __init__(self, solid: Bools) -> None:
         self._solid = np.ascontiguousarray(solid)
@@ -140,7 +144,7 @@ class _Walls:
         """Return a (n, 16) array: steps in its direction before each ray hits a solid cell.
 
         Cells are closed: a ray that touches a corner or runs along a wall ends there. Slanted rays
-        between the axes and diagonals are followed for ``_REACH`` cells along the longer axis only.
+        between the axes and diagonals are followed for only ``_REACH`` cells along the longer axis.
         """
         ffi = _core.ffi
         lib = _core.lib
@@ -158,6 +162,6 @@ class _Walls:
         return far
 
     def _asked(self, x: Floats, y: Floats) -> tuple[Any, ...]:
-        """Return walls and points as the core takes them."""
+        """Return walls and points in the core's form."""
         points = [pointer(_core.ffi, np.ascontiguousarray(values), np.float64) for values in (x, y)]
         return pointer(_core.ffi, self._solid, np.bool_), *self._solid.shape, *points, len(x)

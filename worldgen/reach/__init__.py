@@ -1,15 +1,14 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
 Contents:
-    decide, decide_many: prove it, in one world and in many.
-    Decision, REACHABLE, BLOCKED, UNDECIDED: what comes of it.
-    decide_in_time, latest_start, until: with a deadline; how long the robot may wait.
-    Confinement: what proves that a deadline cannot be met.
-    widest_disc: the largest disc that gets through.
-Imported when they are first used, because they load shapely:
-    check_certificate, CheckReport: check a proof.
-    check_confinement: check that of a deadline.
-    witness_margin, delayed: how much later a timed witness may begin; the witness that does.
+    decide, decide_many: decide one world, or many, with a proof.
+    Decision, REACHABLE, BLOCKED, UNDECIDED: the result.
+    decide_in_time, latest_start, until: the same with a deadline, and how long the robot may wait.
+    Confinement: the proof that a deadline cannot be met.
+    widest_disc: the largest disc that gets through. The following are imported when first used,
+because they load shapely:
+    check_certificate, CheckReport: check a proof. check_confinement: check the proof about a
+    deadline. witness_margin, delayed: how much later a timed witness may begin, and that witness.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where a robot can be at most, and when: the proof that it is nowhere near the target in time."""
+"""Limits on where a robot can be, and when: the proof that it cannot be at the target in time."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import numpy.typing as npt
 __all__ = ["NEVER_ENDS", "Confinement"]
 
 NEVER_ENDS = 2**60
-"""The last slab of a stay that does not end."""
+"""Last slab of a stay that does not end."""
 
 
 @dataclass(frozen=True, eq=False)
 class Confinement:
-    """Stays that hold every robot, none of them in the target.
+    """Stays that contain every robot, none of them in the target.
 
-    It cannot be reached, or not by a deadline. Space is cut into square tiles, time into slabs in
-    which no robot gets farther than one tile's side. A stay says that a robot may be in a tile from
-    one slab to another. The stays are closed: who is in a stay in one slab is, in the next, in a
-    stay of that tile or of one of its eight neighbours, or where the disc cannot be, or too far off
-    to arrive in time. So each robot that begins at the start, and may arrive in time, is always in
-    some stay.
+    They prove that the target cannot be reached, or not by a deadline. Space is cut into square
+    tiles, time into slabs in which no robot gets farther than one tile's side. A stay means that a
+    robot may be in a tile from one slab to another. The stays are closed: a robot in a stay in one
+    slab is, in the next slab, in a stay of that tile or of one of its eight neighbours, or where
+    the disc cannot be, or too far away to arrive in time. So a robot that begins at the start and
+    may arrive in time is always in some stay.
 
     Args:
         k: Tiles per cell side.

@@ -1,4 +1,4 @@
-"""What the prover answers."""
+"""The prover's answer."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Decision:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
-        confinement: The proof of ``BLOCKED`` where no cut is one; for
-            :func:`worldgen.reach.check_confinement`. A file holds none.
+        confinement: The proof of ``BLOCKED`` if no cut proves it, for
+            :func:`worldgen.reach.check_confinement`. It is not saved in files.
     """
 
     result: str
@@ -43,10 +43,10 @@ class Decision:
 
 
 def check_radius(radius: float, cell_size: float) -> None:
-    """Refuse a radius that no robot has.
+    """Reject an invalid radius.
 
     Args:
-        radius: m.
+        radius: Radius, m.
         cell_size: Side of the world's cells, m.
 
     Raises:
@@ -58,7 +58,7 @@ def check_radius(radius: float, cell_size: float) -> None:
 
 
 def check_margin(margin: float) -> None:
-    """Refuse a margin by which nothing can be late.
+    """Reject an invalid margin.
 
     Raises:
         InvalidParameter: If it is below 0, or above `worldgen.domain.LATEST`.
@@ -74,10 +74,10 @@ def check_margin(margin: float) -> None:
 
 
 def check_deadline(deadline: float | None) -> None:
-    """Refuse a deadline that is no time.
+    """Reject an invalid deadline.
 
     Raises:
-        InvalidParameter: If it is given, and not above 0 or above `worldgen.domain.LATEST`.
+        InvalidParameter: If it is given, and isn't above 0 or exceeds `worldgen.domain.LATEST`.
     """
     fault = None if deadline is None else number_fault("deadline", deadline, (0.0, LATEST), "s")
     if fault is not None:

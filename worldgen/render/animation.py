@@ -1,7 +1,7 @@
-"""A run as an animated GIF.
+"""Render a run as an animated GIF.
 
-The same bytes for the same run, of bounded size, readable by everything. All frames share one
-palette of fixed colours, so that nothing flickers and only what has moved is stored.
+The same run gives the same bytes, of bounded size, in a file that every viewer can read. All frames
+share one palette of fixed colours, so that nothing flickers and only changes are stored.
 """
 
 from __future__ import annotations
@@ -45,11 +45,16 @@ from worldgen.world import World
 __all__ = ["MOST_FRAMES", "draw_gif"]
 
 MOST_FRAMES = 120
-SECONDS = 9.0  # that an animation takes, and then once more
-BLINK = 0.2  # of a run: a loop that takes less is shown once more
-HELD = 1500  # ms that the last frame stays
-DEFAULT_SIDE = 480  # px
-FINE = 2  # trails are drawn this many times as large
+# Length of an animation, s, then extended by another loop.
+SECONDS = 9.0
+# Share of a run: a loop that takes less is shown once more.
+BLINK = 0.2
+# Time that the last frame stays, ms.
+HELD = 1500
+# Sizes, px.
+DEFAULT_SIDE = 480
+# Oversampling of trails.
+FINE = 2
 ROBOTS = (
     "#C85400",
     "#0072B2",
@@ -57,7 +62,8 @@ ROBOTS = (
     "#00825F",
     "#7A6200",
     "#4F5BB8",
-)  # the player's, where there are several
+    # The colours of the player, for several robots.
+)
 
 Floats = npt.NDArray[np.float64]
 
@@ -68,7 +74,7 @@ def draw_gif(
     """Return robots driving in a world as the bytes of an endlessly repeating animated GIF.
 
     Args:
-        world: Where they drive.
+        world: The world they drive in.
         drives: The robots, which start together; the longest run sets the length.
         title: First line below the map.
         pixels: Longer side of the map, px.
@@ -82,7 +88,8 @@ def draw_gif(
     times = _times(drives)
     palette = _palette()
     frames = (stage.at(time).quantize(palette=palette, dither=Image.Dither.NONE) for time in times)
-    pause = max(20, round(100.0 * SECONDS / len(times)) * 10)  # ms; a GIF counts hundredths
+    # Duration in ms; a GIF counts hundredths of a second.
+    pause = max(20, round(100.0 * SECONDS / len(times)) * 10)
     stream = io.BytesIO()
     first = next(frames)
     first.save(
@@ -98,9 +105,9 @@ def draw_gif(
 
 
 def _times(drives: Sequence[Drive]) -> list[float]:
-    """When the frames are, s.
+    """Return the times of the frames, s.
 
-    Evenly over the longest run, then slower once round a loop that would pass in a blink.
+    They are even over the longest run, then slower once around a loop that would pass too fast.
     """
     longest = max(drives, key=lambda drive: drive.end)
     end = longest.end
@@ -116,7 +123,7 @@ def _times(drives: Sequence[Drive]) -> list[float]:
 
 
 class _Stage:
-    """What is drawn at one time after the other."""
+    """The drawing at successive times."""
 
     def __init__(self, world: World, frame: Frame, drives: Sequence[Drive], title: str) -> None:
         self.world = world
@@ -127,7 +134,8 @@ class _Stage:
         height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
         self.size = frame.picture_width, height
         self.cells = world.cells_after(0)
-        self.changes = 0  # that are in the cells
+        # Marks in the cells.
+        self.changes = 0
         self.ground: Image.Image | None = None
         self.trails = [
             trail
@@ -142,7 +150,7 @@ class _Stage:
         return ROBOTS[robot % len(ROBOTS)] if len(self.drives) > 1 else LOOP
 
     def at(self, time: float) -> Image.Image:
-        """Return the picture at a time, which is later than all before."""
+        """Return the picture at a time later than all before."""
         picture = self._ground_at(time).copy()
         for trail, mask in zip(self.trails, self.masks, strict=True):
             trail.drawn_until(time, mask)
@@ -224,7 +232,7 @@ class _Stage:
 
 
 class _GrowingTrail:
-    """A line that gets longer from frame to frame: each piece is drawn once."""
+    """A line that grows from frame to frame; each piece is drawn once."""
 
     def __init__(self, points: Floats, times: Floats, colour: str, width: float) -> None:
         fine = np.rint(points * FINE)
@@ -237,7 +245,7 @@ class _GrowingTrail:
         self.done = 0
 
     def drawn_until(self, time: float, mask: Image.Image) -> None:
-        """Draw on what was not drawn before."""
+        """Draw what has been added since the last call."""
         until = int(np.searchsorted(self.times, time + 1e-9, side="right"))
         if until <= max(self.done, 1):
             return
@@ -251,7 +259,7 @@ class _GrowingTrail:
 
 
 def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
-    """Yield the way there, and the cycle, each in its own colour."""
+    """Yield the path to the cycle, and the cycle, each in its own colour."""
     points = frame.points(drive.trail.points)
     unit = frame.unit
     entry = drive.trail.loop_from
@@ -264,7 +272,7 @@ def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
 
 
 def _fitted(text: str, room: float, size: float) -> str:
-    """Return the text, or as much of it as there is room for, px, with three dots."""
+    """Return the text, shortened with three dots if it is wider than the room, px."""
     text = printable(text)
     if text_width(text, size) <= room:
         return text
@@ -276,7 +284,7 @@ def _fitted(text: str, room: float, size: float) -> str:
 def _palette() -> Image.Image:
     """Return all colours of all frames.
 
-    Each meaning's own, and its edges against floor, wall and paper.
+    These are each meaning's colour, and its edges against floor, wall and paper.
     """
     pierced = (PIERCED, PIERCED_GROUND)
     solid = (

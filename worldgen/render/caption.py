@@ -32,20 +32,23 @@ from worldgen.world import Cut, Witness, World
 
 __all__ = ["caption", "facts", "printable", "text_width"]
 
-# units
+# Sizes in units.
 TITLE_SIZE = 16.0
 TEXT_SIZE = 12.5
-LEADING = 1.5  # line distance over type size
+# Line distance divided by type size.
+LEADING = 1.5
 MOST_LINES = 3
-ICON = 26.0  # units, width of a key's sample
-GAP = 18.0  # units between two keys
+# Width of a key's sample, units.
+ICON = 26.0
+# Distance between two keys, units.
+GAP = 18.0
 
 Sample = Callable[[float, float, float], list[Primitive]]
-"""Draws a key's sample: its left end, its middle's y, and the unit, all px."""
+"""Draws a key's sample, given its left end, the y of its middle, and the unit, all px."""
 
 
 def facts(world: World) -> str:
-    """Return the scale, where the world came from, and what failed in it, in one line."""
+    """Return the scale, the world's origin, and its failure, in one line."""
     width = world.width * world.cell_size
     height = world.height * world.cell_size
     parts = [
@@ -62,15 +65,15 @@ def facts(world: World) -> str:
 
 
 def printable(text: str) -> str:
-    """Return the text with everything that no file format can hold, and every line end.
+    """Replace line ends and everything that no file format can hold.
 
-    As a blank or ``?``.
+    They become a blank or ``?``.
     """
     return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
 
 
 def text_width(text: str, size: float) -> float:
-    """About the width of a line in a common sans-serif face, the same for every backend."""
+    """Estimate the width of a line in a common sans-serif face, the same for every backend."""
     narrow = "iljtfrI.,:;'|!()[] "
     wide = "mwMW@%"
     ems = sum(
@@ -80,7 +83,7 @@ def text_width(text: str, size: float) -> float:
 
 
 def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
-    """Return the text as at most ``most`` lines that fit; what does not fit ends in three dots."""
+    """Wrap the text into at most ``most`` lines; end in three dots what does not fit."""
     lines: list[str] = []
     for word in text.split():
         joined = f"{lines[-1]} {word}" if lines else word
@@ -97,8 +100,11 @@ def _cut_off(line: str, width: float, size: float) -> str:
     if text_width(line, size) <= width:
         return line
     line = line[
-        : int(width / (0.25 * size))
-    ]  # no letter is narrower: bounds the work on a long line
+        : int(
+            width / (0.25 * size)
+        )
+        # No letter is narrower, which bounds the work on a long line.
+    ]
     while line and text_width(line + "...", size) > width:
         line = line[:-1]
     return line + "..."

@@ -1,4 +1,4 @@
-"""What goes into one picture, gathered once for the map and its caption."""
+"""The contents of a picture, gathered once for the map and its caption."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Mask = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Changes:
-    """Which cells a timeline touches: (height, width) bool each.
+    """The cells that a timeline changes: (height, width) bool each.
 
     Args:
         burns: Burning at some time.
@@ -49,11 +49,11 @@ class Content:
     Args:
         world: What to draw.
         trail: A run in it.
-        signal: Whether the floor shows the target's signal.
-        witness: Whether the proof's path, or its cut, is drawn.
+        signal: Whether to tint the floor by the target's signal.
+        witness: Whether to draw the proof's path, or its cut.
         title: First line of the caption.
-        frame: Where the map lies.
-        changes: What the world's timeline touches.
+        frame: The map's place in the picture.
+        changes: The cells that the world's timeline changes.
     """
 
     world: World

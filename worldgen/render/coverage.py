@@ -1,4 +1,4 @@
-"""Cells to pixels: how much of each pixel is covered, whatever the two sizes are."""
+"""Convert cells to pixels: how much of each pixel is covered, for any two sizes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from worldgen.support.rows import flip_rows
 
 __all__ = ["coverage"]
 
-BLOCK = 1024  # rows shrunk together: bounds the memory for worlds of 20,000 cells a side
+# Rows shrunk together, which bounds the memory for worlds of 20,000 cells a side.
+BLOCK = 1024
 
 
 def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.uint8]:
@@ -32,9 +33,9 @@ def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArra
 
 
 def _means(values: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.float64]:
-    """(rows, pixels) float64.
+    """Return a (rows, pixels) float64 array of means.
 
-    Each row's mean over equal stretches, which may cut through its values.
+    Each is a row's mean over equal stretches, which may cut through its values.
     """
     rows, cells = values.shape
     sums = np.zeros((rows, cells + 1))

@@ -1,4 +1,4 @@
-"""Where the map lies in the picture: metres to pixels, y up to y down."""
+"""The map's place in the picture: metres to pixels, y up to y down."""
 
 from __future__ import annotations
 
@@ -14,15 +14,19 @@ from worldgen.world import World
 __all__ = ["DEFAULT_PIXELS", "MAX_PIXELS", "MIN_PIXELS", "Frame"]
 
 DEFAULT_PIXELS = 900
-# below, nothing can be read; above, a picture takes gigabytes
+# Smaller pictures are unreadable; larger ones take gigabytes.
 MIN_PIXELS = 100
 MAX_PIXELS = 8000
 CRISP_CELL = (
-    8  # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges
+    # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges.
+    8
 )
-BAND = 7.0  # units; the wall around the map: outside the grid everything is solid
-MARGIN = 12.0  # units; white paper around the band
-NARROWEST = 380.0  # units; a picture is at least this wide, for the caption's sake
+# Width of the wall around the map, units: everything outside the grid is solid.
+BAND = 7.0
+# Width of the white paper around the band, units.
+MARGIN = 12.0
+# Least width of a picture, units, to fit the caption.
+NARROWEST = 380.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +39,7 @@ class Frame:
         width: Width of the map, px.
         height: Height of the map, px.
         scale: px per m, the same in x and y.
-        unit: px that stand for one point of line width and type; grows with the picture.
+        unit: Pixels per point of line width and type; grows with the picture.
         cell: Side of a cell, px; may be far below one.
         picture_width: Width of the whole picture, px.
     """
@@ -78,7 +82,7 @@ class Frame:
 
     @property
     def bottom(self) -> int:
-        """The map's bottom edge: y, px."""
+        """Bottom edge of the map: y, px."""
         return self.top + self.height
 
     @property
@@ -92,7 +96,7 @@ class Frame:
         return round(MARGIN * self.unit)
 
     def to_pixels(self, x: float, y: float) -> tuple[float, float]:
-        """Return the picture's point for a place in m."""
+        """Convert a place in m to a point in the picture."""
         return self.left + x * self.scale, self.bottom - y * self.scale
 
     def points(self, metres: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A picture as one HTML page that needs nothing else: no script, no font, no address."""
+"""Render a picture as one self-contained HTML page: no script, no font, no external address."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def draw_html(
     title: str = "",
     pixels: int = DEFAULT_PIXELS,
 ) -> str:
-    """Return the picture of a world as an HTML page, with a table of what is known about it.
+    """Return the picture of a world as an HTML page, with a table of facts about it.
 
     Args:
         world: What to draw.
         trail: What a robot did in it.
-        signal: Whether the floor shows the strength of the target's signal.
-        witness: Whether the certificate's path, or its cut, is drawn.
+        signal: Whether to tint the floor by the strength of the target's signal.
+        witness: Whether to draw the certificate's path, or its cut.
         title: The page's title, and the first line of the caption.
         pixels: Longer side of the map in the SVG's units; the page scales it to the window.
 

@@ -14,7 +14,7 @@ def _parity(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
 
 
 def corner_count(mask: npt.NDArray[np.bool_]) -> int:
-    """Return how many corners the outlines have together."""
+    """Return the total number of corners of the outlines."""
     return int(np.count_nonzero(_parity(mask)))
 
 
@@ -22,21 +22,23 @@ def outlines(mask: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
     """Return closed lines that, filled by the even-odd rule, cover exactly the cells that are set.
 
     A corner is a grid point with an odd number of set cells around it. Along each row of grid
-    points the first corner is joined to the second, the third to the fourth and so on; the same
-    along each column. Lines may cross where two cells touch diagonally, which the even-odd rule
-    takes well.
+    points the first corner is joined to the second, the third to the fourth, and so on; the same
+    applies along each column. Lines may cross where two cells touch diagonally, which the even-odd
+    rule handles.
 
     Args:
         mask: (height, width) bool.
 
     Returns:
-        One (n, 2) int64 array a line: grid points (x, y), the last joined to the first.
+        One (n, 2) int64 array per line: grid points (x, y), the last joined to the first.
     """
     y, x = np.nonzero(_parity(mask))
     by_column = np.lexsort((y, x))
     partner = np.empty(
-        len(x), np.int64
-    )  # the other end of the vertical edge; rows pair 0-1, 2-3, ...
+        len(x),
+        np.int64,
+        # The other end of the vertical edge; rows pair 0-1, 2-3, ...
+    )
     partner[by_column] = by_column[np.arange(len(x)) ^ 1]
     vertical = partner.tolist()
     seen = bytearray(len(x))

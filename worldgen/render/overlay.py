@@ -1,4 +1,4 @@
-"""What a robot did, as plain data: pictures know no simulator."""
+"""What a robot did, as plain data, since pictures know no simulator."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
 @dataclass(frozen=True, slots=True)
 class EventMark:
-    """Something that happened at a place.
+    """An event at a place.
 
     Args:
-        x: m.
-        y: m.
-        kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre went through one),
-            ``overlap`` (its disc cut one) or ``end`` (here the run stopped).
+        x: x, m.
+        y: y, m.
+        kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre passed through one),
+            ``overlap`` (its disc cut one) or ``end`` (the run stopped here).
 
     Raises:
-        InvalidParameter: If the place is not finite or the kind is none of these.
+        InvalidParameter: If the place isn't finite or the kind is unknown.
     """
 
     x: float
@@ -54,13 +54,13 @@ class EventMark:
 
 @dataclass(frozen=True, slots=True)
 class WallPenetration:
-    """A wall cell that the robot went into.
+    """A wall cell that the robot entered.
 
     Args:
         ix: Column.
         iy: Row.
-        time: When it first did, s.
-        place: Where it broke in, x and y in m, of the cell that the verdict names.
+        time: Time at which it first did, s.
+        place: Where it entered, x and y in m, for the cell that the verdict names.
     """
 
     ix: int
@@ -71,19 +71,19 @@ class WallPenetration:
 
 @dataclass(frozen=True, eq=False)
 class Trail:
-    """The way of the robot's centre.
+    """The path of the robot's centre.
 
     Args:
         x: (n,) float64, m, at least one point; straight lines between the points.
         y: (n,) float64, m.
-        loop_from: Index of the point where the endless cycle begins; what comes after it is one or
-            more rounds of the cycle. ``None`` if the run has none.
-        marks: What happened on the way.
-        pierced: Walls that the robot went into.
+        loop_from: Index of the point where the endless cycle begins; the rest is one or more
+            repetitions of the cycle. ``None`` if the run has none.
+        marks: Events along the path.
+        pierced: Wall cells that the robot entered.
 
     Raises:
-        InvalidParameter: If the arrays do not fit, are empty or not finite, or the index is none of
-            theirs.
+        InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
+            of range.
     """
 
     x: npt.NDArray[np.float64]
@@ -118,23 +118,23 @@ class Trail:
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """(n, 2) float64, m: the whole way."""
+        """The whole path, (n, 2) float64, m."""
         return np.column_stack((self.x, self.y))
 
     @property
     def approach(self) -> npt.NDArray[np.float64]:
-        """(k, 2) float64, m: the way until the cycle begins; the whole way if there is none."""
+        """The path until the cycle begins, (k, 2) float64, m; the whole path if there is none."""
         return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
 
     @property
     def loop(self) -> npt.NDArray[np.float64]:
-        """(k, 2) float64, m: the cycle; no points if there is none."""
+        """The cycle, (k, 2) float64, m; no points if there is none."""
         return (
             self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
         )
 
     def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
-        """Return a (k, 2) float64 array in m: where marks of one kind lie."""
+        """Return the places of marks of one kind, a (k, 2) float64 array in m."""
         return np.array(
             [(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64
         ).reshape(-1, 2)
@@ -145,14 +145,15 @@ class Drive:
     """What one robot did, and when.
 
     Args:
-        name: Of the robot.
-        trail: Its way.
-        times: (n,) float64, s: when it was at each of the trail's points; never falls.
+        name: Name of the robot.
+        trail: Its path.
+        times: (n,) float64, s: the time at each of the trail's points; never decreases.
         headings: (k,) float64, rad: after each step, the first at the start.
-        time_step: s.
+        time_step: Time step, s.
 
     Raises:
-        InvalidParameter: If the times are not one for each point, or there is no heading.
+        InvalidParameter: If the number of times differs from that of points, or there is no
+            heading.
     """
 
     name: str
@@ -174,13 +175,13 @@ class Drive:
 
     @property
     def end(self) -> float:
-        """When the recording ends, s."""
+        """Time at which the recording ends, s."""
         return float(self.times[-1])
 
     def moment(self, time: float) -> float:
-        """Return the recorded time that stands for a later one, s.
+        """Map a later time to the recorded time that represents it, s.
 
-        A loop goes round forever, another robot stays.
+        A loop repeats forever; any other robot stays in place.
         """
         if time <= self.end or self.trail.loop_from is None:
             return min(time, self.end)
@@ -188,7 +189,7 @@ class Drive:
         return entry + (time - entry) % (self.end - entry) if self.end > entry else self.end
 
     def pose(self, time: float) -> tuple[float, float, float]:
-        """Return the place, m, and the heading, rad, at a time that is recorded."""
+        """Return the place, m, and the heading, rad, at a recorded time."""
         x, y = (
             float(np.interp(time, self.times, values)) for values in (self.trail.x, self.trail.y)
         )

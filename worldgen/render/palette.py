@@ -1,8 +1,8 @@
 """Colours of the pictures: one hue per meaning.
 
 Source: Masataka Okabe, Kei Ito, "Color Universal Design: How to make figures and presentations that
-    are
-friendly to colorblind people", 2008. Neutrals are greys, so no meaning hangs on red against green.
+    are friendly to colorblind people", 2008. Neutrals are greys, so no distinction depends on red
+    against green.
 """
 
 from __future__ import annotations
@@ -28,34 +28,46 @@ __all__ = [
     "rgb",
 ]
 
-# Okabe and Ito
-TARGET = "#0072B2"  # blue: the target, and its signal as a tint
-START = "#009E73"  # bluish green: the robot's start, and the path that it could take
-LOOP = "#D55E00"  # vermillion: what it does instead
-FIRE = "#E69F00"  # orange: cells that burn at some time
-TUNNEL = "#CC79A7"  # reddish purple: where the run broke the world's rules, and cuts
-PIERCED = "#C00018"  # red, with stripes and a frame: walls that the robot went into
-# neutrals
+# Okabe and Ito's colours.
+# Blue: the target, and its signal as a tint.
+TARGET = "#0072B2"
+# Bluish green: the robot's start, and the path that it could take.
+START = "#009E73"
+# Vermillion: what it does instead.
+LOOP = "#D55E00"
+# Orange: cells that burn at some time.
+FIRE = "#E69F00"
+# Reddish purple: where the run broke the world's rules, and cuts.
+TUNNEL = "#CC79A7"
+# Red, with stripes and a frame: walls that the robot entered.
+PIERCED = "#C00018"
+# Neutrals.
 PAPER = "#FFFFFF"
-FLOOR = "#F9FBFD"  # where the signal is weakest
+# Where the signal is weakest.
+FLOOR = "#F9FBFD"
 WALL = "#343A43"
 INK = "#1B1F24"
 GREY = "#5F6773"
-APPROACH = "#E8A37C"  # a tint of LOOP: the same robot, earlier
+# A tint of LOOP: the same robot, earlier.
+APPROACH = "#E8A37C"
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Red, green and blue, 0 to 255, of ``#RRGGBB``."""
+    """Return red, green and blue, 0 to 255, of ``#RRGGBB``."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def mix(first: str, second: str, share: float) -> str:
-    """Return the colour with ``share`` (0 to 1) of the second in it."""
+    """Mix ``share`` (0 to 1) of the second colour into the first."""
     parts = (round(a + (b - a) * share) for a, b in zip(rgb(first), rgb(second), strict=True))
     return "#" + "".join(f"{part:02X}" for part in parts)
 
 
-LOOP_HEAD = mix(LOOP, "#000000", 0.4)  # arrow heads, to stand out from the line
-SWEPT = mix(PAPER, LOOP, 0.35)  # the floor that the robot covers in its loop
-PIERCED_GROUND = mix(mix(WALL, FLOOR, 0.6), PIERCED, 0.25)  # light below the stripes, for every eye
-FULL_TINT = mix(FLOOR, TARGET, 0.55)  # the floor where the signal is strongest
+# Arrow heads, which stand out from the line.
+LOOP_HEAD = mix(LOOP, "#000000", 0.4)
+# The floor that the robot covers in its loop.
+SWEPT = mix(PAPER, LOOP, 0.35)
+# A light colour below the stripes, for readers who cannot tell the hues apart.
+PIERCED_GROUND = mix(mix(WALL, FLOOR, 0.6), PIERCED, 0.25)
+# The floor where the signal is strongest.
+FULL_TINT = mix(FLOOR, TARGET, 0.55)

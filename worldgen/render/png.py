@@ -1,6 +1,6 @@
-"""A scene as PNG. Shapes are drawn large as masks, shrunk, and laid on.
+"""Render a scene as PNG: shapes are drawn large as masks, shrunk, and composited.
 
-Smooth edges, true colours.
+This gives smooth edges and true colours.
 """
 
 from __future__ import annotations
@@ -32,9 +32,12 @@ from worldgen.world import World
 
 __all__ = ["draw_parts", "draw_png"]
 
-FINE = 4  # masks are drawn this many times as large
-COARSE = 2  # likewise, for pictures so large that FINE would take gigabytes
-LARGE = 2500  # px
+# Oversampling of masks.
+FINE = 4
+# Oversampling for pictures so large that FINE would take gigabytes.
+COARSE = 2
+# Sizes, px.
+LARGE = 2500
 
 
 def draw_png(
@@ -51,10 +54,10 @@ def draw_png(
     Args:
         world: What to draw.
         trail: What a robot did in it.
-        signal: Whether the floor shows the strength of the target's signal.
-        witness: Whether the certificate's path, or its cut, is drawn.
+        signal: Whether to tint the floor by the strength of the target's signal.
+        witness: Whether to draw the certificate's path, or its cut.
         title: First line of the caption.
-        pixels: Longer side of the map, px; margins and caption come on top.
+        pixels: Longer side of the map, px; margins and caption are added.
 
     Raises:
         InvalidParameter: If ``pixels`` is out of range.
@@ -72,13 +75,13 @@ def draw_parts(
     *,
     onto: Image.Image | None = None,
 ) -> Image.Image:
-    """Return the picture of primitives, the lowest first.
+    """Render primitives, the lowest first.
 
     Args:
-        parts: What to draw.
-        frame: Where the map lies.
+        parts: The primitives.
+        frame: The map's place in the picture.
         size: Width and height of the picture, px.
-        onto: A picture of this size that they are drawn on; it is changed.
+        onto: A picture of this size to draw on; it is changed in place.
     """
     canvas = _Canvas(frame, size)
     canvas.image = onto or canvas.image
@@ -88,10 +91,10 @@ def draw_parts(
 
 
 class _Canvas:
-    """A picture in the making.
+    """A picture under construction.
 
     Args:
-        frame: Where the map lies.
+        frame: The map's place in the picture.
         size: Width and height, px.
     """
 
@@ -101,7 +104,7 @@ class _Canvas:
         self.times = FINE if max(size) <= LARGE else COARSE
 
     def draw(self, part: DrawnCircle | DrawnLine | DrawnCells | Glow | Text) -> None:
-        """Lay one primitive on the picture."""
+        """Draw one primitive on the picture."""
         if isinstance(part, DrawnCircle):
             self._circle(part)
         elif isinstance(part, DrawnLine):
@@ -193,7 +196,8 @@ class _Canvas:
         width = max(1, round(paint.width * self.times))
         pen.line(points, fill=255, width=width)
         reach = 0.5 * width
-        for x, y in points if width > 2 else ():  # round joins and ends
+        # Round joins and ends.
+        for x, y in points if width > 2 else ():
             pen.ellipse((x - reach, y - reach, x + reach - 1.0, y + reach - 1.0), fill=255)
 
     def _cells(self, part: DrawnCells) -> None:

@@ -1,4 +1,4 @@
-"""Geometry of drawn lines: thinning, arc length, dashes, where to put arrow heads."""
+"""Geometry of drawn lines: thinning, arc length, dashes, places for arrow heads."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy.typing as npt
 __all__ = ["along", "arc_length", "arrow_places", "corners", "dashes", "simplified"]
 
 Points = npt.NDArray[np.float64]
-CHUNK = 2000  # points thinned together: bounds the work on a long scribble
+# Points thinned together, which bounds the work on a long scribble.
+CHUNK = 2000
 
 
 def simplified(points: Points, tolerance: float) -> Points:
-    """Return the line with fewer points, nowhere further than ``tolerance`` from the given one.
+    """Thin out a line so that it stays within ``tolerance`` of the given one.
 
     Args:
         points: (n, 2).
-        tolerance: In the points' unit.
+        tolerance: Tolerance in the points' unit.
 
     Source: David Douglas, Thomas Peucker, "Algorithms for the Reduction of the Number of Points
         Required to Represent a Digitized Line or its Caricature", 1973; in chunks.
@@ -58,12 +59,12 @@ def _keep_far(
 
 
 def arc_length(points: Points) -> npt.NDArray[np.float64]:
-    """Return a (n,) float64 array: way along the line to each of its (n, 2) points."""
+    """Return a (n,) float64 array: arc length at each of its (n, 2) points."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
 
 
 def along(points: Points, distance: Sequence[float] | Points) -> Points:
-    """Return a (k, 2) float64 array: the points that lie ``distance`` (k,) along the line."""
+    """Return a (k, 2) float64 array: the points at arc lengths ``distance`` (k,)."""
     length = arc_length(points)
     return np.column_stack([np.interp(distance, length, points[:, axis]) for axis in (0, 1)])
 
@@ -73,18 +74,19 @@ def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[flo
 
     Args:
         points: (n, 2).
-        spacing: Way between two heads; a shorter line gets one.
+        spacing: Distance along the line between two heads; a shorter line gets one.
         reach: Half the length of line that a head covers.
 
     Returns:
-        (x, y, angle) of each head, the angle in radians as the points' axes have it.
+        (x, y, angle) of each head, with the angle in radians in the points' axes.
     """
     total = float(arc_length(points)[-1])
     count = max(1, round(total / spacing))
     step = total / count
     places: list[tuple[float, float, float]] = []
     for index in range(count):
-        # Spots around the even one, straightest first: a head on a corner points nowhere.
+        # Try places around the even one, straightest first, since a head on a corner points
+        # nowhere.
         spots = (index + 0.5 + np.array((0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4))) * step
         chords = along(points, spots + reach) - along(points, spots - reach)
         order = np.argsort(-np.round(np.hypot(*chords.T) / reach, 2), kind="stable")
@@ -112,7 +114,7 @@ def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
 
     Args:
         points: (n, 2).
-        pattern: Lengths drawn and if omitted, in turn.
+        pattern: Lengths drawn and skipped, in turn.
     """
     length = arc_length(points)
     period = sum(pattern)

@@ -1,4 +1,4 @@
-"""The few things that every picture is made of. All coordinates are picture pixels, y down."""
+"""The few shapes that every picture is made of. All coordinates are picture pixels, y down."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Paint:
         stroke: ``#RRGGBB``; ``None`` draws no outline.
         width: Width of the outline, px.
         opacity: 0 (invisible) to 1, of fill and outline together.
-        dash: px drawn and px if omitted, in turn; empty for a solid line.
+        dash: px drawn and px skipped, in turn; empty for a solid line.
     """
 
     fill: str | None = None
@@ -32,7 +32,7 @@ class Paint:
 
 @dataclass(frozen=True, slots=True)
 class DrawnCircle:
-    """A circle; ``clipped`` leaves out what lies outside the map."""
+    """A circle; ``clipped`` cuts it off at the edge of the map."""
 
     x: float
     y: float
@@ -54,13 +54,13 @@ class DrawnLine:
 class DrawnCells:
     """Whole cells of the map in one colour, where ``mask`` (height, width) bool is set.
 
-    Row 0 the lowest y.
+    Row 0 is the lowest y.
 
     Args:
-        mask: Which cells.
+        mask: The cells.
         fill: ``#RRGGBB``.
         opacity: 0 to 1.
-        hatch: px from one diagonal stripe to the next; 0 fills the cells.
+        hatch: Distance between diagonal stripes, px; 0 fills the cells.
     """
 
     mask: npt.NDArray[np.bool_]

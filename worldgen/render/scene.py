@@ -1,6 +1,6 @@
-"""What is in a picture.
+"""Compose a picture: a world, a run in it, and the caption.
 
-A world, a run in it, and the caption, as a list of primitives in pixels.
+The result is a list of primitives in pixels.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ from worldgen.world import Cut, Witness, World
 
 __all__ = ["Picture", "compose", "map_parts", "moment_parts"]
 
-# units; a robot with a smaller radius gets a ring of this one
+# A robot with a smaller radius, units, gets a ring of this radius.
 HIDDEN = 6.0
 FINDER = 11.0
-MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
+# Most dotted outlines; more turn into a grey blur.
+MOST_CORNERS = 4000
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +46,10 @@ class Picture:
     """A picture, ready for any backend; primitives are drawn in order.
 
     Args:
-        frame: Where the map lies.
+        frame: The map's place in the picture.
         width: px.
         height: px.
-        title: What the picture is called; may be empty.
+        title: Name of the picture; may be empty.
         primitives: Lowest first.
     """
 
@@ -62,13 +63,13 @@ class Picture:
 def compose(
     world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
 ) -> Picture:
-    """Return the whole picture of a world, lowest layer first.
+    """Return a world's complete picture, lowest layer first.
 
     Args:
         world: What to draw.
         trail: A run in it.
-        signal: Whether the floor shows the target's signal.
-        witness: Whether the proof's path, or its cut, is drawn.
+        signal: Whether to tint the floor by the target's signal.
+        witness: Whether to draw the proof's path, or its cut.
         title: First line of the caption.
         pixels: Longer side of the map, px.
 
@@ -99,10 +100,10 @@ def moment_parts(
 
     Args:
         world: What to draw.
-        frame: Where the map lies.
-        solid: (height, width) bool: the cells that are solid then.
-        burning: Likewise, those that burn.
-        height: Of the picture, px.
+        frame: The map's place in the picture.
+        solid: (height, width) bool: the cells that are solid at that moment.
+        burning: (height, width) bool: the cells that burn.
+        height: Height of the picture, px.
     """
     parts: list[Primitive] = [_box(0.0, 0.0, frame.picture_width, height, PAPER), _band(frame)]
     parts += [
@@ -127,8 +128,8 @@ def _map(content: Content) -> list[Primitive]:
         parts += _certificate(world, frame)
     trail = content.trail
     radius = world.robot_radius
-    # The start's disc lies under the lines, for a cycle often leads through it; its heading lies
-    # above.
+    # The start's disc is drawn under the lines, because a cycle often leads through it; its heading
+    # is drawn above.
     parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
     parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
     if trail:
@@ -145,7 +146,7 @@ def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Dra
 
 
 def _band(frame: Frame) -> DrawnLine:
-    """Return everything outside the grid is solid, so the map has a wall around it."""
+    """Return a wall around the map, because everything outside the grid is solid."""
     band = frame.band
     return _box(
         frame.left - band,
@@ -172,7 +173,8 @@ def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
     gap = 12.0 * frame.unit
     line = Paint(stroke=TARGET, width=1.0 * frame.unit, opacity=0.22)
     while ring < far:
-        ring *= math.sqrt(2.0)  # the signal halves
+        # The signal halves.
+        ring *= math.sqrt(2.0)
         if ring * (1.0 - math.sqrt(0.5)) >= gap:
             parts.append(DrawnCircle(x, y, ring, line, clipped=True))
     return parts
@@ -233,7 +235,7 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _start_disc(world: World, frame: Frame) -> list[Primitive]:
-    """Return the robot's disc, true to scale; a ring finds it where it is too small to see."""
+    """Return the robot's disc, true to scale; if it is too small to see, a ring marks it."""
     unit = frame.unit
     x, y = frame.to_pixels(world.start.x, world.start.y)
     radius = world.robot_radius * frame.scale
@@ -250,7 +252,7 @@ def _start_disc(world: World, frame: Frame) -> list[Primitive]:
 
 
 def _start_heading(world: World, frame: Frame) -> Primitive:
-    """Return a tick on the rim of the start's disc, or of the ring around it."""
+    """Return a tick on the rim of the start's disc, or of its ring."""
     x, y = frame.to_pixels(world.start.x, world.start.y)
     rim = world.robot_radius * frame.scale
     if rim < HIDDEN * frame.unit:

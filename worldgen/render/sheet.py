@@ -1,4 +1,4 @@
-"""Many worlds on one sheet, each with the ways of the same robots: small multiples."""
+"""Many worlds on one sheet, each with the paths of the same robots: small multiples."""
 
 from __future__ import annotations
 
@@ -22,14 +22,19 @@ from worldgen.world import World
 
 __all__ = ["COLOURS", "Panel", "draw_sheet"]
 
-# Okabe and Ito again, without those that a map uses for start and target
+# Okabe and Ito's colours, without those that a map uses for start and target.
 COLOURS = ("#D55E00", "#56B4E9", "#CC79A7", "#E69F00", "#000000", "#8A6D00", "#7A3B9A", "#5F6773")
 
-_PANEL = 300  # px, longer side of a map
-_GAP = 14  # px between panels
-_LINE = 22  # px, a line of text
-_TYPE = 15  # px
-_WIDTH = 2.2  # px, a robot's way
+# Longer side of a map, px.
+_PANEL = 300
+# Distance between panels, px.
+_GAP = 14
+# Height of a line of text, px.
+_LINE = 22
+# Margin, px.
+_TYPE = 15
+# Width of a robot's path, px.
+_WIDTH = 2.2
 
 
 @dataclass(frozen=True)
@@ -38,9 +43,9 @@ class Panel:
 
     Args:
         world: What to draw.
-        title: Above it.
-        trails: The ways of the robots, in the sheet's order; ``None`` where there is none to show.
-        notes: A line below it for each robot, in its colour.
+        title: Text above it.
+        trails: The robots' paths, in the sheet's order; ``None`` for a robot without one.
+        notes: A line below it for each robot, in the robot's colour.
     """
 
     world: World
@@ -52,12 +57,12 @@ class Panel:
 def draw_sheet(
     panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0, pixels: int = _PANEL
 ) -> bytes:
-    """Return the worlds side by side, as the bytes of a PNG file.
+    """Return the worlds next to each other, as the bytes of a PNG file.
 
     Args:
         panels: The worlds.
-        robots: Names of the robots, for the legend; without any there is none.
-        columns: Panels in a row; 0 chooses.
+        robots: Names of the robots, for the legend; if empty, there is no legend.
+        columns: Panels in a row; 0 chooses the number.
         pixels: Longer side of a map, px.
 
     Raises:
@@ -108,7 +113,8 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     chart = picture.crop(box)
     font = ImageFont.load_default(_TYPE)
     text = max(font.getlength(line) for line in (panel.title, *panel.notes))
-    width = max(chart.width, min(math.ceil(text), pixels))  # a narrow world keeps its words
+    # A narrow world keeps its text.
+    width = max(chart.width, min(math.ceil(text), pixels))
     image = Image.new("RGB", (width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
     image.paste(chart, (0, _LINE))
     pen = ImageDraw.Draw(image)
@@ -122,7 +128,7 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
 
 
 def _way(trail: Trail | None, frame: Frame, index: int, count: int) -> list[Primitive]:
-    """Return a robot's way, set off a little from the others', so that equal ways stay visible."""
+    """Return a robot's path, shifted slightly from the others', so that equal paths stay visible."""
     if trail is None:
         return []
     points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)

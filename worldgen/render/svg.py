@@ -1,4 +1,4 @@
-"""A scene as SVG: small, sharp at any size, one path for all walls."""
+"""Render a scene as SVG: small, sharp at any size, with one path for all walls."""
 
 from __future__ import annotations
 
@@ -23,8 +23,10 @@ from worldgen.world import World
 
 __all__ = ["draw_svg", "svg_element"]
 
-MOST_CORNERS = 40_000  # of a set of cells drawn as a path; with more, an image of them is smaller
-STOPS = 12  # of the floor's gradient; it is logarithmic, SVG's are linear between stops
+# Most corners of cells drawn as a path; beyond that, an image of them is smaller.
+MOST_CORNERS = 40_000
+# Stops of the floor's gradient: it is logarithmic, and SVG's are linear between stops.
+STOPS = 12
 
 
 def draw_svg(
@@ -41,8 +43,8 @@ def draw_svg(
     Args:
         world: What to draw.
         trail: What a robot did in it.
-        signal: Whether the floor shows the strength of the target's signal.
-        witness: Whether the certificate's path, or its cut, is drawn.
+        signal: Whether to tint the floor by the strength of the target's signal.
+        witness: Whether to draw the certificate's path, or its cut.
         title: First line of the caption.
         pixels: Longer side of the map in SVG units; the picture can be shown at any size.
 
@@ -90,7 +92,7 @@ def _look(paint: Paint) -> str:
 
 
 class _Writer:
-    """Turns primitives into elements and collects the definitions that these refer to."""
+    """Turns primitives into elements and collects the definitions that they refer to."""
 
     def __init__(self, scene: Picture) -> None:
         self.frame = scene.frame
@@ -113,7 +115,7 @@ class _Writer:
     def _define(self, template: str) -> str:
         """Add a definition with ``{id}`` in it.
 
-        Equal ids are equal definitions, even across pictures.
+        Equal ids denote equal definitions, even across pictures.
         """
         name = f"wg{zlib.crc32(template.encode()):08x}"
         self.definitions[name] = template.replace("{id}", name)
@@ -160,12 +162,13 @@ class _Writer:
         )
 
     def _image(self, part: DrawnCells) -> str:
-        """Too many corners for a path: a grey-scale image serves as the colour's opacity."""
+        """Return an image for cells with too many corners for a path; it becomes the opacity."""
         frame = self.frame
         rows, columns = part.mask.shape
         share = min(1.0, max(frame.width, frame.height) / max(rows, columns))
         grey = coverage(part.mask, max(1, round(columns * share)), max(1, round(rows * share)))
-        levels = np.rint(grey / 17.0).astype(np.uint8)  # sixteen are enough for edges, and compress
+        # Sixteen levels are enough for edges, and compress well.
+        levels = np.rint(grey / 17.0).astype(np.uint8)
         image = Image.fromarray(levels)
         image.putpalette([channel for _ in range(256) for channel in rgb(part.fill)])
         stream = io.BytesIO()

@@ -1,4 +1,4 @@
-"""A world in the terminal: two cells per character with colours, or plain letters without."""
+"""Draw a world in the terminal: two cells per character with colours, or letters without."""
 
 from __future__ import annotations
 
@@ -34,22 +34,24 @@ from worldgen.world import Witness, World
 
 __all__ = ["draw_terminal", "wants_color"]
 
-MOST_ROWS = 100  # rows of dots or letters; a higher world is scaled down
-SMALL = 60  # dots; in colour, a smaller world is scaled up to about this side
-# The signal's steps where only 256 colours can be shown: those of one hue, and where each step
-# ends.
+# Most rows of dots or letters; a higher world is scaled down.
+MOST_ROWS = 100
+# Side, dots, up to about which a smaller world is scaled up in colour.
+SMALL = 60
+# The signal's steps if only 256 colours are available: those of one hue, and where each step ends.
 BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
 BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 Dots = npt.NDArray[np.uint8]
 
-# What a dot shows; a higher number hides a lower one.
+# The meaning of a dot; a higher number hides a lower one.
 FREE, PARTLY, SOLID, CLOSES, BURNS, WITNESS, WAY, LOOPS, START_DOT, TARGET_DOT, TUNNELS = range(11)
-OPENS = 11  # only where a cell is solid
+# Only where a cell is solid.
+OPENS = 11
 
 
 @dataclass(frozen=True, slots=True)
 class Sign:
-    """How a dot is shown: the letter without colours, the colour, and its word in the key."""
+    """A dot's letter without colours, its colour, and its word in the key."""
 
     letter: str
     colour: str
@@ -75,7 +77,7 @@ SIGNS = {
 def wants_color(stream: TextIO) -> bool:
     """Return True if a stream is a terminal that shows colours and half blocks.
 
-    NO_COLOR, FORCE_COLOR and TERM=dumb are obeyed.
+    It obeys NO_COLOR, FORCE_COLOR and TERM=dumb.
     """
     try:
         "\u2580".encode(getattr(stream, "encoding", None) or "ascii")
@@ -100,14 +102,15 @@ def draw_terminal(
 
     Without colours one character is one cell, as in a ``.grid`` file. With colours a character is
     two dots, one above the other, and a small world gets several dots a cell. A world too large for
-    the terminal is scaled down; a dot is then several cells, and shows if any of them is solid.
+    the terminal is scaled down; then a dot is several cells, and shows a wall if any of them is
+    solid.
 
     Args:
         world: What to draw.
         trail: What a robot did in it.
-        width: Columns that may be used; the terminal's if left out.
+        width: Columns to use; the terminal's width if omitted.
         color: Half-block characters with ANSI colours, or plain ASCII.
-        truecolor: 24-bit colours instead of 256; as COLORTERM says if left out.
+        truecolor: 24-bit colours instead of 256; taken from COLORTERM if omitted.
 
     Returns:
         The picture, a key to its signs, and its scale; ends with a line end.
@@ -133,12 +136,13 @@ def draw_terminal(
 class _Grid:
     """The dots of a picture.
 
-    Each has ``cells`` cells a side, or each cell ``dots_per_cell`` dots.
+    Each covers ``cells`` cells a side, or each cell ``dots_per_cell`` dots.
     """
 
     cells: int
     dots_per_cell: int
-    dot_size: float  # m
+    # Side of a dot, m.
+    dot_size: float
 
     @classmethod
     def of(cls, world: World, columns: int, *, color: bool) -> _Grid:
@@ -164,7 +168,7 @@ class _Grid:
         return np.asarray(sums / np.outer(*sizes), np.float64)
 
     def dots(self, world: World, trail: Trail | None) -> Dots:
-        """Return a (rows, columns) uint8 array: what each dot shows, row 0 the lowest."""
+        """Return a (rows, columns) uint8 array: the meaning of each dot, row 0 the lowest."""
         solid = self.shrunk(world.walls)
         dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
         if world.is_dynamic:
@@ -213,9 +217,9 @@ class _Grid:
 
 
 def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArray[np.uint8]:
-    """(rows, columns, 3) uint8.
+    """Return a (rows, columns, 3) uint8 array of colours.
 
-    The floor tinted by the signal, all else in the colours of its sign.
+    The floor is tinted by the signal; everything else has its sign's colour.
     """
     rows, columns = dots.shape
     table = np.array([rgb(SIGNS[sign].colour) for sign in range(len(SIGNS))], np.uint8)
@@ -267,7 +271,8 @@ def _ansi(colour: list[int], layer: int, *, deep: bool) -> str:
     return f"\x1b[{layer};5;{_xterm(colour)}m"
 
 
-LEVELS = (0, 95, 135, 175, 215, 255)  # xterm's 6 x 6 x 6 cube; 24 greys follow it
+# xterm's 6 x 6 x 6 cube, followed by 24 greys.
+LEVELS = (0, 95, 135, 175, 215, 255)
 
 
 def _xterm(colour: list[int]) -> int:

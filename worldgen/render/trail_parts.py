@@ -1,6 +1,6 @@
-"""What a run looks like on the map.
+"""Draw a run on the map.
 
-The way there, the endless cycle, the robot's size, what it hit.
+It consists of the path, the endless cycle, the robot's size, and what it hit.
 """
 
 from __future__ import annotations
@@ -42,21 +42,25 @@ THIN = (
     0.15,
     0.5,
     1.5,
-)  # px; how far a drawn trail may be from the true one: the first that is short enough
-MOST_POINTS = 20_000  # of a drawn trail; more make an SVG of megabytes
+    # Deviations of a drawn trail from the true one, px; the first that gives a short enough line is
+    # used.
+)
+# Most points of a drawn trail; more make an SVG of megabytes.
+MOST_POINTS = 20_000
 MOST_FOOTPRINTS = 6
-MOST_DOTS = 400  # more bumps than this hide the map; those that would overlap are one anyway
+# More bumps than this hide the map, and those that overlap merge anyway.
+MOST_DOTS = 400
 
 
 def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
     """Return the floor that the robot's disc covers in its cycle.
 
-    Shows which gaps it does not fit through.
+    It shows which gaps the disc does not fit through.
 
     Args:
         trail: The run.
         frame: Where the map lies.
-        robot_radius: m.
+        robot_radius: Radius of the robot, m.
     """
     if trail.loop_from is None or stays_put(trail, frame, robot_radius):
         return []
@@ -72,7 +76,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     Args:
         trail: The run.
         frame: Where the map lies.
-        robot_radius: m.
+        robot_radius: Radius of the robot, m.
     """
     radius = robot_radius * frame.scale
     unit = frame.unit
@@ -174,13 +178,13 @@ def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
 def pierced_parts(
     cells: Sequence[WallPenetration], shape: tuple[int, int], frame: Frame
 ) -> list[Primitive]:
-    """Return walls that were gone into.
+    """Return the walls that the robot entered.
 
-    Red stripes on a light ground, and a frame, so that colour is not all.
+    Red stripes on a light ground, and a frame, do not rely on colour alone.
 
     Args:
-        cells: Which.
-        shape: Of the grid, rows and columns.
+        cells: The wall cells.
+        shape: Rows and columns of the grid.
         frame: Where the map lies.
     """
     mask = np.zeros(shape, np.bool_)
@@ -192,7 +196,8 @@ def pierced_parts(
         parts += [
             DrawnCells(mask, FLOOR, opacity=0.6),
             DrawnCells(mask, PIERCED, opacity=0.25),
-        ]  # PIERCED_GROUND on a wall
+            # PIERCED_GROUND on a wall.
+        ]
         parts.append(DrawnCells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
     for cell in cells:
         square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))

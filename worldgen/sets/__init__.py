@@ -1,14 +1,14 @@
-"""Sets of worlds: many of one family, with a manifest from which they are made again byte for byte.
+"""Sets of worlds: many of one family, with a manifest that reproduces them byte for byte.
 
 Contents:
-    plan_set, plan_wanted_set, plan_stratified_set: what a set is to hold.
-    make_set: a folder or an archive with a manifest; what is interrupted goes on.
-    manifest_of, regenerate_set, restore_set: the same set again from its manifest.
+    plan_set, plan_wanted_set, plan_stratified_set: plan the contents of a set.
+    make_set: make a folder or an archive with a manifest; an interrupted set is continued.
+    manifest_of, regenerate_set, restore_set: make the same set again from its manifest.
     strata_of: how its worlds are spread over strata of difficulty.
-    check_set: compares a set with its manifest.
-    ManifestHeader, ManifestEntry, Manifest: what the manifest says.
+    check_set: compare a set with its manifest.
+    ManifestHeader, ManifestEntry, Manifest: the contents of a manifest.
 
-``docs/howto/sets.md`` tells what a user sees.
+``docs/howto/sets.md`` describes them for users.
 """
 
 from worldgen.sets.check import SetDifference, check_set, manifest_of

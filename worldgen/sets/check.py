@@ -1,4 +1,4 @@
-"""Compares a set with its manifest."""
+"""Compare a set with its manifest."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_mani
 
 __all__ = ["SetDifference", "check_set", "manifest_of"]
 
-_MOST = 512 << 20  # bytes of a file: a .grid file has no more
+# Most bytes of a file; a .grid file has no more.
+_MOST = 512 << 20
 
 
 @dataclass(frozen=True)
 class SetDifference:
-    """One way in which a set is not what its manifest says.
+    """A difference between a set and its manifest.
 
     Args:
         kind: ``missing``, ``changed``, ``extra`` or ``unfinished``.
@@ -55,8 +56,10 @@ def manifest_of(path: Path) -> Manifest:
                     source=f"{path}/{MANIFEST}",
                 )
             return parse_manifest(
-                io.BytesIO(data), f"{path}/{MANIFEST}"
-            )  # line by line: most may be a bomb
+                io.BytesIO(data),
+                f"{path}/{MANIFEST}",
+                # Read line by line, because the file may be a decompression bomb.
+            )
     raise FormatError(
         "no-manifest", "holds no {manifest}; it is no set", manifest=MANIFEST, source=str(path)
     )
@@ -67,7 +70,7 @@ def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
 
     Args:
         place: The set's folder or archive.
-        manifest: What it is to be.
+        manifest: What it should contain.
 
     Raises:
         FormatError: If the archive or a file cannot be read.
@@ -79,7 +82,8 @@ def check_set(place: Path, manifest: Manifest) -> list[SetDifference]:
     ):
         if (
             found.setdefault(name, sha256) != sha256
-        ):  # twice in an archive: whoever reads it takes the first
+            # It is twice in an archive, and programs that unpack it take the first.
+        ):
             extra.append(name)
     differences = []
     for entry in manifest.entries:

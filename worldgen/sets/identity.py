@@ -1,4 +1,4 @@
-"""From a manifest's lines back to worlds: the family must be here, and in the same version."""
+"""Turn a manifest's lines back into worlds; the family must exist here in the same version."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ __all__ = ["entry_jobs"]
 
 
 def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -> list[Job]:
-    """Return what is to be made for these lines.
+    """Return the jobs for these lines.
 
     Args:
         entries: The lines.
-        families: Where families are that are not registered, as ``./file.py:name``.
+        families: Where to find unregistered families, as ``./file.py:name``.
 
     Raises:
-        InvalidParameter: If a family is unknown or of another version than the manifest's, or a
-            parameter is none.
+        InvalidParameter: If a family is unknown or has another version than in the manifest, or a
+            parameter does not exist.
     """
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
@@ -30,14 +30,16 @@ def entry_jobs(entries: Iterable[ManifestEntry], families: Sequence[str] = ()) -
         key = (entry.family, entry.version)
         if key not in checked:
             checked[key] = _place(entry, places.get(entry.family, entry.family))
-        if not jobs or entry.params is not jobs[-1].params:  # those of a set are one object
+        # The families of a set are one object.
+        if not jobs or entry.params is not jobs[-1].params:
             FAMILIES.find(checked[key], entry.params).complete(entry.params)
         jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
     return jobs
 
 
 def _place(entry: ManifestEntry, place: str) -> str:
-    if place.startswith(RECIPE):  # its text is among the parameters
+    # Its text is among the parameters.
+    if place.startswith(RECIPE):
         return place
     if place == entry.family and place not in FAMILIES.names():
         raise InvalidParameter(

@@ -1,4 +1,4 @@
-"""The manifest of a set that is being made: a world's line is appended when its file is safe."""
+"""The manifest of a set in progress: a world's line is appended once its file is safe."""
 
 from __future__ import annotations
 
@@ -26,21 +26,22 @@ class Journal:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._file: int | None = None
-        self._end = 0  # bytes of whole lines
+        # Length of the whole lines, bytes.
+        self._end = 0
 
     def read(self, *, force: bool = False) -> Manifest | None:
-        """Return what is there already, kept from other processes until ``close``.
+        """Return what is there already, and lock it against other processes until ``close``.
 
         Args:
-            force: Whether it may be something else, that is to be replaced.
+            force: Whether the file may be something else, which is then replaced.
 
         Returns:
-            The manifest; ``None`` if there is none, or not even a whole first line, or by ``force``
-            something else.
+            The manifest; ``None`` if there is none, or not even a complete first line, or, with
+            ``force``, something else.
 
         Raises:
-            FormatError: If it is no manifest.
-            OutputError: If another process is writing it, or it may not be written.
+            FormatError: If it isn't a manifest.
+            OutputError: If another process is writing it, or it cannot be written.
         """
         if not self.path.is_file():
             return None
@@ -60,10 +61,11 @@ class Journal:
         """Begin again with this line.
 
         Raises:
-            OutputError: If it cannot be written, or another process has begun, or even ended, since
-                ``read``.
+            OutputError: If it cannot be written, or another process has begun, or even finished,
+                since ``read``.
         """
-        if self._file is None:  # there was none to read
+        # There was none to read.
+        if self._file is None:
             self._open(os.O_RDWR | os.O_CREAT)
             with refused_writes(self.path):
                 begun = os.fstat(self._opened()).st_size > 0
@@ -78,13 +80,13 @@ class Journal:
         self.append(header)
 
     def cut(self, end: int) -> None:
-        """Drops what stands after so many bytes; from there it goes on."""
+        """Truncate the file to this many bytes, and continue from there."""
         with refused_writes(self.path):
             os.ftruncate(self._opened(), end)
         self._end = end
 
     def append(self, line: bytes) -> None:
-        """Add a line, or leave all as it was.
+        """Append a line, or leave the file unchanged.
 
         Raises:
             OutputError: If it cannot be written.
@@ -99,12 +101,12 @@ class Journal:
         self._end += len(line)
 
     def sync(self) -> None:
-        """Waits until the disk has it."""
+        """Wait until the disk has stored it."""
         with refused_writes(self.path):
             os.fsync(self._opened())
 
     def close(self) -> None:
-        """Let other processes at it."""
+        """Unlock it for other processes."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
@@ -120,7 +122,8 @@ class Journal:
                 "let that one end first",
                 path=self.path,
             )
-        if os.fstat(self._file).st_nlink == 0:  # removed between opening and locking
+        # It was removed between opening and locking.
+        if os.fstat(self._file).st_nlink == 0:
             self.close()
             raise OutputError(
                 "written-meanwhile",
@@ -138,7 +141,7 @@ class Journal:
 
 
 def append_at(file: int, end: int, data: bytes) -> None:
-    """Write all of the data behind ``end`` bytes of an open file."""
+    """Write all of the data after the first ``end`` bytes of an open file."""
     os.lseek(file, end, os.SEEK_SET)
     left = memoryview(data)
     while left:

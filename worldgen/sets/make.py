@@ -1,4 +1,4 @@
-"""Makes a set, from a plan or from a manifest, and goes on with one that was interrupted."""
+"""Make a set from a plan or from a manifest, and continue one that was interrupted."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from worldgen.sets.stores import PART, SetFolder, Store, store_for
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
 Progress = Callable[[int], None]
-"""Called with the number of worlds that are safe, at the beginning and then after each."""
+"""Called with the number of worlds that are safe, at the beginning and after each."""
 
 
 class SetDiffers(WorldgenError):
-    """A world came out otherwise than its manifest says; ``facts["file"]`` is the world's file."""
+    """A world differs from its entry in the manifest; ``facts["file"]`` is the world's file."""
 
 
 @dataclass(frozen=True)
 class SetDone:
-    """A set that is finished.
+    """A finished set.
 
     Args:
-        worlds: How many it has.
-        resumed: How many of them were there before.
+        worlds: Number of worlds.
+        resumed: Number of worlds that were there before.
     """
 
     worlds: int
@@ -38,14 +38,14 @@ class SetDone:
 
 @dataclass(frozen=True)
 class _Work:
-    """The worlds that are to be written.
+    """The worlds to write.
 
     Args:
         header: First line of the manifest.
-        count: How many.
-        made: Makes those from this one on.
-        named: Name of a file, and its line in the manifest.
-        refuse: Raises if the set that is there is another, or is finished.
+        count: Number of worlds.
+        made: Makes the worlds from this one on.
+        named: A file's name, and its line in the manifest.
+        refuse: Raises if the existing set is another one, or is finished.
     """
 
     header: bytes
@@ -60,7 +60,8 @@ def begun_set(out: Path) -> ManifestHeader | None:
     folder = out if out.is_dir() else out.with_name(out.name + PART)
     try:
         found = read_manifest(folder / MANIFEST)
-    except WorldgenError:  # whoever writes there will say what is wrong
+    # The process that writes there will report what is wrong.
+    except WorldgenError:
         return None
     return None if found.finished else found.header
 
@@ -73,18 +74,19 @@ def make_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Make a set as a folder or an archive; go on with the same one where that is unfinished.
+    """Make a set as a folder or an archive, or continue the same set if it is unfinished.
 
     Args:
-        plan: What it is to hold.
-        out: A folder; or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
-        workers: Processes; the bytes are the same for any number. A search works in this one alone.
-        force: Whether to replace what is there.
+        plan: Contents of the set.
+        out: A folder, or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
+        workers: Number of processes; the bytes are the same for any number. A search uses only this
+            process.
+        force: Whether to replace what exists.
         progress: Called as the work goes on.
 
     Raises:
-        OutputError: If something else is there, or cannot be written; what was made stays.
-        GenerationFailed: If a world cannot be made, or is not found.
+        OutputError: If something else exists there, or cannot be written; worlds made so far stay.
+        GenerationFailed: If a world cannot be made or found.
     """
     header = plan.header
 
@@ -118,15 +120,15 @@ def regenerate_set(
 
     Args:
         manifest: The manifest.
-        out: As for :func:`make_set`; goes on where that is unfinished, too.
-        families: Where families are that are not registered, as ``./file.py:name``.
-        workers: Processes.
-        force: Whether to replace what is there.
+        out: As for :func:`make_set`; an unfinished set is continued, too.
+        families: Where to find unregistered families, as ``./file.py:name``.
+        workers: Number of processes.
+        force: Whether to replace what exists.
         progress: Called as the work goes on.
 
     Raises:
-        SetDiffers: If a world comes out otherwise; those before it stay.
-        InvalidParameter: If a family is unknown, or of another version.
+        SetDiffers: If a world comes out differently; those before it stay.
+        InvalidParameter: If a family is unknown or has another version.
         OutputError: As for :func:`make_set`.
     """
     jobs = entry_jobs(manifest.entries, families)
@@ -154,19 +156,19 @@ def restore_set(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SetDone:
-    """Make again what is missing in the folder of a set.
+    """Make the missing worlds of a set's folder again.
 
     Args:
         manifest: The manifest.
-        folder: Where its files belong.
+        folder: Folder for its files.
         families: As for :func:`regenerate_set`.
-        workers: Processes.
-        force: Whether files with other content are written over.
+        workers: Number of processes.
+        force: Whether to overwrite files with other content.
         progress: Called as the work goes on.
 
     Raises:
-        SetDiffers: If a world comes out otherwise; those before it stay.
-        InvalidParameter: If a family is unknown, or of another version.
+        SetDiffers: If a world comes out differently; those before it stay.
+        InvalidParameter: If a family is unknown or has another version.
         OutputError: If a file has other content, or cannot be written.
     """
     store = SetFolder(folder)
@@ -218,7 +220,8 @@ def _write_all(
     tell = progress or (lambda _: None)
     tell(done)
     for made in work.made(done):
-        if not started:  # not before a world is there to be written: bad parameters change nothing
+        # Wait until there is a world to write, so that bad parameters change nothing.
+        if not started:
             store.start(work.header, old)
             started = True
         name, line = work.named(done, made)

@@ -1,6 +1,6 @@
-"""Worlds of given identities, made in this process or in several.
+"""Make worlds of given identities, in this process or in several.
 
-The same bytes in the same order either way.
+Both give the same bytes in the same order.
 """
 
 from __future__ import annotations
@@ -23,20 +23,23 @@ from worldgen.world import Provenance, Value, World
 
 __all__ = ["Job", "Made", "make_all"]
 
-_CELLS = 50_000  # of floor that a process is given at a time: some tenths of a second
-_MOST = 64  # worlds, likewise
-_WAITING = 2  # pieces of work a process that are handed out or done before their turn
+# Area that a process gets at a time, m squared: some tenths of a second of work.
+_CELLS = 50_000
+# Worlds that a process gets at a time.
+_MOST = 64
+# Pieces of work per process that are handed out or done early.
+_WAITING = 2
 
 
 @dataclass(frozen=True)
 class Job:
-    """A world that is wanted.
+    """A world to make.
 
     Args:
-        family: Its family, as the registry finds it.
-        seed: Seed.
-        params: Parameters; the file's provenance names these and no others.
-        metrics: What the file's provenance says was measured; ``None`` if it is to be measured now.
+        family: Its family, as named for the registry.
+        seed: Its seed.
+        params: Its parameters; the file's provenance names these and no others.
+        metrics: Metrics for the file's provenance; ``None`` to measure them now.
     """
 
     family: str
@@ -47,15 +50,15 @@ class Job:
 
 @dataclass(frozen=True)
 class Made:
-    """A world that was made.
+    """A world that has been made.
 
     Args:
         seed: Its seed.
         params: Its parameters.
-        data: Bytes of its file.
+        data: Contents of its file.
         digest: The world's id.
-        sha256: Of the bytes.
-        metrics: What was measured of it.
+        sha256: SHA-256 of the file.
+        metrics: Its metrics.
         stratum: Lower and upper end of the stratum of difficulty that it was found for, if there
             are strata.
     """
@@ -70,8 +73,9 @@ class Made:
 
     @classmethod
     def of(cls, world: World, params: Mapping[str, Value], metrics: Mapping[str, float]) -> Made:
-        """Return the file of a world whose provenance is to name these parameters and metrics."""
-        made = cast("Provenance", world.provenance)  # generate() gives no world without one
+        """Return the file of a world whose provenance names these parameters and metrics."""
+        # generate() makes no world without one.
+        made = cast("Provenance", world.provenance)
         data = dumps(replace(world, provenance=replace(made, params=params, metrics=metrics)))
         return cls(
             made.seed, params, data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics
@@ -85,12 +89,12 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
     """Make worlds in the order of the jobs.
 
     Args:
-        jobs: What is wanted.
-        workers: Processes; 1 works in this one.
+        jobs: The worlds to make.
+        workers: Number of processes; 1 means this one.
 
     Raises:
-        WorldgenError: As making one of them does, after all before it were given; or if a process
-            dies.
+        WorldgenError: If making one of them raises it, after all earlier worlds were returned; or
+            if a process dies.
     """
     if workers == 1:
         yield from map(_make, jobs)
@@ -136,7 +140,8 @@ def _wait(future: Future[_Done], listen: Callable[[], None]) -> _Done:
         try:
             return future.result(LISTEN)
         except TimeoutError:
-            if future.done():  # the work itself timed out
+            # The work itself timed out.
+            if future.done():
                 raise
 
 

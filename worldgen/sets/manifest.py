@@ -1,4 +1,4 @@
-"""The manifest of a set: what each of its worlds is, one line of JSON each."""
+"""The manifest of a set: one line of JSON for each of its worlds."""
 
 from __future__ import annotations
 
@@ -26,26 +26,27 @@ __all__ = [
 FORMAT = "worldgen-set 1"
 MANIFEST = "manifest.jsonl"
 
-_LONGEST = 1 << 20  # bytes of a line, as of a .grid file's header
+# Most bytes of a line, as for a .grid file's header.
+_LONGEST = 1 << 20
 _SAFE = re.compile(r"(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z")
 _HEX = re.compile(r"[0-9a-f]{64}\Z")
 
 
 @dataclass(frozen=True)
 class ManifestHeader:
-    """The first line: what was asked for.
+    """The first line: the request.
 
     Args:
         family: Name of the family.
         version: Its version.
-        params: All its parameters; of a search, those that were fixed.
-        seed: Of the first world, or of the search.
+        params: All its parameters; for a search, those with fixed values.
+        seed: Seed of the first world, or of the search.
         count: Worlds in the finished set.
-        metrics: Whether each is measured.
+        metrics: Whether each world is measured.
         worldgen: Version of worldgen that made the set.
-        wish: What the worlds were searched for by; empty where their seeds rise from the first's.
-        strata: Ends of the strata of difficulty over which the worlds are spread, rising; empty
-            where they are not.
+        wish: What the worlds were searched for; empty if their seeds are consecutive.
+        strata: Edges of the strata of difficulty that the worlds are spread over, ascending; empty
+            if there are none.
     """
 
     family: str
@@ -59,7 +60,7 @@ class ManifestHeader:
     strata: tuple[float, ...] = ()
 
     def line(self) -> bytes:
-        """Return the line, with its end."""
+        """Return the line, with its line end."""
         head = {
             "format": FORMAT,
             "worldgen": self.worldgen,
@@ -79,18 +80,18 @@ class ManifestHeader:
 
 @dataclass(frozen=True)
 class ManifestEntry:
-    """A world's line.
+    """The line of a world.
 
     Args:
         file: Name of its file in the set.
         family: Name of the family.
         version: Its version.
         seed: Seed.
-        params: All parameters, those of the first line included.
+        params: All parameters, including those of the first line.
         digest: The world's id, 64 hex digits.
-        sha256: Of the file's bytes, 64 hex digits.
+        sha256: SHA-256 of the file, 64 hex digits.
         size: Length of the file, bytes.
-        metrics: What was measured of the world, as its file has it.
+        metrics: Metrics of the world, as stored in its file.
         stratum: Lower and upper end of its stratum of difficulty; empty if the set has none.
     """
 
@@ -106,7 +107,7 @@ class ManifestEntry:
     stratum: tuple[float, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Return keys and values as the line has them, and all parameters."""
+        """Return the keys and values of the line, with all parameters."""
         return {
             "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
             "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
@@ -114,9 +115,9 @@ class ManifestEntry:
         }  # fmt: skip
 
     def line(self, header: ManifestHeader) -> bytes:
-        """Return the line, with its end.
+        """Return the line, with its line end.
 
-        Of the parameters only those that differ from the first line's.
+        It has only those parameters that differ from the first line's.
         """
         own = _differing(self.params, header) if self.family == header.family else self.params
         return _line({**self.as_dict(), "params": _sorted(own)})
@@ -124,13 +125,13 @@ class ManifestEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """A manifest that was read.
+    """A manifest read from a file.
 
     Args:
-        header: Its first line, read.
-        first: Its first line as it stands, byte for byte.
+        header: Its first line, parsed.
+        first: Its first line, byte for byte.
         entries: The worlds, in order.
-        lines: The worlds' lines as they stand, in the same order.
+        lines: The worlds' lines, byte for byte, in the same order.
     """
 
     header: ManifestHeader
@@ -140,19 +141,19 @@ class Manifest:
 
     @property
     def finished(self) -> bool:
-        """Whether every world has its line."""
+        """True if every world has its line."""
         return len(self.entries) >= self.header.count
 
 
 def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
-    """Read a manifest; a last line without its end, as an interruption leaves it, is left out.
+    """Read a manifest; an incomplete last line, left by an interruption, is ignored.
 
     Args:
-        lines: The lines, ends included.
+        lines: The lines, with their ends.
         source: The file's name in messages.
 
     Raises:
-        FormatError: If a whole line is none of a manifest's, with its number.
+        FormatError: If a complete line is invalid, with its number.
     """
     reader = _whole_lines(lines, source)
     first = next(reader, None)
@@ -191,10 +192,10 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
 
 
 def read_manifest(path: Path) -> Manifest:
-    """Return the manifest in a file.
+    """Read the manifest in a file.
 
     Raises:
-        FormatError: If it cannot be read, or is none.
+        FormatError: If it cannot be read, or isn't a manifest.
     """
     try:
         with path.open("rb") as stream:
@@ -252,14 +253,14 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Fields:
-    """Takes the fields of one line, each of the type that it must have."""
+    """Takes the fields of one line and checks their types."""
 
     found: dict[str, Any]
     number: int
     source: str
 
     def header(self) -> ManifestHeader:
-        """Return the set."""
+        """Return the header."""
         if self.found.get("format") != FORMAT:
             raise self._wrong(
                 "format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?'
@@ -286,9 +287,9 @@ class _Fields:
         )
 
     def entry(self, header: ManifestHeader) -> ManifestEntry:
-        """Return a world; its parameters that differ from the set's stand in its line, or all.
+        """Return a world; its line has all parameters, or those that differ from the set's.
 
-        As older sets have them.
+        Older sets store all of them.
         """
         file = self._text("file")
         if not _SAFE.match(file):
@@ -320,7 +321,7 @@ class _Fields:
         )
 
     def _params(self, header: ManifestHeader) -> Mapping[str, Value]:
-        """Return the set's, which a hundred thousand worlds share, or a world's own over them."""
+        """Return the set's parameters, which 100,000 worlds share, or a world's own added to them."""
         own = _differing(self._table("params"), header)
         return {**header.params, **own} if own else header.params
 
@@ -343,7 +344,7 @@ class _Fields:
         return value
 
     def _numbers(self, key: str) -> tuple[float, ...]:
-        """Return rising numbers, or none where the line has no such key."""
+        """Return ascending numbers, or none if the line has no such key."""
         value = self.found.get(key, [])
         if not isinstance(value, list) or not all(type(one) in (int, float) for one in value):
             raise self._wrong(key, "must be numbers in a list")
@@ -369,7 +370,7 @@ def _line(value: Mapping[str, Any]) -> bytes:
 
 
 def _differing(params: Mapping[str, Value], header: ManifestHeader) -> dict[str, Value]:
-    """Return parameters that are not the first line's; 1 is not 1.0, nor is 0.0 -0.0."""
+    """Return parameters that differ from the first line's; 1 differs from 1.0, and 0.0 from -0.0."""
     rest = header.params
     return {
         name: value

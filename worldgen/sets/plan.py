@@ -1,4 +1,4 @@
-"""What a set is to hold, before any of it is made."""
+"""Plan the contents of a set before any of it is made."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ from worldgen.world import Value
 
 __all__ = ["SearchedPlan", "SeededPlan", "SetPlan", "header_of", "plan_set"]
 
-_FLAT = 10_000  # worlds at most in one folder
-_SHARD = 1_000  # worlds in each subfolder where there are more
+# Most worlds in one folder.
+_FLAT = 10_000
+# Worlds in each subfolder if there are more.
+_SHARD = 1_000
 _ODD = re.compile(r"[^A-Za-z0-9._-]+")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SetPlan(ABC):
-    """A set that is wanted: its header, and how its worlds are made.
+    """The plan of a set: its header, and how to make its worlds.
 
     Args:
         header: First line of the set's manifest.
@@ -115,14 +117,13 @@ def plan_set(
 
     Args:
         family: Name of a registered family, or ``./file.py:name``.
-        seed: Of the first world.
-        count: How many.
-        params: The family's parameters; those left out have their defaults.
-        metrics: Whether each world is measured.
+        seed: Seed of the first world.
+        count: Number of worlds.
+        params: The family's parameters; omitted ones have their defaults.
+        metrics: Whether to measure each world.
 
     Raises:
-        InvalidParameter: If the family or a parameter is unknown, or there is to be no world at
-            all.
+        InvalidParameter: If the family or a parameter is unknown, or the count is 0.
     """
     if count < 1:
         raise InvalidParameter(

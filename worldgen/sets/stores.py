@@ -1,4 +1,4 @@
-"""Where a set's files go: a folder, or an archive that grows in a folder next to it."""
+"""Where a set's files are written: a folder, or an archive that grows in a folder next to it."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ from worldgen.sets.manifest import MANIFEST, Manifest, ManifestEntry, read_manif
 
 __all__ = ["PART", "ArchiveStore", "SetFolder", "Store", "store_for"]
 
-PART = ".part"  # behind an archive's name: the folder in which it grows
-_WORLDS = "worlds"  # in that: the files' bytes, one after another
+# Suffix of the folder in which an archive grows.
+PART = ".part"
+# File in that folder with the files' bytes, one after another.
+_WORLDS = "worlds"
 
 
 class Store(Protocol):
-    """A place for the files of a set, one after another.
+    """A store for the files of a set, one after another.
 
-    Whatever ends the process, what was written counts.
+    However the process ends, what was written counts.
     """
 
     def find(self, *, force: bool) -> Manifest | None:
@@ -34,35 +36,35 @@ class Store(Protocol):
             force: Whether something else may be there.
 
         Raises:
-            OutputError: If something else is there, and may not be.
+            OutputError: If something else is there that must not be replaced.
         """
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
         """Begin a set.
 
         Args:
-            header: The first line of its manifest.
-            over: A set that it takes the place of.
+            header: First line of its manifest.
+            over: A set that it replaces.
         """
 
     def resume(self, old: Manifest) -> int:
-        """Go on with a set; give the number of worlds, from the first, that are there whole."""
+        """Continue a set; return the number of complete worlds, from the first."""
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
         """Add a file and then its line in the manifest."""
 
     def finish(self) -> None:
-        """Make a whole of it."""
+        """Finish the set."""
 
     def close(self) -> None:
-        """Let go of it, finished or not."""
+        """Release it, finished or not."""
 
 
 def store_for(out: Path) -> Store:
-    """Return an archive where the name is one's, else a folder.
+    """Return an archive if the name is an archive's, otherwise a folder.
 
     Raises:
-        OutputError: If a folder has an archive's name, or something else another's.
+        OutputError: If a folder has an archive's name, or a file a folder's.
     """
     if is_archive(out):
         if out.is_dir():
@@ -87,7 +89,7 @@ class SetFolder:
     """A folder with a file for each world.
 
     Args:
-        folder: The folder; made when the first file is written.
+        folder: The folder, created along with the first file.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -97,7 +99,7 @@ class SetFolder:
         self._made: set[Path] = set()
 
     def find(self, *, force: bool) -> Manifest | None:
-        """Return what an earlier run left; a folder with other files in it is refused."""
+        """Return what an earlier run left; refuse a folder with other files in it."""
         self._over_others = force
         found = self._journal.read(force=force)
         if found is None and not force and self._folder.is_dir():
@@ -120,20 +122,21 @@ class SetFolder:
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Makes the folder and the manifest's first line; the files of an old set go before."""
+        """Create the folder and the manifest's first line, after removing the files of an old set."""
         with refused_writes(self._folder):
             self._folder.mkdir(parents=True, exist_ok=True)
             for entry in over.entries if over else ():
                 (self._folder / entry.file).unlink(missing_ok=True)
                 if "/" in entry.file:
-                    with contextlib.suppress(OSError):  # it is not empty yet
+                    # The folder isn't empty yet.
+                    with contextlib.suppress(OSError):
                         (self._folder / entry.file).parent.rmdir()
         self._journal.start(header)
 
     def resume(self, old: Manifest) -> int:
-        """Count the files that are there as said.
+        """Count the files that match the manifest.
 
-        Behind one that is gone or empty all are made again.
+        After a missing or empty one, all are made again.
         """
         end = len(old.first)
         done = 0
@@ -146,12 +149,12 @@ class SetFolder:
         return done
 
     def holds(self, entry: ManifestEntry, *, force: bool) -> bool:
-        """Return True if a world's file is there as said.
+        """Return True if the file of a world matches the manifest.
 
-        One that is gone or empty, as after a power cut, is not.
+        A missing or empty file, as after a power cut, does not.
 
         Raises:
-            OutputError: If it has other content, and ``force`` does not allow to write over that.
+            OutputError: If it has other content, and ``force`` does not allow overwriting it.
         """
         file = self._folder / entry.file
         with refused_writes(file):
@@ -168,7 +171,7 @@ class SetFolder:
         return same
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Put the file there, then add the line."""
+        """Write the file, then add its line."""
         file = self._folder / name
         if not self._over_others and file.is_file():
             with refused_writes(file):
@@ -185,7 +188,7 @@ class SetFolder:
         self._journal.append(line)
 
     def put(self, name: str, data: bytes) -> None:
-        """Write a file under another name first, so that it is there whole or not at all."""
+        """Write a file under another name first, so that it appears complete or not at all."""
         file = self._folder / name
         with refused_writes(file):
             if file.parent not in self._made:
@@ -194,11 +197,11 @@ class SetFolder:
             place_file(file, data)
 
     def finish(self) -> None:
-        """Wait until the disk has the manifest."""
+        """Wait until the disk has stored the manifest."""
         self._journal.sync()
 
     def close(self) -> None:
-        """Let other commands at it."""
+        """Unlock it for other commands."""
         self._journal.close()
 
 
@@ -222,7 +225,8 @@ class ArchiveStore:
         self._over_others = force
         found = self._journal.read(force=force)
         if self._archive.exists() and not force:
-            if found is not None and found.finished:  # killed between its last two steps
+            # It was killed between its last two steps.
+            if found is not None and found.finished:
                 self._remove_part()
             raise OutputError(
                 "file-exists",
@@ -242,7 +246,7 @@ class ArchiveStore:
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
-        """Makes the folder next to the archive."""
+        """Create the folder next to the archive."""
         with refused_writes(self._archive):
             self._archive.parent.mkdir(parents=True, exist_ok=True)
             self._part.mkdir(exist_ok=True)
@@ -258,9 +262,9 @@ class ArchiveStore:
         self._open_worlds(0)
 
     def resume(self, old: Manifest) -> int:
-        """Count the worlds whose bytes are there as said.
+        """Count the worlds whose bytes match the manifest.
 
-        Behind one that is not all are made again.
+        After the first that does not, all are made again.
         """
         end = len(old.first)
         done = 0
@@ -280,7 +284,7 @@ class ArchiveStore:
         return done
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
-        """Appends the bytes and then the line."""
+        """Append the bytes, then the line."""
         if self._worlds is None:
             raise OutputError(
                 "not-open", "{archive} is not open", "start the set first", archive=self._archive
@@ -291,7 +295,7 @@ class ArchiveStore:
         self._end += len(data)
 
     def finish(self) -> None:
-        """Pack what was made, the manifest first."""
+        """Pack the files, the manifest first."""
         packed = self._part / "packed"
         manifest = read_manifest(self._journal.path)
         with refused_writes(self._archive):
@@ -307,7 +311,7 @@ class ArchiveStore:
         self._remove_part()
 
     def close(self) -> None:
-        """Let other commands at it."""
+        """Unlock it for other commands."""
         self._journal.close()
         if self._worlds is not None:
             os.close(self._worlds)
@@ -322,16 +326,18 @@ class ArchiveStore:
         self._end = size
 
     def _remove_part(self) -> None:
-        if os.name == "nt":  # where files that are open are not removed, and nothing is locked
+        # On systems that cannot remove open files, and have no locks.
+        if os.name == "nt":
             self.close()
         shutil.rmtree(self._part, ignore_errors=True)
-        self.close()  # not before: another command must not begin in a folder that is being removed
+        # Not earlier: another command must not start in a folder that is being removed.
+        self.close()
 
 
 def place_file(file: Path, data: bytes) -> None:
-    """Put a file where it belongs in one step.
+    """Move a file into place in one step.
 
-    Without waiting for the disk, whose faults ``resume`` finds.
+    It does not wait for the disk, whose faults ``resume`` finds.
     """
     part = file.with_name(f".{file.name}{PART}")
     try:

@@ -1,4 +1,4 @@
-"""Sets of worlds that are spread evenly over a range of difficulty."""
+"""Sets of worlds spread evenly over a range of difficulty."""
 
 from __future__ import annotations
 
@@ -72,17 +72,19 @@ def plan_stratified_set(
 
     Args:
         family: The family, or the name of a registered one.
-        seed: Of the search.
-        count: How many.
+        seed: Seed of the search.
+        count: Number of worlds.
         given: Parameters that keep their values; the others vary.
         difficulty: Lower and upper end of the range, inside 0 to 1.
-        where: What else is wished of each world, like ``"detour > 3"``.
-        tries: Worlds made for a stratum in vain before it is given up, and its worlds left to its
+        where: Further constraint on each world, such as ``"detour > 3"``.
+        tries: Worlds made in vain for a stratum before it is abandoned, and its worlds left to its
             neighbours.
-        metrics: Whether every metric of each world is measured; its difficulty is in any case.
+        metrics: Whether to measure every metric of each world; its difficulty is measured in any
+            case.
 
     Raises:
-        InvalidParameter: If the range or the wish cannot be read, or a parameter is unknown.
+        InvalidParameter: If the range or the constraint cannot be parsed, or a parameter is
+            unknown.
     """
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
@@ -98,7 +100,7 @@ def plan_stratified_set(
 
 @dataclass(frozen=True)
 class StratumCount:
-    """How many worlds a stratum has, and how many its equal share is."""
+    """The number of worlds in a stratum, and its equal share."""
 
     low: float
     high: float
@@ -107,7 +109,7 @@ class StratumCount:
 
 
 def strata_of(manifest: Manifest) -> list[StratumCount]:
-    """Return how the worlds of a set are spread over its strata; nothing if it has none."""
+    """Return how the worlds of a set are spread over its strata; empty if it has none."""
     edges = manifest.header.strata
     count = manifest.header.count
     strata = len(edges) - 1

@@ -1,4 +1,4 @@
-"""Sets of worlds that are searched for by their metrics."""
+"""Sets of worlds found by searching for their metrics."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["WantedPlan", "plan_wanted_set"]
 
 @dataclass(frozen=True, kw_only=True)
 class WantedPlan(SearchedPlan):
-    """A set whose worlds are searched for, one after another, by one search.
+    """A set whose worlds are found one after another by one search.
 
     Args:
         tell: Called after each try.
@@ -50,21 +50,21 @@ def plan_wanted_set(
     metrics: bool = True,
     tell: Callable[[Search], None] | None = None,
 ) -> WantedPlan:
-    """Return the plan of ``count`` different worlds whose metrics are as wished.
+    """Return the plan of ``count`` different worlds whose metrics satisfy a constraint.
 
     Args:
         family: The family, or the name of a registered one.
-        seed: Of the search.
-        count: How many.
+        seed: Seed of the search.
+        count: Number of worlds.
         given: Parameters that keep their values; the others vary.
-        where: A wish, like ``"detour > 3"``.
-        difficulty: The difficulty wanted, 0 to 1.
-        tries: Worlds that the search makes at most for each that it finds.
-        metrics: Whether every metric of each world is measured.
+        where: A constraint, such as ``"detour > 3"``.
+        difficulty: The difficulty to aim at, 0 to 1.
+        tries: Most worlds that the search makes for each that it finds.
+        metrics: Whether to measure every metric of each world.
         tell: Called after each try.
 
     Raises:
-        InvalidParameter: If the wish cannot be read, or a parameter is unknown.
+        InvalidParameter: If the constraint cannot be parsed, or a parameter is unknown.
     """
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)

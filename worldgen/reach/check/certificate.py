@@ -1,9 +1,9 @@
-"""Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
+"""Check a certificate without any of the code that made it: shapely, numpy, plain Python.
 
 A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A
-cut's gaps and its winding are whole numbers of cells and halves, so they are checked exactly; of a
-target's disc that reaches over the chain, the poses that count are worked out to 180 digits, and
-what is doubtful goes against the certificate.
+cut's gaps and winding are multiples of half cells, so they are checked exactly. If the target's
+disc overlaps the chain, its decisive poses are computed to 180 digits, and doubtful ones count
+against the certificate.
 """
 
 from __future__ import annotations
@@ -34,8 +34,10 @@ __all__ = [
     "path_of",
 ]
 
-TOLERANCE = 1e-8  # cells; a path may come this much nearer to a wall than the radius
-SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
+# Cells by which a path may be nearer to a wall than the radius.
+TOLERANCE = 1e-8
+# Share of the speed by which a piece may be too fast.
+SPEED_TOLERANCE = 1e-9
 
 Cells: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -43,13 +45,13 @@ Floats: TypeAlias = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CheckReport:
-    """What the check found.
+    """The result of a check.
 
     Args:
-        valid: Whether the certificate proves what it claims, for the radius asked.
-        reason: One sentence: what does not hold, or what does.
-        clearance: m. Of a witness, the largest disc that it lets through, as measured; of a cut,
-            half its widest gap. 0 where the certificate broke before it was measured.
+        valid: Whether the certificate proves its claim for the requested radius.
+        reason: One sentence that says what holds, or what does not.
+        clearance: Length, m: the measured radius of the largest disc that a witness lets through,
+            or half the widest gap of a cut. It is 0 if the check failed before it was measured.
     """
 
     valid: bool
@@ -58,7 +60,7 @@ class CheckReport:
 
 
 class _Refused(Exception):
-    """The certificate does not hold; the message says why."""
+    """The certificate is invalid; the message gives the reason."""
 
 
 def check_certificate(
@@ -84,7 +86,8 @@ def check_certificate(
     radius = world.robot_radius if radius is None else radius
     measured = [0.0]
     try:
-        with np.errstate(all="ignore"):  # a hostile file may hold times whose difference overflows
+        # A hostile file may contain times whose difference overflows.
+        with np.errstate(all="ignore"):
             if isinstance(certificate, Witness):
                 _check_witness(world, certificate, radius, measured)
                 reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
@@ -142,9 +145,9 @@ def _require(holds: bool, otherwise: str) -> None:
 
 @dataclass(frozen=True)
 class BlockedSpans:
-    """When the cells that change are blocked (solid or burning).
+    """The times at which changing cells are blocked (solid or burning).
 
-    From ``begin`` to before ``end``, s.
+    Each lasts from ``begin`` until just before ``end``, s.
     """
 
     ix: Cells
@@ -203,7 +206,7 @@ def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class WitnessPoints:
-    """A witness in cells and seconds; of two points at least."""
+    """A witness in cells and seconds, with at least two points."""
 
     times: Floats
     x: Floats
@@ -215,7 +218,7 @@ class WitnessPoints:
         return _lines(points[:-1], points[1:])
 
     def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
-        """Return what the robot drives of each piece between the times ``low`` and ``high``."""
+        """Return the part of each piece that the robot drives between ``low`` and ``high``."""
         begin = self.times[piece]
         length = np.diff(self.times)[piece]
         length = np.where(length > 0, length, 1.0)
@@ -229,7 +232,8 @@ class WitnessPoints:
 
 def _lines(a: Floats, b: Floats) -> npt.NDArray[np.object_]:
     shapes = np.asarray(shapely.linestrings(np.stack([a, b], axis=1)))
-    still = np.abs(a - b).max(axis=1) < 1e-12  # lines of almost no length trip GEOS
+    # GEOS fails on lines of almost no length.
+    still = np.abs(a - b).max(axis=1) < 1e-12
     shapes[still] = shapely.points(a[still])
     return shapes
 
@@ -298,13 +302,15 @@ def _first(found: npt.NDArray[np.intp]) -> int:
 
 def _static_clearance(world: World, path: WitnessPoints) -> tuple[float, str]:
     """Return the distance, cells, from a path to the nearest permanent wall or the outside."""
-    # The outside is the complement of a convex box: the path is nearest to it at one of its points.
+    # The outside is the complement of a convex box, so the path is nearest to it at one of its
+    # points.
     rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
     clearance = float(rim)
     where = "the outside of the grid"
     runs = np.diff(np.pad(world.still_walls, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     iy, begin = np.nonzero(runs == 1)
-    end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
+    # Boxes of runs of solid cells in a row are far fewer than cells.
+    end = np.nonzero(runs == -1)[1]
     if len(iy):
         tree = shapely.STRtree(shapely.box(begin, iy, end, iy + 1))
         (_, boxes), distances = tree.query_nearest(
@@ -321,9 +327,9 @@ def _static_clearance(world: World, path: WitnessPoints) -> tuple[float, str]:
 def _timed_clearance(
     world: World, path: WitnessPoints, clearance: float, where: str, claim: float
 ) -> tuple[float, str]:
-    """Return the same with the cells that change, each while it is solid or burning.
+    """Return the same for changing cells, while they are solid or burning.
 
-    At most the claim and a cell.
+    The result is at most the claim plus one cell.
     """
     spans = blocked_spans(world)
     begin = path.times[:-1]
@@ -394,7 +400,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
 
 
 def _decimal(value: float) -> Fraction:
-    """Return the number that the shortest decimal of a float says."""
+    """Return the number given by the shortest decimal of a float."""
     return Fraction(repr(float(value)))
 
 
@@ -450,7 +456,7 @@ def _check_sides(
 def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
     """Return the chain as points: each cell's centre and the closest points to the next cell.
 
-    In cells.
+    Points are in cells.
     """
     half = Fraction(1, 2)
     line = []

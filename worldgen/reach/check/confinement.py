@@ -1,7 +1,7 @@
-"""Checks a confinement without any of the code that made it: fractions, numpy, plain Python.
+"""Check a confinement without any of the code that made it: fractions, numpy, plain Python.
 
-It does not search. It asks of each stay whether every place where a robot in it can be one slab
-later is in some stay.
+It does not search. For each stay it checks that every place a robot can reach within the next slab
+is in some stay.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from worldgen.world import World
 
 __all__ = ["check_confinement"]
 
-# tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or
-# as there.
+# Tolerance in tiles: a robot that is late, or a tile that is far from the target, by less than this
+# counts as in time, or as there.
 SLACK = 1e-9
 
 Tile: TypeAlias = tuple[int, int]
@@ -28,7 +28,7 @@ Slabs: TypeAlias = tuple[int, int]
 
 
 class _ConfinementRefused(Exception):
-    """The confinement does not hold; the message says why."""
+    """The confinement is invalid; the message gives the reason."""
 
 
 def check_confinement(
@@ -74,7 +74,8 @@ class _Check:
                 f"in a slab of {float(proof.slab):g} s the robot gets farther than one tile's side"
             )
         self.radius = _decimal(radius) / size
-        self.pace = float(proof.slab * speed * proof.k / size)  # tiles a slab
+        # Tiles per slab.
+        self.pace = float(proof.slab * speed * proof.k / size)
         self.way = (
             math.inf
             if proof.deadline is None
@@ -140,7 +141,7 @@ class _Check:
                 yield ix, iy
 
     def _require(self, tile: Tile, first: int, last: int) -> None:
-        """Some stay in the tile must last from the first to the last of these slabs."""
+        """Require that some stay in the tile lasts from the first to the last of these slabs."""
         if first > last:
             return
         stays = self.stays.get(tile, [])
@@ -188,7 +189,7 @@ class _Check:
         return found
 
     def _covering(self, tile: Tile) -> Iterator[Tile]:
-        """Yield the cells of which every point of the tile is nearer than the radius."""
+        """Yield the cells within the radius of every point of the tile."""
         x = tile[0] // self.k
         y = tile[1] // self.k
         place = tile[0] % self.k, tile[1] % self.k
@@ -208,7 +209,7 @@ class _Check:
     def _farthest(self, tile: int, cell: int) -> Fraction:
         """Return how far, along one axis, a point of a tile can be from a cell.
 
-        Both counted from the same cell.
+        Both are counted from the same cell.
         """
         return max(
             Fraction(cell * self.k - tile, self.k),

@@ -1,6 +1,6 @@
-"""How much later a witness may begin.
+"""Find how much later a witness may begin.
 
-Measured, like all that checks, without any of the code that made it.
+Like every checker, it uses none of the code that made the witness.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ def delayed(world: World, witness: Witness, delay: float) -> Witness:
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
     """Return the delay, s, up to which every delayed copy of a valid witness is valid.
 
-    May be infinite. The robot waits at the start meanwhile, and must be safe there. A cell that the
-    disc is nearer to than the radius from time u to time v, and that is blocked from b to e, is met
-    at a delay between b - v and e - u.
+    The delay may be infinite. The robot waits at the start meanwhile, and must be safe there. If
+    the disc is too near to a cell from time u to time v, and the cell is blocked from b to e, they
+    collide at delays between b - v and e - u.
 
     Args:
         world: The world.
-        witness: One that :func:`check_certificate` accepts for this radius.
+        witness: A witness that :func:`check_certificate` accepts for this radius.
         radius: Radius of the disc, m; the robot's if omitted.
     """
     radius = world.robot_radius if radius is None else radius
@@ -48,7 +48,8 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     spans = blocked_spans(world)
     reach = (
         radius / world.cell_size - TOLERANCE / 2
-    )  # half, so that what is found holds within the checker's own
+        # Half, so that the result is within the checker's own tolerance.
+    )
     boxes = shapely.box(spans.ix, spans.iy, spans.ix + 1, spans.iy + 1)
     cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
     first, last = _near(path, piece, spans.ix[cell], spans.iy[cell], reach)
@@ -59,7 +60,8 @@ def witness_margin(world: World, witness: Witness, *, radius: float | None = Non
     until = begin + last * length
     ahead = met & (
         spans.end[cell] > (since + until) / 2
-    )  # those behind were over before the disc came near
+        # Those further back are over before the disc comes near.
+    )
     left = spans.begin[cell][ahead] - until[ahead]
     return float(max(left.min(initial=np.inf), 0.0))
 
@@ -71,10 +73,11 @@ def _near(
     iy: npt.NDArray[np.int64],
     reach: float,
 ) -> tuple[Floats, Floats]:
-    """From which share to which share of each piece it is nearer than ``reach`` to a cell.
+    """Return the interval of shares of each piece that is nearer than ``reach`` to a cell.
 
-    From 1 to 0 if nowhere. The points nearer than that to a square are those in two rectangles and
-    in four discs round its corners. They are a convex set, so the shares are an interval.
+    The interval is 1 to 0 if there is none. The points within that distance of a square are in two
+    rectangles and in four discs around its corners. They form a convex set, so the shares are an
+    interval.
     """
     x = path.x[piece]
     y = path.y[piece]
@@ -120,7 +123,8 @@ def _in_disc(x: Floats, y: Floats, dx: Floats, dy: Floats, reach: float) -> tupl
     apart = x * x + y * y - reach * reach
     stands = length_sq < 1e-24
     with np.errstate(all="ignore"):
-        root = np.sqrt(half * half - length_sq * apart)  # nan where the line passes by
+        # nan if the line misses it.
+        root = np.sqrt(half * half - length_sq * apart)
         low = np.maximum((-half - root) / length_sq, 0.0)
         high = np.minimum((-half + root) / length_sq, 1.0)
     low = np.where(np.isnan(low), 1.0, low)

@@ -1,12 +1,12 @@
-"""Checks that a cut parts the start from every clear pose of the target's disc.
+"""Check that a cut separates the start from every clear pose of the target's disc.
 
-Shares nothing with the prover. Each connected part of those poses has one that is nearest to the
-disc's centre. There the way to the centre is barred by one cell or by two: so it is the centre, the
-nearest point to it on the edge of one cell's neighbourhood, or a point on the edges of two
-(docs/explanation/reachability.md). Edges lie on lines and circles. All such points are worked out
-to 180 digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear,
-or as in the disc: so what is doubtful goes against the certificate. Only how near a thing has to be
-to be looked at is decided in floats.
+It shares nothing with the prover. Each connected part of those poses has a pose nearest to the
+disc's centre. At that pose, one cell or two bar the direct line to the centre. So it is the centre,
+the nearest point on the edge of one cell's neighbourhood, or an intersection of two such edges
+(docs/explanation/reachability.md). Edges lie on lines and circles. All such points are computed to
+180 digits. A point within 10**-80 cell of being clear counts as clear, and one that close to the
+disc counts as inside, so doubtful cases count against the certificate. Floats only decide which
+points are near enough to be examined.
 """
 
 from __future__ import annotations
@@ -25,17 +25,20 @@ import numpy.typing as npt
 __all__ = ["TooMuch", "poses_to_part"]
 
 _DIGITS = (
-    180  # of places, of what is left of them next to the least radius, and of the roots of that
+    # Digits of places, of their excess over the least radius, and of its roots.
+    180
 )
-_CERTAIN = 80  # digits that a root near zero keeps of them
-_MOST = 4_000_000  # points looked at
+# Digits that remain of a root near zero.
+_CERTAIN = 80
+# Most points to examine.
+_MOST = 4_000_000
 
 Place: TypeAlias = tuple[Decimal, Decimal]
 Cell: TypeAlias = tuple[int, int]
 
 
 class TooMuch(Exception):
-    """The target's disc has too many poses to look at each."""
+    """The target's disc has too many poses to examine each."""
 
 
 def poses_to_part(
@@ -47,17 +50,18 @@ def poses_to_part(
     """Return poses of a disc (centre, ``reach``, cells): at least one in each connected clear part.
 
     Args:
-        blocked: (height, width) bool.
-        radius: Of the robot, cells.
-        centre: Of the target, cells.
-        reach: Its radius, cells.
+        blocked: (height, width) bool, blocked cells.
+        radius: Radius of the robot, cells.
+        centre: Centre of the target, cells.
+        reach: Radius of the target, cells.
 
     Raises:
-        TooMuch: If there are too many points to look at.
+        TooMuch: If there are too many points to examine.
     """
     with decimal.localcontext() as context:
         context.prec = _DIGITS
-        doubt = Decimal(10) ** -_CERTAIN  # cells
+        # Margin in cells.
+        doubt = Decimal(10) ** -_CERTAIN
         size = _decimal(radius)
         middle = (_decimal(centre[0]), _decimal(centre[1]))
         width = _decimal(reach)
@@ -81,7 +85,7 @@ def _decimal(value: Fraction) -> Decimal:
 def _cells_near(
     blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]
 ) -> list[Cell]:
-    """Return blocked cells near a point, those just outside the grid included."""
+    """Return blocked cells near a point, including those just outside the grid."""
     ring = np.pad(blocked, 1, constant_values=True)
     x = float(centre[0])
     y = float(centre[1])
@@ -94,7 +98,7 @@ def _cells_near(
 
 
 def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -> Iterator[Place]:
-    """Yield the points that may count."""
+    """Yield the points that may be decisive."""
     x, y = middle
     rows = sorted(
         {Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells}
@@ -150,7 +154,7 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) ->
 
 
 def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
-    """Return True if a place is, but for a doubt, at least the radius from all cells."""
+    """Return True unless a place is certainly nearer to some cell than the radius."""
     x, y = place
     reach = math.ceil(radius) + 1
     least = (radius - doubt) ** 2

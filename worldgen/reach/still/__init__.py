@@ -1,1 +1,1 @@
-"""Decide worlds that do not change: a witness, or a cut."""
+"""Decide static worlds: a witness, or a cut."""

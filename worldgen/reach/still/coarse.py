@@ -1,9 +1,9 @@
-"""A way for a square as wide as the disc, over whole cells.
+"""Find a path for a square as wide as the disc, over whole cells.
 
-Quick, and one byte a cell, but not every way is one. The half cells of a world of 20,000 x 20,000
-would take 20 GB. A square of whole cells at least as wide as the disc that is free leaves the disc
-clear in its middle, and on straight lines between the middles of neighbouring squares. So what is
-found is a proof; what is not found has to be sought among the half cells after all.
+This is fast and takes one byte a cell, but it misses some paths. The half cells of a world of
+20,000 x 20,000 would take 20 GB. If a square of whole cells at least as wide as the disc is free,
+the disc is clear in its middle, and on straight lines between the middles of neighbouring squares.
+So a path found here is a proof; if none is found, the half cells must be searched after all.
 """
 
 from __future__ import annotations
@@ -21,19 +21,20 @@ from worldgen.support.ccall import check, writable
 __all__ = ["FROM_CELLS", "coarse_path", "walk_squares"]
 
 FROM_CELLS = 4_000_000
-"""Cells above which this way is sought first.
+"""Number of cells above which this search comes first.
 
-Families made no larger worlds before, so no seed's witness changes.
+Earlier versions made no larger worlds, so no seed's witness changes.
 """
 
 _HALF = UNIT // 2
-_PORTION = 50_000_000  # cells between two looks at Ctrl-C: 0.2 s
+# Cells between two checks for Ctrl-C: 0.2 s.
+_PORTION = 50_000_000
 
 
 def coarse_path(walls: Walls, start: ExactPoint, goal: ExactPoint) -> list[ExactPoint]:
     """Return the points from one clear pose to another, lu, with a clear line between each two.
 
-    Empty if no square gets there.
+    The result is empty if no square gets there.
     """
     side = max(1, math.ceil(2 * walls.radius))
     begin = _square_round(walls, start, side)
@@ -65,17 +66,17 @@ def _square_round(walls: Walls, point: ExactPoint, side: int) -> tuple[int, int]
 
 
 def walk_squares(walls: Walls, side: int, source: int, goal: int) -> list[int]:
-    """Search over free squares, breadth first.
+    """Search free squares breadth first.
 
     Args:
         walls: The walls.
-        side: Of the squares, cells.
-        source: Where to begin: (row + 1) * (width + 2) + column + 1 of a square's first cell.
-        goal: Where to end.
+        side: Side of the squares, cells.
+        source: Start: (row + 1) * (width + 2) + column + 1 of a square's first cell.
+        goal: End, in the same form.
 
     Returns:
         Squares from source to goal, without those in the middle of a straight line; none if there
-        is no way.
+        is no path.
     """
     made = ffi.new("WgSquares **")
     progress = ffi.new("WgProgress *")

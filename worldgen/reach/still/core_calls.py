@@ -1,4 +1,4 @@
-"""Questions about still worlds as one call of C takes them, and the witnesses that come back."""
+"""Convert queries about static worlds to single calls of C, and its answers to witnesses."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ _HALF = UNIT // 2
 _LU = Fraction(1, UNIT)
 
 ROUNDING = Fraction(1, 2**120)
-"""Share of the radius by which a way to a pose that is no fraction may be too near."""
+"""Share of the radius by which a path to an irrational pose may be too near."""
 
 
 def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
-    """Return a question about a world, without its start; None if a number has too many digits.
+    """Return a query about a world, without its start; None if a number has too many digits.
 
     Args:
-        world: One that is still.
-        radius: Of the robot, m.
-        rounded: Whether the start is going to be one that was rounded.
+        world: A static world.
+        radius: Radius of the robot, m.
+        rounded: Whether the start will be a rounded one.
     """
     target = world.target
     place = (target.x, target.y, target.radius)
@@ -46,7 +46,8 @@ def ask_still(world: World, radius: float, *, rounded: bool) -> Any:
     return None if known is None else ffi.new("WgStill *", known[0])
 
 
-@functools.lru_cache(maxsize=1024)  # by floats: hashing a fraction takes as long as ten of these
+# Look it up by floats: hashing a fraction takes as long as ten of these.
+@functools.lru_cache(maxsize=1024)
 def _known(
     radius: float, cell_size: float, speed: float, place: tuple[float, float, float], rounded: bool
 ) -> Any:
@@ -94,13 +95,13 @@ def _numbers_of(metres: float, cell_size: float, speed: float) -> Any:
 
 
 def points_of(found: Any) -> list[ExactPoint]:
-    """Return the corners of the path that an answer holds, lu."""
+    """Return the corners of the path in an answer, lu."""
     x, y = (ffi.unpack(found.points + part * found.room, found.count) for part in (0, 1))
     return list(zip(x, y, strict=True))
 
 
 def witness_of(found: Any, cell_size: float) -> Witness:
-    """Return the witness that an answer holds; it may be freed after that."""
+    """Return the witness in an answer, which may be freed afterwards."""
     count = found.count
     room = found.room
     floats = np.frombuffer(ffi.buffer(found.metres, 24 * room), np.float64)
@@ -118,7 +119,7 @@ def witness_of(found: Any, cell_size: float) -> Witness:
 def _clearance(least: int, corners: tuple[tuple[int, int], ...], cell_size: float) -> float:
     """Return the clearance, m.
 
-    The least of a square, and of those of distances from corners, lu.
+    It is the least of a square and of the squared distances from corners, lu.
     """
     square = min(
         [Fraction(least), *(Fraction(side * side, length_sq) for side, length_sq in corners)]

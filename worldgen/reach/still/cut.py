@@ -1,13 +1,14 @@
 """Find a cut: a closed chain of solid cells, gaps below 2 r, around either the start or the target.
 
-Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre,
-closest point, closest point, centre) crosses the ray from the start upwards, xor the same for the
-target. A cycle whose bits add up to an odd number parts start from target, and there is one exactly
-if the two lie in different components of the clear poses (docs/explanation/reachability.md). A
-breadth-first search over (cell, bit) in C tells whether there is one, and then finds a short one.
+Two cells are linked if their gap is below 2 r. Each link carries a bit: whether its line (centre,
+closest point, closest point, centre) crosses the ray upwards from the start, xor the same for the
+target. A cycle whose bits add up to an odd number separates start from target, and there is one
+exactly if the two are in different components of the clear poses
+(docs/explanation/reachability.md). A breadth-first search over (cell, bit) in C decides whether
+there is one, and then finds a short one.
 
-Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from
-them all.
+Several targets get a bit each; then only a cycle with all bits odd separates the start from them
+all.
 
 Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and
 a link passes it closely, so every crossing is decided exactly.
@@ -31,14 +32,16 @@ from worldgen.support.ccall import check, pointer, writable
 __all__ = ["MOST_TARGETS", "Chain", "find_chain", "link_limit", "refinement", "rim_cells"]
 
 MOST_TARGETS = 6
-"""Poses that a chain is sought for at once."""
+"""Most poses that one search handles."""
 
-_PORTION = 20_000_000  # looks between two looks at Ctrl-C
-_HALF_BITS = 9  # half a cell is so many doublings of 1/1024 cell
+# Steps between two checks for Ctrl-C.
+_PORTION = 20_000_000
+# Number of doublings from 1/1024 cell to half a cell.
+_HALF_BITS = 9
 _LIMB_BITS = 32
 
 Chain = npt.NDArray[np.int64]
-"""(n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for the cells just outside."""
+"""(n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for cells just outside."""
 
 
 def find_chain(
@@ -47,14 +50,14 @@ def find_chain(
     start: ExactPoint,
     targets: Sequence[ExactPoint],
 ) -> Chain | None:
-    """Return a chain of cells that parts one clear pose from others, or None if there is none.
+    """Return a chain of cells that separates one clear pose from others, or None if there is none.
 
     Args:
-        solid: (height, width) bool.
-        radius: Of the disc, cells.
+        solid: (height, width) bool, the solid cells.
+        radius: Radius of the disc, cells.
         start: A clear pose, 1/1024 cell.
-        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the
-            start.
+        targets: One other pose, or up to :data:`MOST_TARGETS`, each of which can be separated from
+            the start.
     """
     whole, limbs, rest = _digits(radius, (start, *targets))
     held = np.ascontiguousarray(solid)
@@ -79,7 +82,7 @@ def find_chain(
 def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], int, list[int]]:
     """Return points in half cells, rounded down.
 
-    And the number and the digits of what that left off.
+    Also return the number of digits cut off, and these digits.
     """
     values = [value for point in points for value in point]
     finer = 0 if all(value == int(value) for value in values) else refinement(radius)
@@ -97,7 +100,7 @@ def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], 
 
 @functools.lru_cache(maxsize=256)
 def link_limit(radius: Fraction) -> int:
-    """Return the least squared gap, cells, at which a disc passes: gaps squared are whole."""
+    """Return the least squared gap, cells, that a disc passes; squared gaps are whole numbers."""
     return math.ceil((2 * radius) ** 2)
 
 
@@ -105,7 +108,7 @@ def link_limit(radius: Fraction) -> int:
 def refinement(radius: Fraction) -> int:
     """Return how often to halve 1/1024 cell so that a rounded pose stays on its side of each link.
 
-    A clear pose is farther from a link than the radius less half its gap.
+    A clear pose is farther from a link than the radius minus half its gap.
     """
     widest_sq = link_limit(radius) - 1
     least = (radius**2 - Fraction(widest_sq, 4)) / (2 * radius)

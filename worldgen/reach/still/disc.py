@@ -1,4 +1,4 @@
-"""The target's disc, and what a cut parts from the start."""
+"""The target's disc, and what a cut separates from the start."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ __all__ = [
 
 _HALF = UNIT // 2
 _ROUNDED = Fraction(1, 2)
-_FINEST = 2**32  # parts of 1/1024 cell; C compares what is no finer
+# Parts of 1/1024 cell; C compares nothing finer.
+_FINEST = 2**32
 
 
 class Disc(NamedTuple):
@@ -46,7 +47,7 @@ class Disc(NamedTuple):
 
 
 def target_disc(world: World) -> Disc:
-    """Return the target as the world's decimals say it."""
+    """Return the target given by the world's decimals."""
     target = world.target
     return disc_of(target.x, target.y, target.radius, world.cell_size)
 
@@ -64,7 +65,7 @@ def lattice_centre(disc: Disc) -> Point | None:
 
 
 def beyond(chain: Chain, start: ExactPoint, disc: Disc) -> bool:
-    """Return True if a chain parts a pose from a whole disc, as its line keeps out of the disc."""
+    """Return True if a chain separates a pose from a whole disc: its line stays outside the disc."""
     winds, away = _around(chain, (disc.x, disc.y), disc.radius)
     return away and winds != winds_around(chain, start)
 
@@ -103,7 +104,8 @@ def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]
         )
         if away[0] >= 0:
             return bool(winds[0]), bool(away[0])
-    lines = _chain_lines(chain)  # C has no room for these numbers
+    # These numbers are too large for C.
+    lines = _chain_lines(chain)
     return _inside(lines, pose), all(_is_away(line, pose, radius) for line in lines)
 
 

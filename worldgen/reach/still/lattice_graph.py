@@ -34,9 +34,12 @@ __all__ = [
     "touching_cells",
 ]
 
-_PORTION = 2_000_000  # nodes expanded between two looks at Ctrl-C: 0.2 s
-_MOST_STOPS = 16  # of a flood: it looks at each of them in each run
-_LOOK = 32  # a node is expanded in the time in which a flood fills so many
+# Nodes expanded between two checks for Ctrl-C: 0.2 s.
+_PORTION = 2_000_000
+# Most targets of a flood: it checks each of them in each run.
+_MOST_STOPS = 16
+# Nodes that a flood fills in the time of expanding one.
+_LOOK = 32
 
 Ints = npt.NDArray[np.int64]
 
@@ -63,7 +66,7 @@ class Graph:
 
     @functools.cached_property
     def _rasters(self) -> tuple[Any, Any]:
-        """Both rasters as C reads them."""
+        """Both rasters in the form that C reads."""
         return pointer(ffi, self.clear, np.bool_), pointer(ffi, self.middle, np.bool_)
 
 
@@ -71,7 +74,8 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
     """Return the graph of a grid for a disc of ``radius`` cells."""
     height, width = solid.shape
     shape = (k * height + 1, k * width + 1)
-    if 2 * radius > min(height, width):  # nothing is clear
+    # Nothing is clear.
+    if 2 * radius > min(height, width):
         return Graph(k, np.zeros(shape, np.bool_), np.zeros(shape, np.bool_))
     clear = np.empty(shape, np.bool_)
     middle = np.empty(shape, np.bool_)
@@ -85,16 +89,16 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
 def clear_from(radius: Fraction, m: int) -> int:
     """Return the least squared distance, in 1/m cell, at which a disc is clear.
 
-    The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so
-    comparing is exact.
+    The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so the
+    comparison is exact.
     """
     return math.ceil((m * radius) ** 2)
 
 
 def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, int]]:
-    """Return the cells (dx, dy) whose distance from the point (a/m, b/m) is below the radius.
+    """Return the cells (dx, dy) closer to the point (a/m, b/m) than the radius.
 
-    All in cells.
+    All lengths are in cells.
     """
     limit = math.ceil((m * radius) ** 2)
     reach = math.isqrt(limit - 1) // m + 2
@@ -116,7 +120,8 @@ def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
     for j in range(max(0, -((radius - y) // unit)), min(rows - 1, (y + radius) // unit) + 1):
         half = math.isqrt(
             radius**2 - (j * unit - y) ** 2
-        )  # of the chord at this height, rounded down
+            # Half the chord at this height, rounded down.
+        )
         first = max(0, -((half - x) // unit))
         last = min(columns - 1, (x + half) // unit)
         found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))
@@ -131,20 +136,20 @@ def find_path(
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
-    """Return a path over the graph from a source to an end, or else to a spare end.
+    """Return a path over the graph from a source to an end, or failing that to a spare end.
 
-    A shortest one without bridges.
+    Without bridges it is a shortest one.
 
     Args:
         graph: The graph.
         sources: Flat indices of clear nodes.
-        ends: Where the search stops.
-        spare: Ends to be content with where no end is connected to a source.
-        toward: Node (x, y) that the search leans to.
-        bridges: Pairs of nodes that are joined too; used once there is no other way on.
+        ends: Nodes at which the search stops.
+        spare: Nodes to accept if no end is connected to a source.
+        toward: Node (x, y) that guides the search.
+        bridges: Pairs of nodes that are also joined; used only if there is no other path.
 
     Returns:
-        Flat indices from source to end, without those in the middle of a straight line; empty where
+        Flat indices from source to end, without those in the middle of a straight line; empty if
         none is connected.
     """
     begun = np.array(sources, np.int64)
@@ -152,7 +157,7 @@ def find_path(
     with _search(
         graph, begun, aims, spare, toward, np.array(bridges, np.int64).reshape(-1, 2)
     ) as search:
-        # Before all of a large world is searched, look whether there is anything to find.
+        # Before searching all of a large world, check whether there is anything to find.
         found = _advance(search, max(1, graph.clear.size // _LOOK))
         if found == lib.WG_GOING and not bridges:
             seen = flood(graph, begun, aims)
@@ -174,7 +179,7 @@ def find_path(
 def _search(
     graph: Graph, sources: Ints, ends: Ints, spare: Ints, toward: tuple[int, int], bridges: Ints
 ) -> Iterator[Any]:
-    """Begin a search, and free it in the end."""
+    """Begin a search, and free it at the end."""
     clear, middle = graph._rasters
     described = ffi.new("WgGraph *", (clear, middle, graph.clear.size, graph.stride))
     lists = [
@@ -201,12 +206,12 @@ def _advance(search: Any, most: int) -> int:
 
 
 def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> npt.NDArray[np.bool_]:
-    """Return which nodes, flat, the eight steps lead to from any of some clear ones.
+    """Return which nodes, flat, can be reached by the eight steps from any of some clear ones.
 
     Args:
         graph: The graph.
-        sources: Where to begin.
-        stops: A few nodes; once one of them is reached, that is enough.
+        sources: Nodes to begin at.
+        stops: A few nodes; reaching one of them is enough.
     """
     few = np.zeros(0, np.int64) if stops is None or len(stops) > _MOST_STOPS else stops
     seen = np.zeros(graph.clear.size, np.bool_)
@@ -218,9 +223,9 @@ def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> npt.NDArray
 
 
 def neighbour_shifts(stride: int) -> tuple[list[int], list[int]]:
-    """Return what eight steps add to a flat index, four along the axes first.
+    """Return the offsets of the eight steps in flat indices, the four along the axes first.
 
-    And where their middles are.
+    Also return the offsets of their middles.
     """
     shifts = [1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride]
     return shifts, [0, 0, 0, 0, 0, -stride - 1, -1, -stride]

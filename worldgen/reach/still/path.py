@@ -1,4 +1,4 @@
-"""From a path over the graph to a witness: few points, exact clearance, honest times."""
+"""Turn a path over the graph into a witness: few points, exact clearance, valid times."""
 
 from __future__ import annotations
 
@@ -32,9 +32,11 @@ __all__ = [
 ]
 
 _PATIENCE = (
-    6  # corners in a row that may be out of sight before a straight line ends at the last one seen
+    # Corners in a row that may be out of sight before a straight line ends at the last one seen.
+    6
 )
-_TESTS = 6_000  # straight lines that may fail on one path; on long paths there is less patience
+# Straight lines that may fail on one path; long paths get fewer.
+_TESTS = 6_000
 
 Ints: TypeAlias = npt.NDArray[np.int64]
 
@@ -44,7 +46,8 @@ def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
     kept: list[ExactPoint] = []
     ux: Number
     uy: Number
-    ux = uy = 0  # the last step
+    # The last step.
+    ux = uy = 0
     for point in points:
         if not kept:
             kept.append(point)
@@ -92,7 +95,7 @@ def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
         check(lib.wg_shorten(*inputs, *outputs, done))
         if done[0]:
             break
-        # Only fractions can tell whether this piece is clear.
+        # Only fractions can decide whether this piece is clear.
         state[4] = (
             lib.WG_CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else lib.WG_MEETS
         )
@@ -106,11 +109,12 @@ def _as_read(x: Ints, y: Ints) -> tuple[Any, Any]:
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
     """Return both coordinates in lu, rounded down.
 
-    And whether they are whole, so that this left them as they were.
+    Also return whether they are whole, so that nothing was lost.
     """
     whole = np.array([isinstance(x, int) and isinstance(y, int) for x, y in points], np.uint8)
     floors = list(points)
-    for i in np.flatnonzero(whole == 0).tolist():  # few: all others are nodes of a graph
+    # There are few: all others are nodes of a graph.
+    for i in np.flatnonzero(whole == 0).tolist():
         floors[i] = (math.floor(points[i][0]), math.floor(points[i][1]))
     both = np.array(floors, np.int64)
     return np.ascontiguousarray(both[:, 0]), np.ascontiguousarray(both[:, 1]), whole
@@ -164,7 +168,8 @@ def _least_of_whole(
 def root_down(square: Fraction) -> float:
     """Return the largest float whose shortest decimal, squared, is at most ``square``."""
     shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
-    shift += shift % 2  # 64 bits of the root, however small or large it is
+    # 64 bits of the root, whatever its size.
+    shift += shift % 2
     root = float(
         Fraction(math.isqrt((square.numerator << shift) // square.denominator), 1 << (shift // 2))
     )
@@ -184,7 +189,7 @@ def root_up(square: Fraction) -> float:
 def ticks_per_second(cell_size: float, speed: float) -> int:
     """Return the resolution of a path's times.
 
-    Microseconds, finer where the robot crosses a cell in less than 1 ms.
+    It is a microsecond, or less if the robot crosses a cell in less than 1 ms.
     """
     ticks = 10**6
     while cell_size / speed * ticks < 1000 and ticks < 10**12:
@@ -193,7 +198,7 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
-    """Return the least whole number of ticks in which the robot gets from p to q; exact."""
+    """Return the least whole number of ticks in which the robot gets from p to q, exactly."""
     return _ticks(
         (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks)
     )
@@ -223,14 +228,15 @@ def make_witness(
     Args:
         walls: The walls with the disc's radius.
         points: The path, lu.
-        cell_size: m.
-        speed: m/s.
+        cell_size: Side of a cell, m.
+        speed: Top speed, m/s.
     """
     x, y = metres(points, cell_size)
     ticks = ticks_per_second(cell_size, speed)
     times = [0]
     per_unit_sq = ticks_per_unit_sq(cell_size, speed, ticks)
-    known: dict[Number, int] = {}  # a long path has few lengths: fractions are slow
+    # A long path has few different lengths, and fractions are slow.
+    known: dict[Number, int] = {}
     for p, q in itertools.pairwise(points):
         length_sq = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2
         if length_sq not in known:
@@ -249,7 +255,8 @@ def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float],
     known = {
         value: value.numerator
         * over
-        / (value.denominator * under)  # Python divides whole numbers correctly rounded
+        # Python's division of integers is correctly rounded.
+        / (value.denominator * under)
         for value in {value for point in points for value in point}
     }
     return [known[p[0]] for p in points], [known[p[1]] for p in points]

@@ -1,8 +1,8 @@
-"""Extra edges through the narrowest places, where steps along axes and diagonals cannot pass.
+"""Add edges through the narrowest places, which steps along axes and diagonals cannot pass.
 
-Between two corners the widest way is their bisector: it starts at the middle of the gap, a multiple
-of half a cell, and is at right angles to the gap. A disc that is barely narrower than a slanting
-gap passes along this line only, so the graph gets it as an edge of its own.
+Between two corners the widest path is their bisector: it starts at the middle of the gap, a
+multiple of half a cell, and is perpendicular to the gap. A disc barely narrower than a slanting gap
+passes only along this line, so the graph gets it as an extra edge.
 """
 
 from __future__ import annotations
@@ -18,9 +18,12 @@ from worldgen.reach.still.walls import Walls
 
 __all__ = ["bridges"]
 
-_MOST = 20_000  # gaps looked at, narrowest first
-_STEPS = 16  # points on either side of a gap's middle
-_WIDE = 2  # cells; a gap this much wider than the disc is no narrow place
+# Most gaps to examine, narrowest first.
+_MOST = 20_000
+# Points on either side of a gap's middle.
+_STEPS = 16
+# Cells; a gap wider than the disc by this much isn't narrow.
+_WIDE = 2
 
 
 def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
@@ -44,8 +47,9 @@ def bridges(walls: Walls, graph: Graph) -> list[tuple[int, int]]:
 
 
 def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]]:
-    """Clear middles (node x, y) of gaps at odd angles, with the bisector's step."""
-    rim = rim_cells(walls.solid)  # its cell (0, 0) is (-1, -1)
+    """Return clear middles (node x, y) of gaps at odd angles, with the bisector's step."""
+    # Its cell (0, 0) is (-1, -1).
+    rim = rim_cells(walls.solid)
     rows, columns = rim.shape
     reach = math.ceil(2 * walls.radius) + _WIDE + 1
     half = graph.k // 2

@@ -1,4 +1,4 @@
-"""Decides whether the disc can get from the start to the target, with a proof either way."""
+"""Decide whether the disc can get from the start to the target, with a proof either way."""
 
 from __future__ import annotations
 
@@ -38,9 +38,12 @@ from worldgen.world import Cut, Witness, World
 
 __all__ = ["decide", "decide_many"]
 
-_FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
-_MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
-_MOST_TIMED_NODES = 4_000_000  # likewise in time
+# Nodes per cell side if half cells neither find a path nor leave a cut.
+_FINER = (4, 8, 16)
+# A finer graph than this is not searched: about 1 GB.
+_MOST_NODES = 40_000_000
+# The same limit in a world that changes.
+_MOST_TIMED_NODES = 4_000_000
 _NOT_ASKED = "a path was found; its witness was not asked for"
 _CUT_NOT_ASKED = (
     "the start is covered, or chains of cells part it from the target; the cut was not asked for"
@@ -59,14 +62,14 @@ def decide(
     """Return True if a disc can get from the start to the target.
 
     Args:
-        world: The world; its own certificate is not looked at.
+        world: The world; its own certificate is ignored.
         radius: Radius of the disc, m; the robot's if omitted.
-        margin: s. The witness of a world that changes holds too when the robot first waits at the
-            start for any time up to this long, and then does everything so much later.
-        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds
-            take a fraction of the time: that there is a path or a cut is shown all the same, but
-                neither is made.
-        cut: Whether the proof is wanted if it is a cut, too.
+        margin: Time, s. In a world that changes, the witness must remain valid if the robot first
+            waits at the start for up to this long, and then does everything that much later.
+        certificate: Whether to return the proof in a static world. Without it, small worlds take a
+            fraction of the time: the existence of a path or a cut is still proved, but neither is
+            constructed.
+        cut: Whether to return the proof if it is a cut.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0
@@ -83,15 +86,15 @@ def decide(
 def decide_many(
     worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True
 ) -> list[Decision]:
-    """Return what :func:`decide` says of each of many worlds.
+    """Return what :func:`decide` returns for each of many worlds.
 
     Args:
         worlds: Any worlds.
         radius: Radius of the disc, m; each world's robot's if omitted.
-        certificate: Whether the proofs of still worlds are wanted.
+        certificate: Whether to return the proofs of static worlds.
 
     Raises:
-        InvalidParameter: If the radius is not a finite number above 0.
+        InvalidParameter: If the radius isn't a finite number above 0.
     """
     return [decide(world, radius=radius, certificate=certificate) for world in worlds]
 
@@ -121,7 +124,8 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
             if for_ever.result == BLOCKED:
                 return for_ever
     untouched = _ReachQuery(replace(still, walls=spans.ever), radius).answer()
-    if untouched.result == REACHABLE:  # by a way between nodes, which the timed graphs lack
+    # A path between nodes, which the timed graphs do not have, may exist.
+    if untouched.result == REACHABLE:
         return untouched
     late = f" that may begin {margin:g} s late" if margin else ""
     reason = f"no timed path{late} was found, and the cells that never open leave no cut"
@@ -130,15 +134,15 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
 
 @dataclass
 class _ReachQuery:
-    """One world and one disc.
+    """A world and a disc.
 
     Attributes:
         walls: Solid cells and radius.
         start: The start on the pose lattice, lu, if the robot may be there.
-        exact_start: The start as the world's decimals say it, lu.
+        exact_start: The start given by the world's decimals, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
-        wants_cut: Whether a cut is to be made.
+        wants_cut: Whether to construct a cut.
     """
 
     world: World
@@ -161,7 +165,7 @@ class _ReachQuery:
 
     @functools.cached_property
     def goal_walls(self) -> Walls:
-        """The walls for a disc smaller by what the goal may be rounded."""
+        """The walls for a disc reduced by the possible rounding of the goal."""
         return Walls(self.world.walls, self.walls.radius * (1 - ROUNDING))
 
     @functools.cached_property
@@ -173,7 +177,7 @@ class _ReachQuery:
         """Return True if the disc may be at a point."""
         x, y = point
         if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
-            # the graph knows, and is needed anyway
+            # The graph knows this, and is needed anyway.
             column = int(x) // (UNIT // 2)
             row = int(y) // (UNIT // 2)
             rows, columns = self._halves.clear.shape
@@ -183,7 +187,7 @@ class _ReachQuery:
         return self.walls.is_clear(point, point)
 
     def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
-        """Return the decision, with its witness or its cut where that is wanted."""
+        """Return the decision, with its witness or its cut if wanted."""
         self.wants_cut = cut
         answer, has_path = self._at_once(certificate)
         if answer is not None:
@@ -216,10 +220,10 @@ class _ReachQuery:
         )
 
     def _at_once(self, certificate: bool) -> tuple[Decision | None, bool | None]:
-        """Return the decision about a small world, in one call of C.
+        """Decide a small world in one call of C.
 
-        If that leaves it open, return instead whether half cells have a path; None if nothing is
-        known.
+        If that is inconclusive, return whether half cells have a path; None if even that is
+        unknown.
         """
         world = self.world
         if world.walls.size > FROM_CELLS:
@@ -259,15 +263,16 @@ class _ReachQuery:
         return coarse_path(self.walls, self.start, self.goal)
 
     def judge_start(self) -> Decision | None:
-        """Return the decision, if the start settles it."""
+        """Return the decision if the start alone settles it."""
         if not self._is_clear(self.exact_start):
             return self._covered_start()
         if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
-            self.start = self.exact_start  # it touches a wall, and would not once it is rounded
+            # The start touches a wall, and would not after rounding.
+            self.start = self.exact_start
         return None
 
     def _covered_start(self) -> Decision:
-        """Return the decision where a cell is too near to the start."""
+        """Return the decision for a cell that is too near to the start."""
         if not self.wants_cut:
             return Decision(BLOCKED, None, _CUT_NOT_ASKED)
         cell, distance_sq = self.walls.nearest(self.exact_start)
@@ -278,9 +283,9 @@ class _ReachQuery:
         """Return the points from start to target over one graph; empty if it has no such path.
 
         Args:
-            k: Nodes a cell side.
-            pinched: Whether to go over bridges too.
-            cornered: Whether to go on and off the graph round a corner too.
+            k: Nodes per cell side.
+            pinched: Whether to use bridges too.
+            cornered: Whether to enter and leave the graph around a corner too.
         """
         graph = self._halves
         if k > 2:
@@ -295,7 +300,8 @@ class _ReachQuery:
             return []
         toward = _nearest_node(self.disc, unit)
         nodes: list[int] = []
-        if ends and not pinched:  # mostly there is no need to look for other ends
+        # There is usually no need to look for other ends.
+        if ends and not pinched:
             nodes = find_path(graph, sources, ends, _NONE, toward)
         if not nodes:
             spare = nodes_within(self.disc, graph)
@@ -315,7 +321,7 @@ class _ReachQuery:
     def _links_round_corners(
         self, graph: Graph
     ) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
-        """Return nodes with the corners on the way from the start, and on the way to the goal."""
+        """Return nodes with the corners on the path from the start, and on the path to the goal."""
         off = (
             _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
         )
@@ -324,7 +330,7 @@ class _ReachQuery:
     def _path_off_graph(self) -> list[ExactPoint]:
         """Return the start, if the target's disc holds it.
 
-        Or a way to the goal with one corner at most, and no node.
+        Otherwise return a path to the goal with at most one corner and no node.
         """
         if self.disc.holds(self.exact_start):
             return [self.exact_start]
@@ -348,14 +354,15 @@ class _ReachQuery:
     def _cut(self) -> Decision | None:
         """Return a proof that no pose of the target can be reached.
 
-        Without one, ``goal`` is a pose that can.
+        If there is none, ``goal`` becomes a pose that can be reached.
         """
         if self.goal is not None:
             chain = self._chain([self.goal])
             if chain is None:
-                return None  # nothing parts it from the start, so there is a way to it
-            # Most rings are around the whole disc, and then there is no need to look at each of its
-            # poses.
+                # Nothing separates it from the start, so a path to it exists.
+                return None
+            # Most rings surround the whole disc, and then its poses need not be examined one by
+            # one.
             if self.goal == (self.disc.x, self.disc.y) and beyond(chain, self.start, self.disc):
                 return self._ringed(chain)
         poses = deciding_poses(self.walls, self.disc)
@@ -401,19 +408,19 @@ class _ReachQuery:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
     def _stopped_sq(self, chain: Chain) -> Fraction | None:
-        """Return squared radius, cells, above which a chain stops every disc.
+        """Return the squared radius, cells, above which a chain stops every disc.
 
-        None if that is known of the robot's only.
+        Return None if that is known only for the robot's disc.
         """
         return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 
     def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
-        """Return the decision, and the cut with what it stops if that is wanted.
+        """Return the decision, with the cut and what it stops if wanted.
 
         Args:
             chain: The chain, or the only cell.
-            stopped_sq: Every disc is stopped whose squared radius, in cells, is above it.
-            reason: What the decision says.
+            stopped_sq: Squared radius, cells, above which every disc is stopped.
+            reason: Sentence for the decision.
         """
         if not self.wants_cut:
             return Decision(BLOCKED, None, reason)
@@ -442,9 +449,9 @@ def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
 
 
 def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
-    """Clear nodes near a point to which the disc may go straight.
+    """Yield clear nodes near a point that the disc may go straight to.
 
-    The node itself where the point is one.
+    If the point is a node, it is that node.
     """
     unit = UNIT // graph.k
     x, y = point
@@ -467,9 +474,9 @@ def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
 def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[int, ExactPoint]:
     """Yield clear nodes that the disc reaches from a point over one corner along the axes.
 
-    Where it touches a wall's side and a cell's corner, it may have to go along the wall at first:
-    the room next to it widens as slowly as a circle leaves its tangent, so the first node may be
-    far along and is near across.
+    If the point touches a wall's side and a cell's corner, the path may have to follow the wall at
+    first: the room next to it widens as slowly as a circle leaves its tangent, so the first node
+    may be far along and near across.
     """
     unit = UNIT // graph.k
     links: dict[int, ExactPoint] = {}

@@ -1,11 +1,11 @@
-"""The clear poses of the target's disc that decide for all of them: finitely many, each exact.
+"""The finitely many clear poses of the target's disc that decide for all of them, exactly.
 
-Every connected part of the clear poses in the disc has one that is nearest to the disc's centre.
-That one is the centre itself, or the foot of a perpendicular from it on the edge of one cell's
-neighbourhood, or it lies on the edges of two neighbourhoods at once (docs/explanation/reachability.md). Such
-edges are straight lines and arcs, so each coordinate is a + b * sqrt(m) with fractions a, b and m,
-and every comparison is exact. C makes them; fractions do where lengths have so many digits that C
-has no room for their products.
+Every connected part of the clear poses in the disc has a pose nearest to the disc's centre. That
+pose is the centre itself, the foot of a perpendicular from it on the edge of one cell's
+neighbourhood, or an intersection of the edges of two neighbourhoods
+(docs/explanation/reachability.md). Such edges are straight lines and arcs, so each coordinate is a
++ b * sqrt(m) with fractions a, b and m, and every comparison is exact. C computes them; fractions
+take over if lengths have so many digits that their products overflow in C.
 """
 
 from __future__ import annotations
@@ -29,14 +29,19 @@ from worldgen.support.ccall import check, pointer
 
 __all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
-_SLACK = 1e-6  # cells; floats are wrong by far less where they choose what is looked at exactly
+# Cells; the error of floats is far smaller where they select what is examined exactly.
+_SLACK = 1e-6
 _BITS = (
-    160  # after the point, of a root: far finer than the distance of any clear pose from any cut
+    # Binary digits of a root: far finer than the distance of any clear pose from any cut.
+    160
 )
-_MOST = 3_000  # corners of cells near the disc; with more it is too large to look at each pose
-_WORK = 100_000_000  # likewise, pairs of a pose and a cell
+# Corners of cells near the disc; with more, the disc is too large to examine each pose.
+_MOST = 3_000
+# The same limit for pairs of a pose and a cell.
+_WORK = 100_000_000
 
-_LONGEST = 2**61  # parts of a cell, and lengths in these; C has room for no more
+# Parts of a cell, and lengths in these; larger values overflow in C.
+_LONGEST = 2**61
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -44,7 +49,7 @@ Floats: TypeAlias = npt.NDArray[np.float64]
 class _ExactPose(NamedTuple):
     """The point (ax + bx * root, ay + by * root), root being the square root of ``square``.
 
-    Cells.
+    Lengths are in cells.
     """
 
     ax: Fraction
@@ -55,9 +60,9 @@ class _ExactPose(NamedTuple):
 
 
 class _Edges(NamedTuple):
-    """What the edges of neighbourhoods are made of.
+    """The parts of the edges of neighbourhoods.
 
-    Lines x = ..., lines y = ..., circles around corners; cells.
+    These are lines x = ..., lines y = ..., and circles around corners, in cells.
     """
 
     columns: list[Fraction]
@@ -66,22 +71,22 @@ class _Edges(NamedTuple):
 
 
 class DecidingPoses(Protocol):
-    """Clear poses in a disc, at least one in each connected part of its clear poses."""
+    """Clear poses in a disc: at least one in each connected part of them."""
 
     def __len__(self) -> int: ...
 
     def __getitem__(self, index: int) -> ExactPoint:
-        """Return a pose, lu; what is irrational is wrong by less than 2**-140."""
+        """Return a pose, lu; the error of irrational coordinates is below 2**-140."""
 
     def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
-        """Return the first pose, from an index on, that a chain does not part from the start.
+        """Return the first pose, from an index on, that a chain does not separate from the start.
 
-        Their number if none.
+        Return the number of poses if there is none.
         """
 
 
 def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
-    """Return the poses of a disc that decide for all of it; None if there is too much to look at.
+    """Return the poses of a disc that decide for all of it; None if there are too many to examine.
 
     Args:
         walls: The walls with the robot's radius.
@@ -104,7 +109,7 @@ def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
 
 @functools.lru_cache(maxsize=1024)
 def described_target(radius: Fraction, disc: Disc) -> Any:
-    """Return a robot's radius, cells, and a target's disc as C reads them.
+    """Return a robot's radius, cells, and a target's disc in the form that C reads.
 
     The scale is 0 if they are too long.
     """
@@ -125,7 +130,7 @@ def described_target(radius: Fraction, disc: Disc) -> Any:
 
 
 class _PosesOfC:
-    """Poses that C holds."""
+    """Poses held by C."""
 
     def __init__(self, poses: Any, scale: int, radius: Fraction, disc: Disc) -> None:
         self._poses = ffi.gc(poses, lib.wg_poses_free)
@@ -173,7 +178,7 @@ class _PlainPoses(list[ExactPoint]):
 
 
 def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
-    """Return what :func:`deciding_poses` does, in fractions however long."""
+    """Do the work of :func:`deciding_poses` in fractions of any length."""
     x = disc.x / UNIT
     y = disc.y / UNIT
     radius = disc.radius / UNIT
@@ -194,7 +199,7 @@ def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
 
 
 def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
-    """Return the edges near a disc; cells all of whose neighbours are solid add none."""
+    """Return the edges near a disc; cells whose neighbours are all solid add none."""
     iy, ix = np.nonzero(rim_cells(walls.solid))
     ix = ix - 1
     iy = iy - 1
@@ -213,9 +218,9 @@ def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
 def _candidates(
     edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fraction
 ) -> Iterator[_ExactPose]:
-    """Yield the centre, its feet on the edges, and where two edges meet.
+    """Yield the centre, its feet on the edges, and the intersections of edges.
 
-    Also points that lie beyond an edge's end.
+    This includes points beyond the ends of edges.
     """
     x, y = centre
     yield _ExactPose(x, y)
@@ -273,7 +278,7 @@ def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _Ex
 
 
 def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_ExactPose]:
-    """Yield where the circles around two corners meet."""
+    """Yield the points where the circles around two corners meet."""
     known = set(corners)
     widest_sq = math.floor(4 * radius**2)
     reach = math.isqrt(widest_sq)
@@ -294,7 +299,7 @@ def _approximate(pose: _ExactPose) -> tuple[float, float]:
 
 
 def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
-    """(n,) whether points (n, 2) are clear, or nearly; in floats."""
+    """Return a (n,) bool array: whether points (n, 2) are clear, or nearly, in floats."""
     reach = math.ceil(walls.radius) + 1
     limit = max(0.0, float(walls.radius) - _SLACK)
     pad = reach + 1
@@ -349,7 +354,7 @@ def _is_clear(walls: Walls, pose: _ExactPose) -> bool:
 def _beyond(
     whole: Fraction, factor: Fraction, square: Fraction, low: int
 ) -> tuple[Fraction, Fraction]:
-    """Return how far a coordinate is from the interval [low, low + 1]; as itself, it has a root."""
+    """Return how far a coordinate is from [low, low + 1], in the coordinate's own form."""
     if _sign(whole - low, factor, square) < 0:
         return low - whole, -factor
     if _sign(whole - low - 1, factor, square) > 0:

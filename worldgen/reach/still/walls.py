@@ -1,7 +1,7 @@
 """Exact distances between points, segments and solid cells.
 
 Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are
-Python integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
+Python integers, or fractions for a start off the lattice; neither rounds nor overflows.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ __all__ = [
     "segment_meets_box",
 ]
 
-# Cells of a grid that are kept as bytes too, in which the next solid one is found quickest.
+# Grids up to this many cells are also kept as bytes, in which the next solid cell is found fastest.
 _MOST_BYTES = 4_000_000
 
 Number: TypeAlias = int | Fraction
@@ -47,13 +47,13 @@ def _in_units_sq(radius: Fraction) -> Fraction:
 
 @functools.lru_cache(maxsize=256)
 def described_disc(radius: Fraction) -> Any:
-    """Return a disc of ``radius`` cells as C compares with it."""
+    """Return a disc of ``radius`` cells in the form that C compares with."""
     square = _in_units_sq(radius)
     return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
 
 
 class Walls:
-    """The solid cells with the ring of cells around the grid, for exact questions.
+    """The solid cells, and the ring of cells around the grid, for exact queries.
 
     Args:
         solid: (height, width) bool, True is solid.
@@ -73,15 +73,16 @@ class Walls:
 
     @functools.cached_property
     def described(self) -> Any:
-        """The cells as C reads them."""
+        """The cells in the form that C reads."""
         held = np.ascontiguousarray(self.solid)
         made = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), self.height, self.width))
-        self._held = held  # C has its address only
+        # C has only its address.
+        self._held = held
         return made
 
     @functools.cached_property
     def disc(self) -> Any:
-        """The radius as C compares with it."""
+        """The radius in the form that C compares with."""
         return described_disc(self.radius)
 
     @functools.cached_property
@@ -98,8 +99,8 @@ class Walls:
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
         """Yield solid cells (ix, iy) that may lie within ``reach`` lu of segment pq.
 
-        None nearer is left out. Of the outside, only the ring next to the grid is listed: the rest
-        is never nearer.
+        No nearer cell is missing. Of the outside, only the ring next to the grid is included, since
+        the rest is never nearer.
         """
         (px, py), (qx, qy) = (p, q) if p[1] <= q[1] else (q, p)
         first = max(-1, (py - reach) // UNIT - 1)
@@ -108,7 +109,8 @@ class Walls:
         for iy in range(first, last + 1):
             low = px
             high = qx
-            if rise > 0:  # x of the part of pq that lies level with the row
+            # x of the part of pq that is level with the row.
+            if rise > 0:
                 below = min(max(iy * UNIT - reach - py, 0), rise)
                 above = min(max((iy + 1) * UNIT + reach - py, 0), rise)
                 low = px + (qx - px) * below // rise
@@ -117,7 +119,8 @@ class Walls:
                 low, high = high, low
             begin = max(-1, (low - 1 - reach) // UNIT - 1)
             end = min(self.width, (high + 1 + reach) // UNIT + 1) + 1
-            if self.solid.size > _MOST_BYTES:  # row by row, or there would be one more copy of all
+            # Row by row, which avoids a second copy of everything.
+            if self.solid.size > _MOST_BYTES:
                 row = self.cells[iy + 1, begin + 1 : end + 1]
                 yield from ((begin + ix, iy) for ix in np.flatnonzero(row).tolist())
                 continue
@@ -153,7 +156,7 @@ class Walls:
 
 
 def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
-    """Return squared distance from a point to a closed cell, lu squared."""
+    """Return the squared distance from a point to a closed cell, lu squared."""
     x0 = cell[0] * UNIT
     y0 = cell[1] * UNIT
     dx = max(x0 - p[0], 0, p[0] - x0 - UNIT)
@@ -170,7 +173,8 @@ def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Nu
     """
     ex = q[0] - p[0]
     ey = q[1] - p[1]
-    if ex == 0 or ey == 0:  # a box itself, and most pieces are: three times as fast
+    # The segment is itself a box, as most pieces are: three times as fast.
+    if ex == 0 or ey == 0:
         return _boxes_apart_sq(p, q, cell), 1
     best = min(point_box_sq(p, cell), point_box_sq(q, cell))
     over = 1
@@ -206,7 +210,7 @@ def _boxes_apart_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> Number:
 def segment_meets_box(p: ExactPoint, q: ExactPoint, x0: Number, y0: Number, side: Number) -> bool:
     """Return True if segment pq touches the closed square [x0, x0 + side] x [y0, y0 + side].
 
-    Two convex shapes are apart exactly if some edge normal of one of them parts them.
+    Two convex shapes are disjoint exactly if an edge normal of one of them separates them.
     """
     if (
         max(p[0], q[0]) < x0

@@ -1,4 +1,4 @@
-"""The largest disc that could get from the start to the target at all."""
+"""The largest disc that could get from the start to the target."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ __all__ = ["widest_disc"]
 def widest_disc(world: World) -> float:
     """Return the largest radius, m, with which a disc can get from the start to the target.
 
-    0 if no disc of a robot can. Found by halving: a smaller disc gets wherever a larger one does.
-    The answer is right to the last bit, that is, the next larger float is too large.
+    It is 0 if no robot's disc can. It is found by bisection, since a smaller disc gets wherever a
+    larger one does. The answer is right to the last bit: the next larger float is too large.
 
     Args:
-        world: One that stands still.
+        world: A static world.
 
     Raises:
         InvalidParameter: If the world changes.

@@ -1,9 +1,9 @@
-"""Confines the robot: where it can be at most, tile by tile and slab by slab.
+"""Confine the robot: bound where it can be, tile by tile and slab by slab.
 
-A tile is dead while a single blocked cell is so near that no point of the tile is clear. A robot
-goes, in a slab of time, no farther than one tile's side: so from its tile to one of the eight
-around, or it stays. What this reaches is more than the disc can reach, and what it does not reach
-is out of reach (docs/explanation/reachability.md).
+A tile is dead while a single blocked cell is so near that no point of the tile is clear. In one
+slab of time a robot gets no farther than one tile's side, so from its tile to one of the eight
+around it, or it stays. The tiles reached this way include all that the disc can reach, and
+everything else is out of reach (docs/explanation/reachability.md).
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ from worldgen.world import World
 
 __all__ = ["Reach", "confine"]
 
-_PORTION = 200_000  # states between two looks at Ctrl-C
-_SLACK = 1e-6  # tiles; distances are taken shorter by it, and the checker's by less
+# States between two checks for Ctrl-C.
+_PORTION = 200_000
+# Tiles; distances are reduced by this much, and by less in the checker.
+_SLACK = 1e-6
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -35,11 +37,12 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Reach:
-    """What was found.
+    """The result of a search.
 
     Args:
-        proof: That the target is not reached, or not by the deadline; None if that is not shown.
-        earliest: Where there is no proof: a time, s, before which the target is not reached.
+        proof: Proof that the target is not reached, or not by the deadline; None if that is not
+            shown.
+        earliest: If there is no proof, a time, s, before which the target is not reached.
     """
 
     proof: Confinement | None
@@ -51,9 +54,9 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
 
     Args:
         world: The world.
-        radius: cells.
+        radius: Radius of the disc, cells.
         k: Tiles per cell side.
-        deadline: s, by which the target is to be reached; None if it is time enough.
+        deadline: Time, s, by which the target must be reached; None for any time.
 
     Returns:
         None if a robot crosses a tile in less than a tick.
@@ -69,7 +72,8 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
     states = _States.of(safe, slab)
     pace = float(
         exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size))
-    )  # tiles a slab
+        # Tiles per slab.
+    )
     states.begin_no_earlier(np.ceil((home - _SLACK) / pace) - 1)
     if deadline is not None:
         way = float(exact(deadline) * exact(world.robot_speed) * k / exact(world.cell_size))
@@ -91,7 +95,7 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
 
 
 def _covering(radius: Fraction, k: int) -> list[list[Cell]]:
-    """Per tile of a cell, the cells (dx, dy) nearer than the radius to every point of it."""
+    """Return, per tile of a cell, the cells (dx, dy) within the radius of every point of it."""
     reach = math.ceil(radius) + 1
 
     def farthest(tile: int, cell: int) -> Fraction:
@@ -126,7 +130,7 @@ def _alive(
 
 
 def _inner(spans: Spans) -> CellSpans:
-    """Return the spans with each begin rounded up to a tick, and each end down."""
+    """Return the spans with each begin rounded up to a tick, and each end rounded down."""
 
     def ticks(times: Floats, up: bool) -> Ints:
         values, back = np.unique(times, return_inverse=True)
@@ -142,7 +146,7 @@ def _inner(spans: Spans) -> CellSpans:
 
 
 def _distances(world: World, shape: tuple[int, ...], k: int) -> tuple[Floats, Floats]:
-    """Of each tile, flat, from the start and from the target's disc; in sides of a tile."""
+    """Return the distances of each tile, flat, from the start and the target's disc, in tile sides."""
     reach = float(in_cells(world.target.radius, world.cell_size) * k)
     found = []
     for place, less in ((world.start, 0.0), (world.target, reach)):
@@ -161,11 +165,11 @@ def _distances(world: World, shape: tuple[int, ...], k: int) -> tuple[Floats, Fl
 class _States:
     """Tiles with the intervals in which they are alive, in slabs.
 
-    Empty ones have ``high`` below ``low``.
+    Empty intervals have ``high`` below ``low``.
 
     Attributes:
         first: Tile t has states first[t] to first[t + 1] - 1.
-        tile: Of each state.
+        tile: Tile of each state.
         low: First slab in which the tile is alive.
         high: Last one.
     """
@@ -185,20 +189,20 @@ class _States:
         return cls(first, np.repeat(np.arange(len(first) - 1), np.diff(first)), begin // slab, high)
 
     def begin_no_earlier(self, slabs: Floats) -> None:
-        """Move the begin of each tile's states."""
+        """Move the beginning of each tile's states."""
         self.low = np.maximum(self.low, slabs.astype(np.int64)[self.tile])
 
     def end_no_later(self, slabs: Floats) -> None:
-        """Move their end."""
+        """Move the end of each tile's states."""
         self.high = np.minimum(self.high, np.clip(slabs, -1.0, 2.0**60).astype(np.int64)[self.tile])
 
 
 def _spread(
     states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_]
 ) -> tuple[Ints, int]:
-    """In which slab each state is reached first, -1 for never.
+    """Return the slab in which each state is first reached, -1 for never.
 
-    And in which the goal is, if it is.
+    Also return the slab in which the goal is reached, if it is.
     """
     near = [
         iy * shape[1] + ix
@@ -217,7 +221,7 @@ def _spread(
 def _spread_out(
     states: _States, shape: tuple[int, ...], goal: npt.NDArray[np.uint8], sources: list[int]
 ) -> tuple[Ints, int]:
-    """Return the same, from the states in which the robot may be at first."""
+    """Return the same, starting with the states in which the robot may be at first."""
     came: Ints = np.full(len(states.tile), -1, np.int64)
     fields = {
         "rows": shape[0],

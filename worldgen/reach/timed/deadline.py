@@ -1,4 +1,4 @@
-"""Decide whether the disc can reach the target by a deadline, and how long it may wait before that."""
+"""Decide whether the disc reaches the target by a deadline, and how long it may wait first."""
 
 from __future__ import annotations
 
@@ -18,15 +18,18 @@ from worldgen.world import Witness, World
 
 __all__ = ["decide_in_time", "latest_start", "until"]
 
-_TILES = (4, 8)  # a cell side, of the tiles by which the robot is confined
-_COARSE = (2, 1)  # likewise, where those are too many
+# Tiles per cell side that confine the robot.
+_TILES = (4, 8)
+# Tiles per cell side if those are too many.
+_COARSE = (2, 1)
 _MOST_TILES = 4_000_000
 _NODES = (
     2,
     4,
     8,
     16,
-)  # a cell side, of the graphs on which the latest start is sought, as those of witnesses
+    # Nodes per cell side of the graphs searched for the latest start, as for witnesses.
+)
 _MOST_NODES = 4_000_000
 
 
@@ -35,12 +38,12 @@ def decide_in_time(
 ) -> Decision:
     """Return True if a disc can get from the start to the target by a deadline, or at all.
 
-    Beside what :func:`decide` tries, it confines the robot, so that the target may be proved out of
-    reach although no wall lasts: because the robot is shut in, or burns, or has too far to go.
+    In addition to :func:`decide`, it confines the robot. That can prove the target out of reach
+    although no wall lasts: because the robot is shut in, burns, or has too far to go.
 
     Args:
-        world: The world; its own certificate is not looked at.
-        deadline: s from the beginning on, at which the robot must be in the target; None for any
+        world: The world; its own certificate is ignored.
+        deadline: Time from the beginning, s, at which the robot must be in the target; None for any
             time.
         radius: Radius of the disc, m; the robot's if omitted.
 
@@ -49,15 +52,15 @@ def decide_in_time(
         :func:`until` the deadline, or with a confinement; or ``UNDECIDED``.
 
     Raises:
-        InvalidParameter: If the radius or the deadline is not a finite number above 0.
+        InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)
     check_deadline(deadline)
     ahead = world if deadline is None else until(world, deadline)
     arrivals = []
-    # With less to avoid, another path is found, whose straight lines may take longer: so both
-    # worlds are asked.
+    # With fewer obstacles, another path is found, whose straight lines may take longer, so both
+    # worlds are tried.
     for tried in (ahead,) if ahead is world else (ahead, world):
         decision = decide(tried, radius=radius)
         if not isinstance(decision.certificate, Witness):
@@ -79,7 +82,7 @@ def decide_in_time(
 
 
 def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
-    """Return ``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
+    """Return ``BLOCKED`` with a confinement, or ``UNDECIDED`` for the reason ``why``."""
     earliest = 0.0
     fine, coarse = (
         [k for k in sides if k * k * world.walls.size <= _MOST_TILES] for sides in (_TILES, _COARSE)
@@ -99,9 +102,9 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
 
 
 def until(world: World, deadline: float) -> World:
-    """Return the world without what changes after a deadline.
+    """Return the world without its changes after a deadline.
 
-    It is nothing to a robot that is to arrive by then.
+    They do not concern a robot that must arrive by then.
     """
     kept = world.timeline.times <= deadline
     return (
@@ -116,20 +119,19 @@ def latest_start(
 ) -> float | None:
     """Return the longest wait at the start, s, after which some path still arrives in time.
 
-    Of the paths of the graph on which witnesses are sought, exactly; over a path off that graph it
-    may be later still.
+    It is exact for the paths of the graph on which witnesses are sought; a path off that graph may
+    allow more.
 
     Args:
         world: The world.
-        deadline: s, by which it has to be there; None for any time.
+        deadline: Time, s, by which it has to be there; None for any time.
         radius: Radius of the disc, m; the robot's if omitted.
 
     Returns:
-        Infinite if it may wait forever; None if there is no path on any of the graphs that are
-        tried.
+        Infinite if it may wait forever; None if no graph that is tried has a path.
 
     Raises:
-        InvalidParameter: If the radius or the deadline is not a finite number above 0.
+        InvalidParameter: If the radius or the deadline isn't a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
     check_radius(radius, world.cell_size)

@@ -1,9 +1,9 @@
-"""The earliest arrival in a world that changes: safe-interval search over the same exact graph.
+"""Find the earliest arrival in a world that changes, by safe-interval search on the same graph.
 
 A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an
-edge is attained at its ends or its middle whatever the cells, so an edge is safe while these are. A
-state of the search is (node, safe interval): within one interval, an earlier arrival is never
-worse, for one can wait.
+edge is attained at its ends or its middle, whatever the cells, so an edge is safe while these are.
+A state of the search is (node, safe interval): within one interval, an earlier arrival is never
+worse, since the robot can wait.
 
 Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic
     Environments", 2011.
@@ -38,9 +38,12 @@ __all__ = [
     "shorten_timed",
 ]
 
-_LOOK_AHEAD = 24  # corners that one straight line may replace
-_TESTS = 20_000  # straight lines tried on one path; long paths look ahead less
-_PORTION = 200_000  # entries of the queue between two looks at Ctrl-C
+# Corners that one straight line may replace.
+_LOOK_AHEAD = 24
+# Straight lines tried on one path; long paths look ahead less.
+_TESTS = 20_000
+# Queue entries between two checks for Ctrl-C.
+_PORTION = 200_000
 
 Ints = npt.NDArray[np.int64]
 
@@ -49,7 +52,7 @@ Ints = npt.NDArray[np.int64]
 class TimedPath:
     """Points, 1/1024 cell, and the ticks at which the robot is there.
 
-    It moves evenly in between.
+    It moves evenly between them.
     """
 
     points: list[ExactPoint]
@@ -65,7 +68,7 @@ def find_timed_path(
         world: The world, for speed and size.
         walls: Its changes and the radius.
         k: Nodes per cell side.
-        start: lu.
+        start: The start, lu.
         disc: The target.
     """
     spans = walls.spans
@@ -109,7 +112,7 @@ def _with_waits(
 def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
     """Replace corners by evenly driven straight lines that stay clear of what blocks meanwhile.
 
-    Waits stay: a line never spans one.
+    Waits are kept: a line never spans one.
     """
     points, times = _merge_even(path)
     ahead = min(_LOOK_AHEAD, max(2, _TESTS // len(points)))
@@ -133,7 +136,7 @@ def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
 
 
 def _merge_even(path: TimedPath) -> tuple[list[ExactPoint], list[int]]:
-    """Leave out points on a straight line that the robot passes without a change of speed."""
+    """Drop points on a straight line that the robot passes without a change of speed."""
     points = path.points[:1]
     times = path.times[:1]
     for i in range(1, len(path.points)):
@@ -169,7 +172,7 @@ def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> W
 def nodes_round(
     start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int
 ) -> list[tuple[int, Point]]:
-    """Return the start's node, or the nodes round it."""
+    """Return the start's node, or the nodes around the start."""
     x, y = start
     exactly = x % unit == 0 and y % unit == 0
     spread = range(1) if exactly else range(-1, 3)
@@ -185,15 +188,16 @@ def _search_states(
     nodes: Intervals, middles: Intervals, stride: int, sources: Sequence[tuple[int, int]],
     ends: Ints, ticks: tuple[int, int], toward: tuple[int, int],
 ) -> list[tuple[int, int, int]]:  # fmt: skip
-    """(node, departure from the one before, arrival) along the earliest way.
+    """Return (node, departure from the previous one, arrival) along the earliest path.
 
-    Empty if there is none.
+    It is empty if there is none.
     """
     goal = np.zeros(len(nodes.first) - 1, np.uint8)
     goal[ends] = 1
     x, y = toward
     spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
-    lean = (x, y, spread * ticks[1])  # an end is at most that much nearer than ``toward``
+    # An end is nearer than ``toward`` by at most this much.
+    lean = (x, y, spread * ticks[1])
     begun = _first_states(nodes, sources)
     final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks)
     path = []
@@ -206,16 +210,16 @@ def _search_states(
 def search_costs(
     nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]
 ) -> Any:
-    """Return the earliest tick at which each state is reached from any of those begun in.
+    """Return the earliest tick at which each state is reached from any of the initial ones.
 
-    ``FOREVER`` where it is not.
+    It is ``FOREVER`` for states that are not reached.
 
     Args:
         nodes: Safe intervals of the nodes.
         middles: Safe intervals of the middles of their squares.
         stride: Nodes per row.
         begun: (n, 2) states and ticks.
-        ticks: That an axis step takes, and a diagonal one.
+        ticks: Ticks of an axis step and of a diagonal one.
     """
     nowhere = np.zeros(len(nodes.first) - 1, np.uint8)
     return _search(nodes, middles, stride, begun, nowhere, (0, 0, FOREVER), ticks)[2]
@@ -244,7 +248,7 @@ def _search(
         "toward_x": lean[0],
         "toward_y": lean[1],
         "slack": min(lean[2], 2 * FOREVER),
-        # A step that takes longer than any interval lasts is never taken.
+        # A step that takes longer than any interval is never taken.
         "axis_ticks": min(ticks[0], FOREVER),
         "diagonal_ticks": min(ticks[1], FOREVER),
         "cost": writable(ffi, cost, np.int64),
@@ -266,7 +270,7 @@ def _search(
 
 
 def _first_states(nodes: Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
-    """(n, 2) states in which the robot gets to a node, with the tick of arrival."""
+    """Return a (n, 2) array: states in which the robot gets to a node, with the tick of arrival."""
     found = [
         (state, arrival)
         for node, arrival in sources

@@ -1,6 +1,6 @@
-"""When points of a raster are safe.
+"""Find the times at which points of a raster are safe.
 
-The intervals between the spans in which cells near them are blocked.
+They are the intervals between the spans in which nearby cells are blocked.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from worldgen.support.ccall import check, pointer, writable
 
 __all__ = ["Blocked", "CellSpans", "Intervals", "safe_intervals", "touching"]
 
-_PORTION = 2_000_000  # points between two looks at Ctrl-C
+# Points between two checks for Ctrl-C.
+_PORTION = 2_000_000
 
 Ints = npt.NDArray[np.int64]
 
 
 class Blocked(Protocol):
-    """The spans in which each cell that changes is blocked, as :class:`Spans` has them."""
+    """The spans in which each changing cell is blocked, as in :class:`Spans`."""
 
     changing: npt.NDArray[np.bool_]
     first: Ints
@@ -36,11 +37,11 @@ class Blocked(Protocol):
 
 @dataclass
 class CellSpans:
-    """The same, of spans that were made from those of a world.
+    """The same for spans derived from a world's.
 
     Args:
         changing: (height, width) bool, cells with spans.
-        first: (height * width + 1,) int64, where each cell's spans begin.
+        first: (height * width + 1,) int64, index of each cell's first span.
         begin: (n,) int64, ticks.
         end: (n,) int64, ticks.
     """
@@ -55,7 +56,7 @@ class CellSpans:
 class Intervals:
     """Safe intervals of the points of a raster.
 
-    Point p has first[p] to first[p + 1] - 1, by time, in ticks.
+    Point p has intervals first[p] to first[p + 1] - 1, by time, in ticks.
     """
 
     first: Ints
@@ -64,9 +65,9 @@ class Intervals:
 
 
 def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
-    """Per place in a cell, the cells nearer than the radius to it.
+    """Return, for each place in a cell, the cells within the radius of it.
 
-    At multiples of 1/k, or ``half`` 1 / 2k beyond.
+    Places are at multiples of 1/k, or, if ``half`` is 1, 1 / 2k beyond them.
     """
     return [
         touching_cells(2 * a + half, 2 * b + half, 2 * k, radius)
@@ -78,12 +79,12 @@ def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
 def safe_intervals(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> Intervals:
-    """Return when the points of a raster are safe.
+    """Find the times at which the points of a raster are safe.
 
     Args:
         clear: (rows, columns) bool, points that no cell blocks forever; the others have no
             interval.
-        spans: When cells are blocked.
+        spans: Times at which cells are blocked.
         classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points
             of one cell.
     """
@@ -106,7 +107,7 @@ def safe_intervals(
 def _described(
     clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
 ) -> tuple[Any, Any]:
-    """Return points and spans as C reads them, and the arrays that have to be kept meanwhile."""
+    """Return points and spans in the form that C reads, and the arrays to keep alive meanwhile."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
     number = np.zeros(cells.size, np.int64)

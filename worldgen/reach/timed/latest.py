@@ -1,10 +1,9 @@
-"""How long the robot may wait at the start and still arrive.
+"""Find how long the robot may wait at the start and still arrive.
 
-The search over safe intervals, time running backwards.
+It is the search over safe intervals with time running backwards.
 
-Source: as for :mod:`worldgen.reach.timed.earliest`. Seen from the end of time, the latest departure
-    is an
-earliest arrival.
+Source: as in :mod:`worldgen.reach.timed.earliest`. In reversed time, the latest departure is an
+    earliest arrival.
 """
 
 from __future__ import annotations
@@ -36,15 +35,15 @@ def find_latest_start(
 ) -> float | None:
     """Return the longest wait at the start, s, after which some path still arrives in time.
 
-    Of all paths over nodes at multiples of 1/k cell, and under the rules of the timed search.
+    It considers all paths over nodes at multiples of 1/k cell, under the rules of the timed search.
 
     Args:
         world: The world, for speed and size.
         walls: Its changes and the radius.
         k: Nodes per cell side.
-        start: lu.
+        start: The start, lu.
         disc: The target.
-        deadline: s, by which it has to arrive; None if it is time enough.
+        deadline: Time, s, by which it has to arrive; None for any time.
 
     Returns:
         Infinite if there is no such limit; None if there is no path.
@@ -86,7 +85,7 @@ def _departure(
 ) -> int:
     """Return the latest tick at which to leave the start for a node, to be there within a span.
 
-    -1 if that cannot be. Until then the robot is at the start, which has to be safe.
+    Return -1 if there is none. Until then the robot is at the start, which must be safe.
     """
     here = walls.spans_near(start, start)
     until = min((begin for begin, end in here if end > 0), default=FOREVER)

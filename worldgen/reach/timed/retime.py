@@ -1,4 +1,4 @@
-"""Drives a timed path as early as it can be driven.
+"""Drive a timed path as early as possible.
 
 Its straight lines take less time than the steps they replaced.
 """
@@ -14,19 +14,20 @@ from worldgen.world import Witness, World
 
 __all__ = ["retime"]
 
-_TRIES = 40  # departures tried for one piece
+# Departures tried for one piece.
+_TRIES = 40
 
 
 def retime(world: World, walls: ChangingWalls, witness: Witness) -> Witness:
-    """Return the same way, each piece driven at full speed and begun as soon as it is clear.
+    """Return the same path, with each piece driven at full speed and begun as soon as it is clear.
 
-    It arrives no later. Where the robot comes earlier than the witness did, it is safe until the
-    witness's own time, so that what follows can still be driven as before.
+    It arrives no later. If the robot arrives at a point earlier than before, it is safe there until
+    the old time, so the rest can still be driven as before.
 
     Args:
         world: The world, for speed and size.
         walls: Its changes and the radius.
-        witness: One that the prover found.
+        witness: A witness that the prover found.
     """
     scale = UNIT / exact(world.cell_size)
     points: list[ExactPoint] = [

@@ -1,6 +1,6 @@
-"""When cells are solid or burning, as the prover sees it.
+"""The spans in which cells are solid or burning, as the prover sees them.
 
-Whole ticks, each span a little too long.
+They are in whole ticks, and each is slightly too long.
 """
 
 from __future__ import annotations
@@ -19,9 +19,12 @@ from worldgen.world import World
 
 __all__ = ["FOREVER", "MARGIN", "ChangingWalls", "Spans"]
 
-FOREVER = 2**60  # tick after everything
-MARGIN = 2  # ticks by which a span begins earlier and ends later, so that decimals may round
-_LAST = 2.0**50  # ticks up to which a float holds an event's time to a fraction of a tick
+# A tick after everything else.
+FOREVER = 2**60
+# Ticks by which a span begins earlier and ends later, so that decimals may round.
+MARGIN = 2
+# Ticks up to which a float stores an event's time to a fraction of a tick.
+_LAST = 2.0**50
 
 Ints = npt.NDArray[np.int64]
 
@@ -29,14 +32,14 @@ Ints = npt.NDArray[np.int64]
 class Spans:
     """The cells that change, and when they are blocked: solid or burning.
 
-    What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so
-    much later: for some
-    delay up to ``early``, t + delay is b or later exactly if t is b - early or later.
+    If a robot is clear of spans that begin ``early`` seconds early, it stays clear when it comes up
+    to that much later: for some delay up to ``early``, t + delay is b or later exactly if t is b -
+    early or later.
 
     Args:
         world: The world.
-        early: s by which every span begins earlier than the cell is blocked; it moves ``begin``
-            alone.
+        early: Time, s, by which every span begins before its cell is blocked; it only moves
+            ``begin``.
 
     Attributes:
         ticks: Ticks per second.
@@ -49,8 +52,8 @@ class Spans:
             1] - 1.
         begin: (n,) int64, tick from which on the cell counts as blocked.
         end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
-        since: (n,) float64, s, from when on it is blocked.
-        until: (n,) float64, s, until when it is; infinite if it stays so.
+        since: (n,) float64, time, s, from which it is blocked.
+        until: (n,) float64, time, s, until which it is; infinite if it stays so.
     """
 
     def __init__(self, world: World, early: float = 0.0) -> None:
@@ -63,7 +66,7 @@ class Spans:
             self.ticks //= 10
         place = line.iy * world.width + line.ix
         changed = np.unique(place)
-        # One more event per cell that changes: its state before, from time 0 on.
+        # Add one event per cell that changes: its initial state, from time 0.
         place = np.concatenate([changed, place])
         state = np.concatenate([world.walls.ravel()[changed], line.states])
         since = np.concatenate([np.zeros(len(changed)), line.times])
@@ -74,8 +77,8 @@ class Spans:
         until = np.full(len(place), math.inf)
         same = place[1:] == place[:-1]
         until[:-1][same] = since[1:][same]
-        # Neighbouring spans of one cell (solid, then burning) become one: a gap of no length is no
-        # gap.
+        # Adjacent spans of one cell (solid, then burning) become one, because there is no gap
+        # between them.
         blocked = (state != int(CellState.FREE)) & (since < until)
         lasting = since < until
         place = place[lasting]
@@ -122,7 +125,7 @@ class Spans:
 
 
 class ChangingWalls:
-    """Walls for exact questions about pieces of a timed path."""
+    """Walls for exact queries about pieces of a timed path."""
 
     def __init__(self, world: World, spans: Spans, radius: Fraction) -> None:
         self.spans = spans
