@@ -28,8 +28,8 @@ def explain(paths: tuple[Path, ...], controller: str | None, as_json: bool) -> N
     reachable. Failures that depend on chance, or that an oracle reported, cannot be explained this
     way. Exit code 2 if a file holds no failure that can be explained.
     """
-    from fuzz.counterfactual import counterfactuals
     from fuzz.failure import Failure
+    from fuzz.overview.counterfactual import counterfactuals
     from worldgen.errors import WorldgenError
     from worldgen.files.worlds import read_worlds
 

@@ -21,6 +21,7 @@ Group: TypeAlias = tuple[str, list[Row]]
 # Details that have their own row; others are listed under their names.
 _SAID = (
     "class",
+    "cause",
     "motion_version",
     "original",
     "one_minimal",

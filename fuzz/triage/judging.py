@@ -12,8 +12,10 @@ from dataclasses import dataclass, replace
 
 from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
+from fuzz.triage.cause import Cause
 from fuzz.triage.crash_bucket import FACTS
-from fuzz.triage.hazards import hazard_details
+from fuzz.triage.diagnosis import CAUSE, cause_of_run
+from fuzz.triage.hazards import HAZARD, hazard_details
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
@@ -116,11 +118,21 @@ def failure_of(
         evidence=found.table,
         details={
             "class": found.bucket,
+            CAUSE: _cause(trial, found, oracle, is_unsensed=HAZARD in details).value,
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
     )
     return Failure(replace(world, failure=None), record)
+
+
+def _cause(trial: Trial, found: Violation, oracle: Oracle, *, is_unsensed: bool) -> Cause:
+    if not oracle.by_verdict:
+        return Cause.BREAKS_A_RULE
+    if is_unsensed:
+        return Cause.HARMED_UNSENSED
+    episode = trial.episode
+    return cause_of_run(trial.world, replace(episode, evidence=found.evidence or episode.evidence))
 
 
 def _comes_again(trial: Trial, found: Violation, oracle: Oracle) -> bool:

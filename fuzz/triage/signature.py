@@ -16,7 +16,7 @@ from sim.trace import Trace
 from sim.verdict import Verdict
 from worldgen.world import World
 
-__all__ = ["failure_class"]
+__all__ = ["failure_class", "is_entered"]
 
 # Cells by which a limit may be exceeded, so that a mirrored run is on the same side of it.
 _ROUNDING = 1e-6
@@ -87,14 +87,18 @@ def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
 
 def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str, ...]:
     """Return the cell's state, and whether the robot drove into it or was caught by the change."""
+    return evidence.state, "entered" if is_entered(world, trace, evidence) else "caught"
+
+
+def is_entered(world: World, trace: Trace, evidence: BurnedEvidence) -> bool:
+    """Return True if the cell was already burning or solid when the robot drove into it."""
     begun = (evidence.step - 1) * trace.time_step + 1e-9
     changes = [
         event
         for event in world.timeline
         if (event.ix, event.iy) == evidence.cell and event.time <= begun
     ]
-    entered = changes and changes[-1].state.word == evidence.state
-    return evidence.state, "entered" if entered else "caught"
+    return bool(changes) and changes[-1].state.word == evidence.state
 
 
 def _joined(*words: object) -> str:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzz import counterfactual
 from fuzz.boundary import AXES, run_subject, subject_of
-from fuzz.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.failure import Failure
+from fuzz.overview import counterfactual
+from fuzz.overview.counterfactual import Change, Counterfactuals, counterfactuals
 from fuzz.triage.judging import failure_of
 from sim.scenario import Scenario
 from sim.verdict import Verdict
@@ -90,7 +90,7 @@ def test_a_failure_by_chance_is_refused():
         ([Change("option", "lag", 0.1)], "arrives without +lag=0.1"),
         (
             [Change("radius", 0.06, 0.07, "m"), Change("time-step", 0.01, 0.015, "s")],
-            "arrives with radius 0.06 m instead of 0.07 m, with time step 0.01 s instead of 0.015 s",
+            "arrives with radius 0.06 m instead of 0.07 m, or with time step 0.01 s instead of 0.015 s",
         ),
         ([], "fails with each of 9 single changes of its walls, robot and options"),
     ],

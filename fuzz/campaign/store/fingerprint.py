@@ -30,6 +30,7 @@ _OWN = ("worldgen", "sim", "fuzz")
 _SHOWS = (
     "fuzz/ci",
     "fuzz/commands",
+    "fuzz/overview",
     "fuzz/player",
     "fuzz/report",
     "fuzz/studio",

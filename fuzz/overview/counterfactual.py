@@ -111,13 +111,15 @@ class Counterfactuals:
         }
 
     def describe(self) -> str:
-        """Return one sentence, such as ``arrives if cell (3, 4) is free``."""
+        """Return one sentence: ``arrives if cell (3, 4) is free, or with radius 0.06 m ...``."""
         conditions = [self._describe_cells()] + [
             change.describe() for change in self.changes if change.what != "cell"
         ]
         known = [condition for condition in conditions if condition]
+        if len(known) > 1:
+            return f"arrives {', '.join(known[:-1])}, or {known[-1]}"
         if known:
-            return f"arrives {', '.join(known)}"
+            return f"arrives {known[0]}"
         tried = f"{self.runs} single changes of its walls, robot and options"
         return f"fails with each of {tried}" + ("" if self.is_complete else " that were tried")
 

@@ -1,0 +1,15 @@
+"""The answer to a campaign: does it work, how bad is it, why, and what to do.
+
+Contents:
+    causes_of: Groups the buckets of a campaign into causes.
+    CauseTotals: A cause, and what was met of it.
+    Cause: The causes.
+    Severity: How bad a cause is.
+    cause_of: The cause of one failure.
+"""
+
+from fuzz.overview.causes import CauseTotals, causes_of
+from fuzz.triage.cause import Cause, Severity
+from fuzz.triage.diagnosis import cause_of
+
+__all__ = ["Cause", "CauseTotals", "Severity", "cause_of", "causes_of"]

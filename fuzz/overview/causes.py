@@ -1,0 +1,110 @@
+"""Group the buckets of a campaign into causes, the worst first."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from fuzz.failure import Failure
+from fuzz.overview.counterfactual import Counterfactuals
+from fuzz.triage.cause import Cause
+from fuzz.triage.diagnosis import cause_of
+
+__all__ = ["CauseTotals", "causes_of", "in_order", "with_natural"]
+
+
+@dataclass(frozen=True)
+class CauseTotals:
+    """A cause, and what a campaign met of it.
+
+    Args:
+        cause: The cause.
+        classes: Its buckets, by name.
+        verdicts: How often each verdict was met, of the failures that were classified.
+        natural: In how many natural worlds it was met; ``None`` if none were tried.
+        file: File of the world to look at, relative to the campaign's folder; empty if there is
+            none.
+        smallest: File of the simplest world, likewise.
+        why: After which single changes the robot of ``file`` arrives; ``None`` if not tried.
+        state: ``new`` or ``still`` next to what was known before; empty if nothing was.
+    """
+
+    cause: Cause
+    classes: tuple[str, ...]
+    verdicts: Mapping[str, int] = field(default_factory=dict)
+    natural: int | None = None
+    file: str = ""
+    smallest: str = ""
+    why: Counterfactuals | None = None
+    state: str = ""
+
+    @property
+    def met(self) -> int:
+        """How many failures of this cause were classified."""
+        return sum(self.verdicts.values())
+
+    def table(self) -> dict[str, Any]:
+        """Return the form of this record in JSON; ``docs/reference/causes.md`` describes it."""
+        return {
+            "cause": self.cause.value,
+            "sentence": self.cause.sentence,
+            "advice": self.cause.advice,
+            "severity": self.cause.severity.word,
+            "state": self.state,
+            "met": self.met,
+            "verdicts": dict(self.verdicts),
+            "natural": self.natural,
+            "classes": list(self.classes),
+            "file": self.file,
+            "smallest": self.smallest,
+            "why": "" if self.why is None else self.why.describe(),
+            "changes": [] if self.why is None else [vars(change) for change in self.why.changes],
+        }
+
+
+def causes_of(failures: Mapping[str, Failure], met: Mapping[str, int]) -> list[CauseTotals]:
+    """Group buckets by the cause of a failure of each, the worst and most frequent first.
+
+    Args:
+        failures: By bucket, one of its failures. Only those whose record names no cause, as older
+            versions wrote them, are run.
+        met: By bucket, how often it was met; 1 if it is not listed.
+    """
+    classes: dict[Cause, list[str]] = {}
+    verdicts: dict[Cause, Counter[str]] = {}
+    for kind, failure in sorted(failures.items()):
+        cause = cause_of(failure)
+        classes.setdefault(cause, []).append(kind)
+        verdicts.setdefault(cause, Counter())[failure.verdict] += met.get(kind, 1)
+    return in_order(
+        CauseTotals(cause, tuple(kinds), dict(verdicts[cause].most_common()))
+        for cause, kinds in classes.items()
+    )
+
+
+def in_order(causes: Iterable[CauseTotals]) -> list[CauseTotals]:
+    """Sort causes: by severity, then by frequency in natural worlds, then in all worlds.
+
+    Natural worlds come first because a search goes where failures are: how often it meets one says
+    more about the search than about the controller.
+    """
+    order = list(Cause)
+    return sorted(
+        causes,
+        key=lambda one: (
+            one.cause.severity,
+            -(one.natural or 0),
+            -one.met,
+            order.index(one.cause),
+        ),
+    )
+
+
+def with_natural(causes: Iterable[CauseTotals], natural: Mapping[Cause, int]) -> list[CauseTotals]:
+    """Return causes with their frequency in natural worlds, and those only met there."""
+    found = {one.cause: one for one in causes}
+    for cause in natural.keys() - found.keys():
+        found[cause] = CauseTotals(cause, ())
+    return in_order(replace(one, natural=natural.get(one.cause, 0)) for one in found.values())

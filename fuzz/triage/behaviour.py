@@ -1,0 +1,239 @@
+"""Measure what a robot does in the part of its run that repeats.
+
+Everything is in cells, radii and whole turns, so the numbers stay the same if a world is shifted,
+turned, mirrored, or drawn at another scale. Causes are decided from them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.triage.contacts import winding_number
+from sim.episode import Episode
+from sim.evidence import LoopEvidence
+from sim.trace import Trace
+from worldgen.support.grid_search import components
+from worldgen.world import World
+
+__all__ = ["Behaviour", "behaviour_of"]
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_ROUNDING = 1e-6
+
+# Heading for the target: within 6 degrees. Controllers that aim at it do so to within a step.
+_AIMED = 0.1
+
+# A turn of nearly half a turn in one step has no direction.
+_HALF_TURN = math.pi - _ROUNDING
+
+# Places on a straight line that are tested for walls, per cell.
+_SAMPLES = 8
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """The repeated part of a run: one period of a loop, or else the second half.
+
+    Args:
+        steps: Its length in steps.
+        extent: Longer side of the box around its path, cells.
+        turning: Mean size of the turn in a step, in whole turns.
+        sharpest: Largest turn in one step, in whole turns.
+        touching: Share of its steps that touch a wall.
+        around_island: How often the path goes around an island of walls, at most.
+        around_target: How often it goes around the target.
+        off_wall: Longest path between two touches, cells; infinite if it touches nothing.
+        aims: True if it heads for the target in a step that touches a wall.
+        nearest: Least distance from the target's centre, cells.
+        farthest: Greatest distance from the target's centre, cells.
+        is_blocked: True if a wall is between the target and the place nearest to it.
+        reach: The robot's radius plus the target's, cells.
+    """
+
+    steps: int
+    extent: float
+    turning: float
+    sharpest: float
+    touching: float
+    around_island: int
+    around_target: int
+    off_wall: float
+    aims: bool
+    nearest: float
+    farthest: float
+    is_blocked: bool
+    reach: float
+
+
+def behaviour_of(world: World, episode: Episode) -> Behaviour | None:
+    """Return the behaviour of a recorded run; ``None`` without a recording.
+
+    Args:
+        world: World of the run; walls count as they are after the last event.
+        episode: The run, recorded.
+    """
+    trace = episode.trace
+    if trace is None or trace.steps == 0:
+        return None
+    # The end of a run that only spent its budget is the best guess of what repeats.
+    loop = episode.evidence
+    if isinstance(loop, LoopEvidence):
+        return _measured(world, trace, loop.entry, loop.entry + loop.period)
+    return _measured(world, trace, trace.steps // 2, trace.steps)
+
+
+def _measured(world: World, trace: Trace, first: int, last: int) -> Behaviour:
+    side = world.cell_size
+    x = trace.x[first : last + 1] / side
+    y = trace.y[first : last + 1] / side
+    heading = trace.heading[first : last + 1]
+    bump = trace.bump[first + 1 : last + 1]
+    target = (world.target.x / side, world.target.y / side)
+    walls = _SolidCells(world)
+
+    # Turns, and whether it heads for the target where a wall is in the way.
+    turn = np.abs(_wrapped(np.diff(heading)))
+    bearing = np.arctan2(target[1] - y[:-1], target[0] - x[:-1])
+    aimed = np.abs(_wrapped(heading[1:] - bearing)) < _AIMED
+
+    # The path around islands and the target, and how near to the target it comes.
+    apart = np.hypot(x - target[0], y - target[1])
+    closest = int(np.argmin(np.round(apart, 6)))
+    place = (float(x[closest]), float(y[closest]))
+    radius = world.robot_radius / side
+    return Behaviour(
+        steps=last - first,
+        extent=max(float(np.ptp(x)), float(np.ptp(y))),
+        turning=float(turn.mean()) / (2 * math.pi),
+        sharpest=float(turn.max()) / (2 * math.pi),
+        touching=float(bump.mean()),
+        around_island=winding_number(x, y, walls.islands(x, y)),
+        around_target=abs(_around(x, y, target)),
+        off_wall=_longest_between(np.hypot(np.diff(x), np.diff(y)), bump),
+        aims=bool((aimed & bump).any()),
+        nearest=float(apart.min()),
+        farthest=float(apart.max()),
+        is_blocked=walls.between(place, target, radius),
+        reach=radius + world.target.radius / side,
+    )
+
+
+class _SolidCells:
+    """A world's walls after its last event, with a border of solid cells."""
+
+    def __init__(self, world: World) -> None:
+        walls = world.walls.copy()
+        for event in world.timeline:
+            walls[event.iy, event.ix] = event.state.word == "solid"
+        self._walls: Bools = np.pad(walls, 1, constant_values=True)
+
+    def islands(self, x: Floats, y: Floats) -> list[tuple[int, int]]:
+        """Return a cell (ix, iy) of each obstacle that a path may go around.
+
+        Cells that touch at a corner are one obstacle: a disc does not fit between them, so a path
+        goes around all of it or none. The outer wall is not an island.
+        """
+        numbers = _obstacles(self._walls)
+        found, first = np.unique(numbers, return_index=True)
+        outer = int(numbers[0, 0])
+        rows, columns = np.unravel_index(first, numbers.shape)
+        cells = [
+            (int(ix) - 1, int(iy) - 1)
+            for number, iy, ix in zip(found.tolist(), rows, columns, strict=True)
+            if number not in (-1, outer)
+        ]
+        # A path goes around nothing outside the box that it fills.
+        return [
+            (ix, iy)
+            for ix, iy in cells
+            if x.min() < ix + 0.5 < x.max() and y.min() < iy + 0.5 < y.max()
+        ]
+
+    def between(self, one: tuple[float, float], other: tuple[float, float], radius: float) -> bool:
+        """Return True if a disc meets a wall on the straight line between two places, in cells.
+
+        The line is sampled; a wall that a disc only grazes at the tested places may be missed.
+        """
+        count = 2 + math.ceil(math.dist(one, other) * _SAMPLES)
+        # A robot that touches a wall is not blocked by that wall.
+        within = radius - 0.05
+        return any(
+            self._has_wall(x, y, within)
+            for x, y in zip(
+                np.linspace(one[0], other[0], count).tolist(),
+                np.linspace(one[1], other[1], count).tolist(),
+                strict=True,
+            )
+        )
+
+    def _has_wall(self, x: float, y: float, within: float) -> bool:
+        height, width = self._walls.shape
+        left = max(math.floor(x - within) + 1, 0)
+        right = min(math.floor(x + within) + 1, width - 1)
+        low = max(math.floor(y - within) + 1, 0)
+        high = min(math.floor(y + within) + 1, height - 1)
+        for iy in range(low, high + 1):
+            for ix in range(left, right + 1):
+                if not self._walls[iy, ix]:
+                    continue
+                dx = x - min(max(x, ix - 1), ix)
+                dy = y - min(max(y, iy - 1), iy)
+                if dx * dx + dy * dy < within * within:
+                    return True
+        return False
+
+
+def _obstacles(solid: Bools) -> npt.NDArray[np.int64]:
+    """Return the number of each solid cell's obstacle, -1 for free cells.
+
+    Solid cells that touch, across an edge or at a corner, are one obstacle.
+    """
+    # The core takes grids whose edge is free.
+    framed = np.pad(solid, 1)
+    numbers = components(framed)[0].reshape(framed.shape)[1:-1, 1:-1].astype(np.int64)
+    # The core joins cells across edges; what is left are pairs that touch at a corner only.
+    pairs: set[tuple[int, int]] = set()
+    for one, other in (
+        (numbers[1:, 1:], numbers[:-1, :-1]),
+        (numbers[1:, :-1], numbers[:-1, 1:]),
+    ):
+        touch = (one >= 0) & (other >= 0) & (one != other)
+        pairs.update(zip(one[touch].tolist(), other[touch].tolist(), strict=True))
+    joined = np.arange(int(numbers.max()) + 1)
+    for one, other in sorted(pairs):
+        joined[joined == joined[one]] = joined[other]
+    return np.where(numbers >= 0, joined[np.maximum(numbers, 0)], -1)
+
+
+def _wrapped(angles: Floats) -> Floats:
+    wrapped: Floats = (angles + math.pi) % (2 * math.pi) - math.pi
+    return wrapped
+
+
+def _around(x: Floats, y: Floats, place: tuple[float, float]) -> int:
+    """Return the whole turns that a path makes around a place, with sign."""
+    bearing = np.arctan2(y - place[1], x - place[0])
+    return round(float(_wrapped(np.diff(bearing)).sum()) / (2 * math.pi))
+
+
+def _longest_between(stride: Floats, bump: Bools) -> float:
+    """Return the longest path between two touches of a period; infinite if there is no touch.
+
+    Args:
+        stride: (n,) length of each step.
+        bump: (n,) True if the step touches a wall.
+    """
+    touches = np.flatnonzero(bump)
+    if len(touches) == 0:
+        return math.inf
+    # The period comes back, so what follows the last touch continues before the first.
+    driven = np.concatenate([[0.0], np.cumsum(stride)])
+    at = driven[touches + 1]
+    between = np.diff(np.append(at, at[0] + driven[-1]))
+    return float(between.max())

@@ -1,0 +1,174 @@
+"""The causes that failures are sorted into: what a robot does wrong, in one sentence each.
+
+A bucket says what a failure looks like; hundreds of buckets can have one reason. A cause is that
+reason, as far as the run shows it: the decision that repeats, or the move that ended the run. It is
+never a place in a world.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum, StrEnum
+
+__all__ = ["Cause", "Severity"]
+
+
+class Severity(IntEnum):
+    """How bad a cause is; the worst comes first."""
+
+    THROUGH_WALLS = 0
+    CONTROLLER_ERROR = 1
+    HARMED = 2
+    NEVER_ARRIVES = 3
+    TOO_SLOW = 4
+    QUESTIONABLE = 5
+    UNSENSED = 6
+
+    @property
+    def word(self) -> str:
+        """The name in JSON: ``through-walls``."""
+        return self.name.lower().replace("_", "-")
+
+    @property
+    def phrase(self) -> str:
+        """What the robot does, for a sentence such as ``it loops or stalls in 12 worlds``."""
+        return _PHRASES[self]
+
+
+_PHRASES = {
+    Severity.THROUGH_WALLS: "goes through walls",
+    Severity.CONTROLLER_ERROR: "its controller breaks down",
+    Severity.HARMED: "runs into a hazard that it can sense",
+    Severity.NEVER_ARRIVES: "never arrives",
+    Severity.TOO_SLOW: "is still under way",
+    Severity.QUESTIONABLE: "breaks a rule that you set",
+    Severity.UNSENSED: "is harmed by what it cannot sense",
+}
+
+
+class Cause(StrEnum):
+    """Why a robot fails.
+
+    Equal to its name in JSON and on the command line. ``docs/reference/causes.md`` says how each
+    is told from the run.
+    """
+
+    # Through walls.
+    STEPS_OVER_A_WALL = "steps-over-a-wall"
+    CUTS_A_CORNER = "cuts-a-corner"
+    SLIDES_INTO_A_WALL = "slides-into-a-wall"
+
+    # Errors of the controller itself.
+    CRASHES = "crashes"
+    GIVES_NO_ANSWER = "gives-no-answer"
+    INVALID_COMMAND = "invalid-command"
+
+    # Hazards.
+    DRIVES_INTO_A_HAZARD = "drives-into-a-hazard"
+    CAUGHT_BY_A_CHANGE = "caught-by-a-change"
+
+    # The robot does not arrive.
+    STANDS_STILL = "stands-still"
+    PUSHES_A_WALL = "pushes-a-wall"
+    TURNS_BACK_AND_FORTH = "turns-back-and-forth"
+    MISSES_THE_TARGET = "misses-the-target"
+    CIRCLES_A_WALL = "circles-a-wall"
+    RETURNS_TO_THE_WALL = "returns-to-the-wall"
+    BOUNCES_BETWEEN_WALLS = "bounces-between-walls"
+    TRAPPED_BEHIND_A_WALL = "trapped-behind-a-wall"
+    DRIVES_IN_CIRCLES = "drives-in-circles"
+    WANDERS = "wanders"
+
+    # Neither a fault nor a reason.
+    BREAKS_A_RULE = "breaks-a-rule"
+    HARMED_UNSENSED = "harmed-by-what-it-cannot-sense"
+    UNKNOWN = "unknown"
+
+    @property
+    def sentence(self) -> str:
+        """What the robot does wrong: one sentence."""
+        return _SENTENCES[self]
+
+    @property
+    def advice(self) -> str:
+        """Where to look in the controller: one sentence."""
+        return _ADVICE[self]
+
+    @property
+    def severity(self) -> Severity:
+        """How bad it is."""
+        return _SEVERITIES.get(self, Severity.NEVER_ARRIVES)
+
+
+_SENTENCES = {
+    Cause.STEPS_OVER_A_WALL: "It drives so far in one step that it passes a wall, or the corner of "
+    "one, without noticing.",
+    Cause.CUTS_A_CORNER: "Its edge enters the corner of a wall that it passes.",
+    Cause.SLIDES_INTO_A_WALL: "It slides along a wall, or backs off from one, into another wall.",
+    Cause.CRASHES: "Its code raises an error.",
+    Cause.GIVES_NO_ANSWER: "Its code does not answer in time.",
+    Cause.INVALID_COMMAND: "It sends a command that is not a valid speed and turn rate.",
+    Cause.DRIVES_INTO_A_HAZARD: "It drives into a cell that is already burning or solid.",
+    Cause.CAUGHT_BY_A_CHANGE: "It is in a cell when the cell catches fire or becomes solid.",
+    Cause.STANDS_STILL: "It stops in the open and never moves again.",
+    Cause.PUSHES_A_WALL: "It keeps driving against a wall and does not get away from it.",
+    Cause.TURNS_BACK_AND_FORTH: "It turns back and forth, or around, in place of driving on.",
+    Cause.MISSES_THE_TARGET: "It gets close to the target, with a clear path, and passes it again "
+    "and again.",
+    Cause.CIRCLES_A_WALL: "It follows a wall all the way around and never leaves it.",
+    Cause.RETURNS_TO_THE_WALL: "It leaves a wall for the target too early and comes back to the "
+    "same wall.",
+    Cause.BOUNCES_BETWEEN_WALLS: "It bounces from wall to wall on a path that repeats.",
+    Cause.TRAPPED_BEHIND_A_WALL: "It stays where it is nearest to the target, although a wall is in "
+    "between.",
+    Cause.DRIVES_IN_CIRCLES: "It drives the same closed path again and again, away from any wall.",
+    Cause.WANDERS: "It still reaches new places when its time is up.",
+    Cause.BREAKS_A_RULE: "It breaks a rule that you asked about with --oracle.",
+    Cause.HARMED_UNSENSED: "Fire or debris catches it that none of its senses shows.",
+    Cause.UNKNOWN: "It fails; its controller could not be run here, or not in time, to see why.",
+}
+
+_ADVICE = {
+    Cause.STEPS_OVER_A_WALL: "Slow down near walls, or make the time step smaller: a step must be "
+    "shorter than the thinnest wall.",
+    Cause.CUTS_A_CORNER: "Keep the radius of the robot away from corners, not only its centre.",
+    Cause.SLIDES_INTO_A_WALL: "This is a fault of the motion model stepped; compare with --motion "
+    "swept.",
+    Cause.CRASHES: "Mend the line that the report names; the world reproduces it.",
+    Cause.GIVES_NO_ANSWER: "Look for an endless or a slow step, or give it more time.",
+    Cause.INVALID_COMMAND: "Look for a division by zero or a root of a negative number in what "
+    "computes the command.",
+    Cause.DRIVES_INTO_A_HAZARD: "Check what it does with what it senses ahead.",
+    Cause.CAUGHT_BY_A_CHANGE: "Check how soon it gets away from what it can sense coming.",
+    Cause.STANDS_STILL: "Look for a condition under which no command is sent, or speed is 0.",
+    Cause.PUSHES_A_WALL: "Check what it does at a bump: does it turn, and does it keep turning?",
+    Cause.TURNS_BACK_AND_FORTH: "Look for two decisions that undo each other, and for a turn that "
+    "is not wrapped to half a turn.",
+    Cause.MISSES_THE_TARGET: "Check how it slows down and aims close to the target.",
+    Cause.CIRCLES_A_WALL: "Check the condition under which it leaves a wall: it never holds here.",
+    Cause.RETURNS_TO_THE_WALL: "Check the condition under which it leaves a wall: it must be "
+    "closer to the target each time.",
+    Cause.BOUNCES_BETWEEN_WALLS: "Add memory, chance or wall following: turning by the same rule at "
+    "each wall repeats.",
+    Cause.TRAPPED_BEHIND_A_WALL: "It needs a way out of places where every direct move leads away: "
+    "follow the wall, or plan.",
+    Cause.DRIVES_IN_CIRCLES: "Look for a state that it enters again and again without getting "
+    "closer.",
+    Cause.WANDERS: "Give it more time, or check whether it makes progress.",
+    Cause.BREAKS_A_RULE: "The violation says which rule, and by how much.",
+    Cause.HARMED_UNSENSED: "Give it a sense that shows the hazard, or leave such worlds out.",
+    Cause.UNKNOWN: "Replay it where its controller is.",
+}
+
+_SEVERITIES = {
+    Cause.STEPS_OVER_A_WALL: Severity.THROUGH_WALLS,
+    Cause.CUTS_A_CORNER: Severity.THROUGH_WALLS,
+    Cause.SLIDES_INTO_A_WALL: Severity.THROUGH_WALLS,
+    Cause.CRASHES: Severity.CONTROLLER_ERROR,
+    Cause.GIVES_NO_ANSWER: Severity.CONTROLLER_ERROR,
+    Cause.INVALID_COMMAND: Severity.CONTROLLER_ERROR,
+    Cause.DRIVES_INTO_A_HAZARD: Severity.HARMED,
+    Cause.CAUGHT_BY_A_CHANGE: Severity.HARMED,
+    Cause.WANDERS: Severity.TOO_SLOW,
+    Cause.BREAKS_A_RULE: Severity.QUESTIONABLE,
+    Cause.HARMED_UNSENSED: Severity.UNSENSED,
+}

@@ -1,0 +1,138 @@
+"""Decide a failure's cause from its run.
+
+The rules are a list, and the first that holds decides. Each looks at what repeats, or at the move
+that ended the run, and never at where in the world it happens. ``python -m benchmarks.causes``
+measures how well they tell seeded faults apart.
+"""
+
+from __future__ import annotations
+
+from fuzz.failure import Failure
+from fuzz.triage.behaviour import Behaviour, behaviour_of
+from fuzz.triage.cause import Cause
+from fuzz.triage.hazards import is_unsensed
+from fuzz.triage.signature import is_entered
+from sim.episode import Episode
+from sim.evidence import BurnedEvidence, WallEvidence
+from sim.runners.stopping import OutOfTime
+from sim.verdict import OUT_OF_BUDGET, Verdict
+from worldgen.errors import WorldgenError
+from worldgen.world import World
+
+__all__ = ["CAUSE", "cause_of", "cause_of_run"]
+
+CAUSE = "cause"
+"""Name of the detail of a failure's record that holds its cause."""
+
+# Cells. A robot that stays within half a cell is at one place, whatever it does there.
+_ONE_PLACE = 0.5
+
+# Turns per step, on average. A controller that turns by more than 70 degrees in nearly every step
+# follows nothing; wall followers stay below 0.15 even around posts.
+_RESTLESS = 0.2
+
+# Turns in one step: more than 160 degrees turns the robot around.
+_ABOUT_FACE = 0.45
+
+# Cells between two touches. A wall follower touches its wall at least once a cell, corners included.
+_ALONG = 1.0
+
+# Cells from the edges of robot and target: how close it comes, and how far away it ever gets.
+_CLOSE = 1.0
+_NEARBY = 3.0
+
+# Shares of steps that touch a wall. Below the first, walls are not what holds the robot; above the
+# second, it follows them. Bounces off walls touch in a tenth to a quarter of all steps.
+_RARELY = 0.02
+_OFTEN = 0.3
+
+# Share of steps above which a robot at the target is held by a wall, not by the target.
+_MOSTLY = 0.5
+
+_BY_VERDICT: dict[str, Cause] = {
+    Verdict.CRASH: Cause.CRASHES,
+    Verdict.HANG: Cause.GIVES_NO_ANSWER,
+    Verdict.INVALID_COMMAND: Cause.INVALID_COMMAND,
+    Verdict.TIMEOUT: Cause.WANDERS,
+}
+
+
+def cause_of(failure: Failure) -> Cause:
+    """Return a failure's cause: the recorded one, or else that of its run.
+
+    Returns:
+        The cause; :attr:`Cause.UNKNOWN` if its controller cannot be run here, or not in time.
+    """
+    recorded = failure.record.details.get(CAUSE)
+    if recorded in set(Cause):
+        return Cause(recorded)
+    # These need no run: the record says enough.
+    if failure.oracle is not None:
+        return Cause.BREAKS_A_RULE
+    if is_unsensed(failure):
+        return Cause.HARMED_UNSENSED
+    if (known := _BY_VERDICT.get(failure.verdict)) is not None:
+        return known
+    try:
+        return cause_of_run(failure.world, failure.run())
+    except (WorldgenError, OutOfTime):
+        return Cause.UNKNOWN
+
+
+def cause_of_run(world: World, episode: Episode) -> Cause:
+    """Return the cause of a recorded run that did not arrive.
+
+    Args:
+        world: World of the run.
+        episode: The run, recorded.
+    """
+    evidence = episode.evidence
+    if (known := _BY_VERDICT.get(episode.verdict)) is not None:
+        return known
+    if episode.trace is None:
+        return Cause.UNKNOWN
+    if isinstance(evidence, BurnedEvidence):
+        entered = is_entered(world, episode.trace, evidence)
+        return Cause.DRIVES_INTO_A_HAZARD if entered else Cause.CAUGHT_BY_A_CHANGE
+    if isinstance(evidence, WallEvidence):
+        return _of_wall(evidence)
+    behaviour = behaviour_of(world, episode)
+    is_stuck = episode.verdict == Verdict.LOOP or episode.verdict in OUT_OF_BUDGET
+    return _of_behaviour(behaviour) if behaviour is not None and is_stuck else Cause.UNKNOWN
+
+
+def _of_wall(evidence: WallEvidence) -> Cause:
+    # The thesis's motion names its own faulty moves. The other models have one reason only: they
+    # look where a step ends, and the step was too long for that.
+    match evidence.cause:
+        case None:
+            return Cause.STEPS_OVER_A_WALL
+        case "corner":
+            return Cause.CUTS_A_CORNER
+        case _:
+            return Cause.SLIDES_INTO_A_WALL
+
+
+def _of_behaviour(seen: Behaviour) -> Cause:
+    at_one_place = seen.extent <= _ONE_PLACE
+
+    # Beside the target with nothing in between: whatever it does there, walls are not the reason.
+    near = seen.nearest <= seen.reach + _CLOSE and seen.farthest <= seen.reach + _NEARBY
+    if near and not seen.is_blocked and seen.touching < _MOSTLY:
+        return Cause.MISSES_THE_TARGET
+
+    # At one place, or turning all the time: it follows nothing.
+    if at_one_place and seen.touching == 1.0 and seen.turning < _RESTLESS:
+        return Cause.PUSHES_A_WALL
+    if seen.turning >= _RESTLESS or (at_one_place and seen.sharpest >= _ABOUT_FACE):
+        return Cause.TURNS_BACK_AND_FORTH
+
+    # Along walls. Who follows the whole of a wall goes around an island, or around the target,
+    # which is inside the outer wall; who does neither has left the wall in between.
+    if seen.off_wall <= _ALONG and (seen.around_island or seen.around_target):
+        return Cause.CIRCLES_A_WALL
+    if seen.touching < _RARELY:
+        if seen.is_blocked:
+            return Cause.TRAPPED_BEHIND_A_WALL
+        return Cause.STANDS_STILL if at_one_place else Cause.DRIVES_IN_CIRCLES
+    return Cause.RETURNS_TO_THE_WALL if seen.touching >= _OFTEN else Cause.BOUNCES_BETWEEN_WALLS
