@@ -81,14 +81,21 @@ def turned(heading: float) -> int:
 
 
 def _off_centre(case: Case) -> int:
-    world = case.world
-    places = (world.start.x, world.start.y, world.target.x, world.target.y)
-    return sum(in_cells(place, world.cell_size) % 1 * 2 != 1 for place in places)
+    places = [
+        place
+        for robot in case.world.robots
+        for place in (robot.start.x, robot.start.y, robot.target.x, robot.target.y)
+    ]
+    return sum(in_cells(place, case.world.cell_size) % 1 * 2 != 1 for place in places)
 
 
 def _distance(case: Case) -> int:
     world = case.world
-    pairs = ((world.start.x, world.target.x), (world.start.y, world.target.y))
+    pairs = [
+        pair
+        for robot in world.robots
+        for pair in ((robot.start.x, robot.target.x), (robot.start.y, robot.target.y))
+    ]
     cells = [[math.floor(in_cells(place, world.cell_size)) for place in pair] for pair in pairs]
     return sum(abs(a - b) for a, b in cells)
 
@@ -96,23 +103,28 @@ def _distance(case: Case) -> int:
 def _numbers(case: Case) -> int:
     world, scenario = case
     floats = [value for value in scenario.run.changed().values() if isinstance(value, float)]
+    robots = sum(
+        number_cost(robot.radius, DEFAULT_ROBOT_RADIUS)
+        + number_cost(robot.speed, DEFAULT_ROBOT_SPEED)
+        + number_cost(robot.target.radius, world.cell_size / 2)
+        for robot in world.robots
+    )
     return (
-        number_cost(world.robot_radius, DEFAULT_ROBOT_RADIUS)
-        + number_cost(world.robot_speed, DEFAULT_ROBOT_SPEED)
-        + number_cost(world.target.radius, world.cell_size / 2)
+        robots
         + number_cost(scenario.run.time_step, DEFAULT_TIME_STEP)
         + sum(map(number_cost, floats))
     )
 
 
 ORDER: tuple[Measure, ...] = (
+    Measure("robots", "robots", lambda case: len(case.world.robots)),
     Measure("cells", "cells of the grid", lambda case: case.world.walls.size),
     Measure("solid", "solid cells", lambda case: case.world.solid_cells),
     Measure("events", "events of the timeline", lambda case: len(case.world.timeline)),
     Measure(
         "heading",
-        "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3",
-        lambda case: turned(case.world.start.heading),
+        "0 for a quarter turn, 1 for an eighth, 2 for a sixteenth, else 3; of all robots",
+        lambda case: sum(turned(robot.start.heading) for robot in case.world.robots),
     ),
     Measure(
         "off-centre",

@@ -8,9 +8,9 @@ Everything outside the grid is solid.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -461,6 +461,27 @@ class World(HoldsFrozen):
             provenance=None,
             failure=None,
             others=(),
+        )
+
+    def with_robots(self, robots: Iterable[Robot], **parts: Any) -> World:
+        """Return the world with other robots, of which there must be at least one.
+
+        Args:
+            robots: The robots, in order.
+            **parts: Other fields to replace; a certificate has to fit the new robots.
+
+        Raises:
+            InvalidWorld: If the robots do not fit into one world.
+        """
+        first, *others = robots
+        return replace(
+            self,
+            start=first.start,
+            target=first.target,
+            robot_radius=first.radius,
+            robot_speed=first.speed,
+            others=tuple(others),
+            **parts,
         )
 
     @property

@@ -5,7 +5,7 @@ None of them knows anything about the run.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,16 +14,18 @@ import numpy as np
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
-from worldgen.world import World
+from worldgen.world import Robot, World
 
 __all__ = [
     "bare",
     "changed",
     "drop_columns",
     "drop_events",
+    "drop_robot",
     "drop_rows",
     "edited",
     "free_cells",
+    "with_robots",
     "with_time",
 ]
 
@@ -49,14 +51,20 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
         return None
     top = first + count
     walls = np.delete(world.walls, np.s_[first:top], axis=0)
-    start = replace(world.start, y=_moved(world, world.start.y, top, count))
-    target = replace(world.target, y=_moved(world, world.target.y, top, count))
+    robots = [
+        replace(
+            robot,
+            start=replace(robot.start, y=_moved(world, robot.start.y, top, count)),
+            target=replace(robot.target, y=_moved(world, robot.target.y, top, count)),
+        )
+        for robot in world.robots
+    ]
     # Events in the dropped rows disappear, those above move down.
     line = world.timeline
     keep = (line.iy < first) | (line.iy >= top)
     rows = np.where(line.iy >= top, line.iy - count, line.iy)
     timeline = replace(line, iy=rows).only(keep)
-    return changed(world, walls=walls, start=start, target=target, timeline=timeline)
+    return with_robots(world, robots, walls=walls, timeline=timeline)
 
 
 def drop_columns(world: World, first: int, count: int) -> World | None:
@@ -65,14 +73,20 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
         return None
     right = first + count
     walls = np.delete(world.walls, np.s_[first:right], axis=1)
-    start = replace(world.start, x=_moved(world, world.start.x, right, count))
-    target = replace(world.target, x=_moved(world, world.target.x, right, count))
+    robots = [
+        replace(
+            robot,
+            start=replace(robot.start, x=_moved(world, robot.start.x, right, count)),
+            target=replace(robot.target, x=_moved(world, robot.target.x, right, count)),
+        )
+        for robot in world.robots
+    ]
     # Events in the dropped columns disappear, those on the right move left.
     line = world.timeline
     keep = (line.ix < first) | (line.ix >= right)
     columns = np.where(line.ix >= right, line.ix - count, line.ix)
     timeline = replace(line, ix=columns).only(keep)
-    return changed(world, walls=walls, start=start, target=target, timeline=timeline)
+    return with_robots(world, robots, walls=walls, timeline=timeline)
 
 
 def drop_events(world: World, first: int, count: int) -> World | None:
@@ -106,6 +120,23 @@ def changed(world: World, **parts: Any) -> World | None:
         return replace(world, **parts)
     except InvalidWorld:  # a point is off the grid
         return None
+
+
+def with_robots(world: World, robots: Sequence[Robot], **parts: Any) -> World | None:
+    """Return the world with other robots and parts; ``None`` if that is invalid or no change."""
+    if not parts and tuple(robots) == world.robots:
+        return None
+    try:
+        return world.with_robots(robots, **parts)
+    except InvalidWorld:  # a robot is off the grid, or where another one is
+        return None
+
+
+def drop_robot(world: World, index: int) -> World | None:
+    """Return the world without one of its robots; ``None`` if it has only one."""
+    if len(world.robots) < 2:
+        return None
+    return with_robots(world, [*world.robots[:index], *world.robots[index + 1 :]])
 
 
 def edited(world: World, edit: CellEdit) -> World | None:

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from fuzz.shrink.edits import bare, drop_columns, drop_rows, free_cells
+from fuzz.shrink.edits import bare, drop_columns, drop_robot, drop_rows, free_cells
 from worldgen.world import World
 
 __all__ = ["removable", "removed"]
 
 
 def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
-    """Return everything that could still be removed: single solid cells, rows, columns.
+    """Return everything that could still be removed: a robot, a solid cell, a row, a column.
 
     Args:
         world: A shrunk world.
@@ -36,6 +36,9 @@ def removed(
 
 
 def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
+    if world.others:
+        for index in range(len(world.robots)):
+            yield f"robot {index + 1}", drop_robot(world, index)
     for iy, ix in np.argwhere(world.walls).tolist():
         yield f"cell ({ix}, {iy})", free_cells(world, [(ix, iy)])
     for row in range(world.height):

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from fuzz.shrink.edits import changed, drop_events, with_time
+from fuzz.shrink.edits import drop_events, with_robots, with_time
 from fuzz.simplicity import Case, rounder
 from sim.options.run import DEFAULT_TIME_STEP
 from sim.runners.edited import CellEdit, EditKind
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
-from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
+from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Robot, World
 
 __all__ = ["PASSES", "Change", "Edit", "Pass"]
 
@@ -38,9 +38,17 @@ class Pass(NamedTuple):
     propose: Callable[[Case], Iterator[Edit]]
 
 
+def _drop_robots(case: Case) -> Iterator[Edit]:
+    robots = case.world.robots
+    for count in _halves(len(robots)):
+        for first in range(len(robots) - count, -1, -count):
+            kept = (*robots[:first], *robots[first + count :])
+            yield partial(_robots, case, kept)
+
+
 def _drop_rows(case: Case) -> Iterator[Edit]:
     world = case.world
-    places = (world.start.y, world.target.y)
+    places = [place for one in world.robots for place in (one.start.y, one.target.y)]
     yield from (
         CellEdit(EditKind.DROP_ROWS, first, count)
         for first, count in _runs(world, places, world.height)
@@ -49,19 +57,21 @@ def _drop_rows(case: Case) -> Iterator[Edit]:
 
 def _drop_columns(case: Case) -> Iterator[Edit]:
     world = case.world
-    places = (world.start.x, world.target.x)
+    places = [place for one in world.robots for place in (one.start.x, one.target.x)]
     yield from (
         CellEdit(EditKind.DROP_COLUMNS, first, count)
         for first, count in _runs(world, places, world.width)
     )
 
 
-def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tuple[int, int]]:
-    """Yield runs of rows or columns: first everything beyond or between start and target.
+def _runs(world: World, places: Sequence[float], size: int) -> Iterator[tuple[int, int]]:
+    """Yield runs of rows or columns: first everything beyond or between starts and targets.
 
     Then halves of the grid, quarters, and so on down to single ones.
     """
-    low, high = sorted(math.floor(in_cells(place, world.cell_size)) for place in places)
+    cells = [math.floor(in_cells(place, world.cell_size)) for place in places]
+    low = min(cells)
+    high = max(cells)
     spans = ((high + 1, size), (low + 1, high), (0, low))
     yield from ((first, end - first) for first, end in spans if end - first > 1)
     for count in _halves(size):
@@ -101,51 +111,52 @@ def _drop_events(case: Case) -> Iterator[Edit]:
 
 
 def _straighten(case: Case) -> Iterator[Edit]:
-    start = case.world.start
-    for part in (math.pi / 2, math.pi / 4, math.pi / 8):
-        for turns in (math.floor(start.heading / part), math.ceil(start.heading / part)):
-            yield partial(_part, case, start=replace(start, heading=turns * part))
+    for index, robot in enumerate(case.world.robots):
+        start = robot.start
+        for part in (math.pi / 2, math.pi / 4, math.pi / 8):
+            for turns in (math.floor(start.heading / part), math.ceil(start.heading / part)):
+                yield partial(_robot, case, index, start=replace(start, heading=turns * part))
 
 
 def _centre(case: Case) -> Iterator[Edit]:
-    world = case.world
-    for name in ("start", "target"):
-        point = getattr(world, name)
-        x = _middle(point.x, world.cell_size)
-        y = _middle(point.y, world.cell_size)
-        for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
-            yield partial(_part, case, **{name: replace(point, **where)})
+    side = case.world.cell_size
+    for index, robot in enumerate(case.world.robots):
+        for name in ("start", "target"):
+            point = getattr(robot, name)
+            x = _middle(point.x, side)
+            y = _middle(point.y, side)
+            for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
+                yield partial(_robot, case, index, **{name: replace(point, **where)})
 
 
 def _approach(case: Case) -> Iterator[Edit]:
-    world = case.world
-    start = case.world.start
-    target = case.world.target
-    side = world.cell_size
-    across, up = (
-        math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
-        for a, b in ((start.x, target.x), (start.y, target.y))
-    )
-    # Bold moves first: half of the way, then all along one axis, then a single cell.
-    moves = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
-    for dx, dy in dict.fromkeys(move for move in moves if move != (0, 0)):
-        x = _shifted(start.x, dx, side)
-        y = _shifted(start.y, dy, side)
-        yield partial(_part, case, start=replace(start, x=x, y=y))
+    side = case.world.cell_size
+    for index, robot in enumerate(case.world.robots):
+        start = robot.start
+        across, up = (
+            math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
+            for a, b in ((start.x, robot.target.x), (start.y, robot.target.y))
+        )
+        # Bold moves first: half of the way, then all along one axis, then a single cell.
+        moves = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
+        for dx, dy in dict.fromkeys(move for move in moves if move != (0, 0)):
+            x = _shifted(start.x, dx, side)
+            y = _shifted(start.y, dy, side)
+            yield partial(_robot, case, index, start=replace(start, x=x, y=y))
 
 
 def _simplify_robot(case: Case) -> Iterator[Edit]:
-    world = case.world
-    for radius in rounder(world.robot_radius, DEFAULT_ROBOT_RADIUS):
-        yield partial(_part, case, robot_radius=radius)
-    for speed in rounder(world.robot_speed, DEFAULT_ROBOT_SPEED):
-        yield partial(_part, case, robot_speed=speed)
+    for index, robot in enumerate(case.world.robots):
+        for radius in rounder(robot.radius, DEFAULT_ROBOT_RADIUS):
+            yield partial(_robot, case, index, radius=radius)
+        for speed in rounder(robot.speed, DEFAULT_ROBOT_SPEED):
+            yield partial(_robot, case, index, speed=speed)
 
 
 def _simplify_target(case: Case) -> Iterator[Edit]:
-    target = case.world.target
-    for radius in rounder(target.radius, case.world.cell_size / 2):
-        yield partial(_part, case, target=replace(target, radius=radius))
+    for index, robot in enumerate(case.world.robots):
+        for radius in rounder(robot.target.radius, case.world.cell_size / 2):
+            yield partial(_robot, case, index, target=replace(robot.target, radius=radius))
 
 
 def _simplify_run(case: Case) -> Iterator[Edit]:
@@ -168,6 +179,7 @@ def _round_times(case: Case) -> Iterator[Edit]:
 
 
 PASSES: tuple[Pass, ...] = (
+    Pass("drop-robots", "drop robots: half of them, a quarter, ... one", _drop_robots),
     Pass(
         "drop-rows",
         "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... "
@@ -242,8 +254,15 @@ def _earlier(case: Case, event: int, time: float) -> Case | None:
     return _with(case, with_time(case.world, event, time))
 
 
-def _part(case: Case, **parts: Any) -> Case | None:
-    return _with(case, changed(case.world, **parts))
+def _robots(case: Case, robots: Sequence[Robot]) -> Case | None:
+    return _with(case, with_robots(case.world, robots))
+
+
+def _robot(case: Case, index: int, **parts: Any) -> Case | None:
+    """Return the case in which one robot has other parts."""
+    robots = list(case.world.robots)
+    robots[index] = replace(robots[index], **parts)
+    return _robots(case, robots)
 
 
 def _time_step(case: Case, time_step: float) -> Case | None:
