@@ -3,7 +3,7 @@
 #include "step.h"
 #include "wg_runs.h"
 
-enum { PORTION = 1 << 20 };  // steps between two looks at whether to stop: a tenth of a second
+enum { PORTION = 1 << 20 };  // steps between two checks for a stop: a tenth of a second
 
 // Sets an arena back to what it was before the first event, with the robot's cell visited.
 static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)
@@ -33,7 +33,7 @@ static WgStatus run_again(WgEpisode *episode, const WgArena *fresh, const int64_
     return status;
 }
 
-// Runs once, and proves a loop.
+// Runs once and proves a loop.
 static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const int64_t *stop)
 {
     WgStatus status = run_again(episode, fresh, stop);
@@ -42,14 +42,14 @@ static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena 
         return status;
     }
 
-    // A loop is run again, up to the end of its first period, which also proves it.
+    // Run a loop again, up to the end of its first period, which also proves it.
     int64_t steps = settings->steps;
     settings->loop_entry = wg_episode_entry(episode);
     settings->steps = settings->loop_entry + report->period;
     settings->find_loop = WG_PROVE_LOOP;
     status = run_again(episode, fresh, stop);
 
-    // If two different states had one fingerprint, the budget counts.
+    // If two different states had the same fingerprint, run to the end of the budget.
     if (status == WG_OK && report->ending == WG_LIMIT) {
         settings->steps = steps;
         settings->find_loop = WG_NO_LOOP;

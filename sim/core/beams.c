@@ -1,13 +1,14 @@
 // Range beams: many rays from one place, in a world that does not change.
 //
-// Amanatides and Woo's walk visits every cell. Here a ray goes from lane to lane: along rows of cells if it runs more
-// along x than along y, else along columns. A table says how far the lane is free from where the ray enters it, so that
-// either the ray leaves the lane before that, or it hits the face there. All rays of an eighth of a turn share what the
-// first lane is, and a second table holds the directions. In a maze this takes 10 ns a beam where the walk takes 30.
+// Amanatides and Woo's walk visits every cell. Here a ray goes from lane to lane: along rows of
+// cells if it runs more along x than along y, otherwise along columns. A table gives how far the
+// lane is free from where the ray enters it, so the ray either leaves the lane before that, or hits
+// the face there. All rays of an eighth of a turn share their first lane, and a second table holds
+// the directions. In a maze this takes 10 ns a beam where the walk takes 30.
 //
-// The result is the walk's, to the last bit: the distance is the same exact difference divided by the same direction.
-// Where a ray leaves its lane is known to 1/32 of a lattice unit, so a ray that passes a corner as closely as that is
-// left to the walk.
+// The result equals the walk's to the last bit: the distance is the same exact difference divided
+// by the same direction. The point where a ray leaves its lane is known to 1/32 of a lattice unit,
+// so a ray that passes a corner that closely is left to the walk.
 
 #include <string.h>
 
@@ -25,22 +26,22 @@ enum {
 // What follows a cell in a table of wg_free_runs.
 enum { RIGHT = 0, LEFT = 1, UP = 2, DOWN = 3, DIRECTIONS = 4 };
 
-// How closely a ray may pass a corner, and where a ray leaves its lane that never does.
+// How closely a ray may pass a corner, and the exit of a ray that never leaves its lane.
 static const int64_t CLOSE = INT64_C(1) << (FRACTION_BITS - 5);
 static const int64_t NEVER = (INT64_C(1) << 60) + (INT64_C(1) << (CELL_BITS - 1));
 
-// The place that the rays come from, on one axis as seen in one direction. A place on the line between two cells
-// belongs to the cell ahead.
+// The origin of the rays, on one axis as seen in one direction. An origin on the line between two
+// cells belongs to the cell ahead.
 typedef struct Side {
     int64_t cell;  // its cell's index in the table
     int64_t past;  // lattice units from the near side of that cell to the place
     int64_t step;  // from a cell to the next one, in the table
 } Side;
 
-// What the rays of an eighth of a turn have in common; they run more along their lane than across it.
+// Values shared by the rays of an eighth of a turn; they run more along their lane than across it.
 typedef struct Octant {
     const uint16_t *lane;  // where they begin, in the table
-    int64_t run;           // what it says there
+    int64_t run;           // the table's entry there
     int64_t ahead;         // to the next cell of the lane
     int64_t aside;         // to the next lane
     int64_t past[2];       // lattice units from the near sides of the first cell to the place: along the lane, across it
@@ -97,7 +98,7 @@ WgStatus wg_free_runs(WgGrid grid, uint16_t *runs)
     return WG_OK;
 }
 
-// One axis as rays see it that run towards greater coordinates (mirror 0) or lesser ones (-1).
+// One axis as seen by rays towards greater coordinates (mirror 0) or lesser ones (-1).
 static Side seen_from(int64_t place, int64_t mirror, int64_t step)
 {
     int64_t mirrored = (place ^ mirror) - mirror;
@@ -144,12 +145,12 @@ static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
         if (((position + CLOSE) & cell_mask) <= 2 * CLOSE) {
             return unsure;
         }
-        // The end of the lane comes first; a first cell that is solid itself is the walk's business.
+        // Check the end of the lane first; the walk handles a first cell that is itself solid.
         int64_t cell = position >> CELL_BITS;
         if (cell >= wall) {
             return wall == 0 ? unsure : (Hit){wall * WG_UNIT - octant->past[0], 0};
         }
-        // On to the next lane, which may have a wall where the ray enters it.
+        // Enter the next lane, which may have a wall at the ray's entry.
         lane += octant->aside;
         int64_t run = lane[cell * octant->ahead];
         if (run == 0) {
@@ -160,8 +161,8 @@ static inline Hit follow(const Octant *octant, int64_t slope, int64_t most)
     }
 }
 
-// The eighth of a turn in which a heading is. The axes belong to the octant that sees the other axis unmirrored, as the
-// walk does.
+// The eighth of a turn that contains a heading. An axis belongs to the octant that sees the other
+// axis unmirrored, as in the walk.
 static inline int64_t octant_of(int64_t heading)
 {
     bool is_below_last_axis = 0 < heading && heading < 6 * EIGHTH;
@@ -191,7 +192,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
         lengths[k] = (double)hit.length;
         shares[k] = ray->share[hit.which];
     }
-    // The divisions wait for nothing here.
+    // These divisions do not depend on each other.
     for (int64_t k = 0; k < count; k++) {
         distances[k] = lengths[k] < 0.0 ? wg_ray_distance(wg_grid(arena), arena->headings, state->x, state->y,
                                                           headings[k], longest)
@@ -199,7 +200,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     }
 }
 
-// What noise makes of a distance.
+// Applies noise to a distance.
 static double disturbed(const WgSettings *settings, int64_t step, int64_t beam, double distance)
 {
     if (settings->beam_noise > 0.0) {
@@ -218,7 +219,7 @@ static double disturbed(const WgSettings *settings, int64_t step, int64_t beam, 
 void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
                     double *beams)
 {
-    // The tables hold for places in the grid, its border included.
+    // The tables cover places in the grid, including its border.
     bool is_inside = 0 <= state->x && state->x <= arena->width * WG_UNIT && 0 <= state->y &&
                      state->y <= arena->height * WG_UNIT;
     if (arena->runs != NULL && is_inside) {

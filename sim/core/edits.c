@@ -1,11 +1,11 @@
-// Edited copies of a world, run one after the other: which is the first that ends as it should?
+// Runs edited copies of a world, one after another, to find the first that ends as wanted.
 
 #include <stdlib.h>
 
 #include "step.h"
 #include "wg_runs.h"
 
-// What the work on one edit needs in addition to the episode.
+// Working memory for one edit, in addition to the episode.
 typedef struct Scratch {
     uint8_t *ever;   // (height, width) cells that are ever not free
     uint8_t *seen;   // (2 height + 1, 2 width + 1)
@@ -27,7 +27,7 @@ static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int
     }
 }
 
-// Writes the edited cells; returns whether they are others.
+// Writes the edited cells; returns whether any of them changed.
 static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     bool changed = edit->kind >= WG_DROP_ROWS;
@@ -50,7 +50,7 @@ static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return changed;
 }
 
-// Whether an edit makes a grid of the arena's shape of the old one.
+// Returns whether an edit turns the old grid into one of the arena's shape.
 static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
 {
     if (edit->kind < WG_DROP_ROWS) {
@@ -65,7 +65,7 @@ static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
     return edit->kind == WG_DROP_COLUMNS && old.height == arena->height && old.width == arena->width + edit->b;
 }
 
-// A coordinate after `count` rows or columns from `first` on have gone.
+// A coordinate after `count` rows or columns from `first` on have been removed.
 static int64_t moved(int64_t coordinate, const WgEdit *edit)
 {
     return coordinate >= (edit->a + edit->b) * WG_UNIT ? coordinate - edit->b * WG_UNIT : coordinate;
@@ -83,7 +83,8 @@ static void move_ends(WgSettings *settings, const WgEdit *edit)
     }
 }
 
-// Moves the start to the nearest clear point of the nine around it, as every run does; false if there is none.
+// Moves the start to the nearest clear point of the nine around it, as in every run; false if there
+// is none.
 static bool stand(const WgArena *arena, WgSettings *settings)
 {
     int64_t x = settings->start_x;
@@ -103,7 +104,7 @@ static bool stand(const WgArena *arena, WgSettings *settings)
     return false;
 }
 
-// Whether the target is surely reached without touching a cell that is ever not free.
+// Returns whether the target is certainly reached without touching a cell that is ever not free.
 static bool has_way(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
 {
     memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
@@ -118,7 +119,7 @@ static bool has_way(const WgArena *arena, const WgSettings *settings, const Scra
     return wg_surely_reaches(ever, wg_disc(settings), ends, settings->target_radius_sq, scratch->seen, scratch->stack);
 }
 
-// Fills what an episode looks up in the cells.
+// Fills the tables that an episode looks up.
 static void survey(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
 {
     wg_near_masks(wg_grid(arena), arena->near);
@@ -136,7 +137,7 @@ static void survey(const WgArena *arena, const WgSettings *settings, const Scrat
     wg_chessboard_clearance(ever, arena->clearance);
 }
 
-// Whether a run has ended as asked.
+// Returns whether a run has ended as requested.
 static bool is_wanted(const WgReport *report, const WgWanted *wanted)
 {
     bool overlaps = report->overlap_step >= 0;
@@ -149,7 +150,7 @@ static bool is_wanted(const WgReport *report, const WgWanted *wanted)
     return report->ending == wanted->ending;
 }
 
-// Makes an edit, and whatever there is to do before a run; returns whether one is to be had.
+// Makes an edit, and prepares its run; returns whether the edit is possible.
 static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings *before, WgGrid old,
                     const WgEdit *edit, bool by_way, const Scratch *scratch)
 {
@@ -169,7 +170,7 @@ static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings
     return true;
 }
 
-// Makes the next edit, and begins its run if one is to be had.
+// Makes the next edit, and begins its run if the edit is possible.
 static WgStatus begin_run(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                           const WgEdit *edits, const WgWanted *wanted, const Scratch *scratch, WgTried *tried)
 {
@@ -196,7 +197,7 @@ static WgStatus try_edits(WgEpisode *episode, WgSettings *settings, const WgSett
             continue;
         }
 
-        // A run that is longer than what is left continues in the next call.
+        // A run that is longer than the remaining steps continues in the next call.
         int64_t earlier = episode->step;
         bool goes_on = wg_episode_run(episode, left) == WG_GOES_ON;
         left -= episode->step - earlier;

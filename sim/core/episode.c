@@ -1,8 +1,8 @@
-// The loop of an episode: step by step, until something is decided.
+// The loop of an episode: step by step, until the outcome is decided.
 
 #include "step.h"
 
-// Judges and notes a step that is done; returns whether it was the last one.
+// Judges and records a finished step; returns whether it was the last one.
 static bool finish_step(WgEpisode *episode)
 {
     int64_t step = episode->step;
@@ -27,7 +27,7 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
     return WG_OK;
 }
 
-// Runs up to a step, with everything that a run can have. Returns true if it continues.
+// Runs up to a step, with every feature that a run can have. Returns true if it continues.
 static bool run_any(WgEpisode *episode, int64_t last)
 {
     const WgSettings *settings = episode->settings;

@@ -1,4 +1,4 @@
-// Makes episodes, sized for the controller, the sensors and the events.
+// Creates episodes, sized for the controller, the sensors and the events.
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static int64_t most_events_of_a_step(const WgArena *arena)
     return most;
 }
 
-// Hands out a part of the allocation; everything in it is made of words of 64 bits.
+// Hands out a part of the allocation; everything in it consists of 64-bit words.
 static void *take(uint64_t **rest, int64_t words)
 {
     void *part = *rest;
@@ -43,7 +43,7 @@ typedef struct Parts {
     int64_t log;  // a block of its own
 } Parts;
 
-// Works out how large the parts are; returns false if a size is out of its range.
+// Computes the sizes of the parts; returns false if a size is out of its range.
 static bool measure(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                     int64_t log_steps, Parts *parts)
 {

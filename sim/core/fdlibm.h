@@ -1,7 +1,8 @@
 // Sine, cosine and arc tangent with fdlibm's bits, from + - * / alone: the same on every machine.
 //
-// The thesis's simulator moves two or three pixels a tick depending on the last bit of a cosine, and C libraries differ
-// in that bit. These follow Sun's algorithms and constants step by step, so they return what Java's StrictMath returns.
+// The thesis's simulator moves two or three pixels a tick depending on the last bit of a cosine,
+// and C libraries differ in that bit. These functions follow Sun's algorithms and constants step by
+// step, so they return what Java's StrictMath returns.
 //
 // Source: "Freely Distributable LIBM" (fdlibm 5.3), Sun Microsystems, 1993: k_sin, k_cos, e_rem_pio2, s_sin, s_cos,
 // s_atan. Polynomials: Remez; reduction: Cody and Waite, "Software Manual for the Elementary Functions" (1980), in two
@@ -22,7 +23,7 @@ static const double WG_REDUCTION_LIMIT = 823549.6645826427;
 static const double WG_HALF_PI = 1.57079632679489655800e00;
 static const double WG_QUARTER_PI_END = 0.7853984832763672;
 
-// An angle less a multiple of pi/2, in two parts whose sum is more precise than one double.
+// An angle minus a multiple of pi/2, in two parts whose sum is more precise than one double.
 typedef struct WgReduced {
     int64_t quadrant;
     double high;
@@ -101,11 +102,12 @@ static inline double wg_cos_reduced(double x, double tail)
 
 // Reduces x in (pi/4, WG_REDUCTION_LIMIT].
 //
-// fdlibm finds by a table when one piece of pi/2 is enough; the table is the high words of k pi/2.
+// fdlibm uses a table to decide if one piece of pi/2 is enough; the table is the high words of k
+// pi/2.
 static inline WgReduced wg_reduce_positive(double x)
 {
     static const double two_over_pi = 6.36619772367581382433e-01;
-    // pi/2 in pieces of 33 bits; each tail is what the pieces before it leave.
+    // pi/2 in pieces of 33 bits; each tail is the remainder after the pieces before it.
     static const double piece_1 = 1.57079632673412561417e00;
     static const double tail_1 = 6.07710050650619224932e-11;
     static const double piece_2 = 6.07710050630396597660e-11;
@@ -133,7 +135,7 @@ static inline WgReduced wg_reduce_positive(double x)
         return (WgReduced){quadrant, y, (r - y) - w};
     }
 
-    // More pieces, where so many leading bits have cancelled.
+    // Use more pieces if too many leading bits have cancelled.
     int64_t exponent = high >> 20;
     if (exponent - (wg_high_word(y) >> 20) > 16) {
         double t = r;
@@ -186,7 +188,7 @@ static inline double wg_cos(double x)
 // Arc tangent of x, rad; keeps the sign of zero.
 static inline double wg_atan(double x)
 {
-    // atan(1/2), atan(1), atan(3/2), atan(infinity), each as a value and what its rounding left out.
+    // atan(1/2), atan(1), atan(3/2), atan(infinity), each as a value and its rounding error.
     static const double half = 4.63647609000806093515e-01;
     static const double half_tail = 2.26987774529616870924e-17;
     static const double one = 7.85398163397448278999e-01;
@@ -216,7 +218,7 @@ static inline double wg_atan(double x)
         return x;
     }
 
-    // A multiple of atan(1/2) or so is taken off, which leaves an argument below 7/16.
+    // A multiple of about atan(1/2) is subtracted, which leaves an argument below 7/16.
     double base = 0.0;
     double tail = 0.0;
     double t = x;

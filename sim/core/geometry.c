@@ -5,13 +5,14 @@
 #include <math.h>
 #include <string.h>
 
-// The cells whose numbers in a row, or a column, lie from `first` to `last`; the ring around the grid belongs to them.
+// The cells with row, or column, numbers from `first` to `last`; the ring around the grid belongs
+// to them.
 typedef struct Span {
     int64_t first;
     int64_t last;
 } Span;
 
-// Those that coordinates from `low` to `high` touch.
+// The cells that coordinates from `low` to `high` touch.
 static Span span(int64_t low, int64_t high, int64_t cells)
 {
     return (Span){wg_most(wg_cell_of(low), -1), wg_least(wg_cell_of(high), cells)};
@@ -34,10 +35,12 @@ bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y)
     return true;
 }
 
-// Whether a corner is clear of the inside of a segment, from its dot and cross product with it.
+// Returns whether a corner is clear of the inside of a segment, from its dot and cross products
+// with it.
 static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int64_t length_sq)
 {
-    // Above this a squared cross product does not fit in 63 bits; a closer call than 1e-12 is then "not clear".
+    // Above this a squared cross product does not fit in 63 bits; calls closer than 1e-12 then
+    // count as "not clear".
     const int64_t most_exact = 3000000000;
 
     if (along <= 0 || along >= length_sq) {
@@ -54,7 +57,8 @@ static bool corner_is_clear(int64_t clear_sq, int64_t along, int64_t across, int
     return across * across >= clear_sq * length_sq;
 }
 
-// Whether the disc is clear of one closed cell along a segment whose first end is taken as clear.
+// Returns whether the disc is clear of one closed cell along a segment whose first end is taken to
+// be clear.
 //
 // The nearest points of a segment and a box that do not cross include an end of the segment or a corner of the box, so
 // these and the crossing itself decide.
@@ -94,7 +98,7 @@ WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way)
     Span rows = span(wg_least(way.py, way.qy) - disc.reach, wg_most(way.py, way.qy) + disc.reach, grid.height);
     bool is_long = wg_abs(dx) > 2 * WG_UNIT && wg_abs(dy) > 2 * WG_UNIT;
     for (int64_t iy = rows.first; iy <= rows.last; iy++) {
-        // Of a long slanted move only the part near this row counts.
+        // Only the part near this row of a long slanted move counts.
         if (is_long) {
             double a = (double)(iy * WG_UNIT - disc.reach - way.py) / (double)dy;
             double b = (double)((iy + 1) * WG_UNIT + disc.reach - way.py) / (double)dy;
@@ -184,7 +188,7 @@ void wg_near_masks(WgGrid grid, int32_t *near)
     }
 }
 
-// The least of what the neighbours in a row above or below say, plus one.
+// The least entry of the neighbours in the row above or below, plus one.
 static int32_t beyond(const int32_t *row, int64_t ix, int64_t width, int32_t least)
 {
     for (int64_t k = wg_most(ix - 1, 0); k <= wg_least(ix + 1, width - 1); k++) {
@@ -197,7 +201,7 @@ void wg_chessboard_clearance(WgGrid grid, int32_t *clearance)
 {
     int64_t width = grid.width;
     int64_t height = grid.height;
-    // Upwards, from the lower left: outside, and what is below or left of a cell.
+    // Upwards, from the lower left: the outside, and the cells below or to the left.
     for (int64_t iy = 0; iy < height; iy++) {
         int32_t *row = clearance + iy * width;
         for (int64_t ix = 0; ix < width; ix++) {
@@ -212,7 +216,7 @@ void wg_chessboard_clearance(WgGrid grid, int32_t *clearance)
             row[ix] = nearest;
         }
     }
-    // And back: what is above or right of it.
+    // And back: the cells above or to the right.
     for (int64_t iy = height - 1; iy >= 0; iy--) {
         int32_t *row = clearance + iy * width;
         for (int64_t ix = width - 1; ix >= 0; ix--) {

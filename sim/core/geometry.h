@@ -1,4 +1,5 @@
-// Exact tests of a disc against square cells, on the pose lattice: those that every step needs. The others: wg_parts.h.
+// Exact tests of a disc against square cells, on the pose lattice: those that every step needs. The
+// others are in wg_parts.h.
 //
 // Coordinates are integers in 1/1024 of a cell, so "is this pose clear" and "is this segment clear" are decided in
 // integers, with no tolerance. Cells outside the grid are solid.
@@ -49,7 +50,7 @@ static inline int64_t wg_point_box_distance_sq(int64_t x, int64_t y, int64_t ix,
     return dx * dx + dy * dy;
 }
 
-// Whether some point of a segment is within a distance of (x, y).
+// Returns whether some point of a segment is within a distance of (x, y).
 static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, int64_t within_sq)
 {
     int64_t cx = x - way.px;
@@ -70,7 +71,8 @@ static inline bool wg_segment_point_within(WgSegment way, int64_t x, int64_t y, 
     return across * across <= (double)within_sq * (double)length_sq;
 }
 
-// Whether the masks show that no cell in the box around a disc's path is taken; if not, a closer look is due.
+// Returns whether the masks show that no cell in the box around a disc's path is taken; if not, the
+// exact test is needed.
 static inline bool wg_window_is_free(const WgArena *arena, int64_t reach, WgSegment way)
 {
     enum { SIDE = 2 * WG_NEAR + 1, EACH_ROW = 0x108421 };  // the lowest bit of each of the five rows

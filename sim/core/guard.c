@@ -65,9 +65,9 @@ double wg_guard_seconds(int64_t process)
 #include <time.h>
 #include <unistd.h>
 
-enum { LOOK_AROUND = 500000 };  // us between two looks whether the owner is still there
+enum { LOOK_AROUND = 500000 };  // us between two checks that the owner is still there
 
-static volatile sig_atomic_t owner;  // of the process that makes calls; it is set there and nowhere else
+static volatile sig_atomic_t owner;  // of the process that makes calls; set only there
 
 // Ends this process if its owner is gone: a controller that hangs would keep it running forever.
 static void look_for_owner(int number)
@@ -78,7 +78,8 @@ static void look_for_owner(int number)
     }
 }
 
-// Makes signals what a program finds at its start, but for Ctrl-C, which is the owner's, and the look for the owner.
+// Resets signals to a program's initial state, except Ctrl-C, which is the owner's, and the check
+// for the owner.
 static void set_signals(void)
 {
     for (int number = 1; number < NSIG; number++) {
@@ -97,7 +98,8 @@ static void set_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-// Keeps a controller from the program's input and output, and its crash from a core file as large as the program.
+// Keeps a controller away from the program's input and output, and prevents core files as large as
+// the program.
 static void close_off(void)
 {
     int nothing = open("/dev/null", O_RDWR);
@@ -109,7 +111,7 @@ static void close_off(void)
     setrlimit(RLIMIT_CORE, &no_file);
 }
 
-// Copies what the last run's controller said: it may stand in memory that only this process has.
+// Copies the last run's controller message, which may be in memory that only this process has.
 static void note_error(WgCall *call)
 {
     call->has_error = call->report != NULL && call->report->ending == WG_CRASH && call->report->error != NULL;
@@ -143,7 +145,7 @@ static _Noreturn void serve(WgCall *call, int asked, int answered)
 
 int64_t wg_guard_start(WgCall *call, int asked, int answered)
 {
-    // No signal may come to the new process before it has handlers of its own.
+    // No signal may arrive in the new process before it has its own handlers.
     sigset_t all;
     sigset_t before;
     sigfillset(&all);

@@ -1,4 +1,5 @@
-// Many robots in lockstep: all go on to where their controller acts, then one call of it acts for all of them.
+// Many robots in lockstep: all continue until their controller acts, then one call of it acts for
+// all of them.
 
 #include <string.h>
 
@@ -47,7 +48,7 @@ int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *command
             memcpy(episode->robot.body->memory, after + size * slot, bytes);
         }
 
-        // The rows that are written now are those of slots that have been read.
+        // The rows written here belong to slots that have been read.
         episode->workspace.flat = observations + (WG_SENSES + episode->settings->beams) * acting;
         if (wg_episode_step(episode) == WG_ACTS) {
             memcpy(memories + size * acting, episode->robot.body->memory, bytes);

@@ -1,7 +1,7 @@
 // How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
 //
-// `swept` never tunnels, for any controller, because every segment that it takes has passed the exact integer test of
-// geometry.c; floating point only proposes where to stop.
+// `swept` never tunnels, for any controller, because every segment that it takes has passed the
+// exact integer test of geometry.c; floating point only suggests where to stop.
 
 #include <math.h>
 
@@ -12,7 +12,8 @@ enum { TRIES = 3 };  // straight pieces a move may have: ahead and two slides (f
 static const double GRAZE = 1e-6;         // lattice units squared by which a path may cut a circle's square and graze it
 static const double TIME_UNIT = 0x1p32;   // of WgCorner.time, in a step
 
-// When something is touched, as a share of a displacement (2: it is not), and the direction away from it.
+// The share of a displacement at which something is touched (2: never), and the direction away from
+// it.
 typedef struct Contact {
     double time;
     WgNormal normal;
@@ -107,7 +108,7 @@ static Contact first_contact(WgGrid grid, double radius, int64_t reach, Point fr
     return best;
 }
 
-// A clear end of a slide: where it leads, or one or two lattice units further from the wall.
+// A clear end of a slide: its destination, or one or two lattice units further from the wall.
 static bool step_aside(WgGrid grid, WgDisc disc, Point from, Point to, WgNormal normal, Point *end)
 {
     int64_t sx = (normal.x > 0.0) - (normal.x < 0.0);
@@ -125,9 +126,10 @@ static bool step_aside(WgGrid grid, WgDisc disc, Point from, Point to, WgNormal 
     return false;
 }
 
-// A lattice point near a contact that a clear segment leads to; the start if there is none.
+// A lattice point near a contact that a clear segment leads to, or the start if there is none.
 //
-// Nearest to the contact, and a little away from the wall where rounding would be in it; or further back.
+// Try the nearest to the contact, then points a little away from the wall in case rounding is
+// inside it, then further back.
 static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t dy, Contact contact)
 {
     double length = sqrt((double)dx * (double)dx + (double)dy * (double)dy);
@@ -149,10 +151,10 @@ static Point stop_at(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t d
     return from;
 }
 
-// The first contact of a path that is not clear, and where it lets the disc stop.
+// The first contact of a path that isn't clear, and where it lets the disc stop.
 //
-// Corners that the path only grazes count if nothing else explains why it is not clear: they have no part in a slide
-// along a wall, though they are as near as can be.
+// Corners that the path only grazes count if nothing else explains why it isn't clear: they do not
+// take part in a slide along a wall, though they are as near as possible.
 static Stop first_stop(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t dy)
 {
     double radius = sqrt((double)disc.clear_sq);
@@ -166,7 +168,7 @@ static Stop first_stop(WgGrid grid, WgDisc disc, Point from, int64_t dx, int64_t
     }
     contact = first_contact(grid, radius, disc.reach, from, dx, dy, 0.0);
     if (contact.time > 1.0) {
-        // A touch that only exact arithmetic sees.
+        // A touch that only exact arithmetic detects.
         contact = (Contact){1.0, {-(double)dx, -(double)dy}};
     }
     return (Stop){contact, stop_at(grid, disc, from, dx, dy, contact)};
@@ -206,7 +208,7 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
             place = stop.place;
         }
 
-        // What is left of the displacement, along that wall.
+        // The rest of the displacement, along that wall.
         double left_x = (1.0 - stop.contact.time) * (double)dx;
         double left_y = (1.0 - stop.contact.time) * (double)dy;
         double into = (left_x * wall.x + left_y * wall.y) / (wall.x * wall.x + wall.y * wall.y);

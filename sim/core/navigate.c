@@ -7,7 +7,7 @@
 
 enum { HALF = WG_UNIT / 2 };  // distance of two neighbouring nodes, lattice units
 
-// Writes the cosine and sine of an angle; returns where the next number goes.
+// Writes the cosine and sine of an angle; returns the position of the next number.
 static float *show_direction(double angle, float *shown)
 {
     shown[0] = (float)wg_cos(angle);
@@ -79,7 +79,7 @@ int64_t wg_run_of_episode(uint64_t seed, int64_t episode)
     return (int64_t)(wg_random_draw(seed, 2 * episode + 1) * 0x1p53);
 }
 
-// What surrounds a robot now. Nobody asks where it has been.
+// The robot's current surroundings. Visited cells are not needed.
 static WgArena arena_of(const WgCrew *crew, int64_t robot)
 {
     WgArena arena = crew->places[crew->world[robot]].arena;
@@ -91,7 +91,7 @@ static WgArena arena_of(const WgCrew *crew, int64_t robot)
     return arena;
 }
 
-// The settings of a robot's world, with its own seed.
+// The settings of a robot's world, with the robot's own seed.
 static const WgSettings *settings_of(WgCrew *crew, int64_t robot)
 {
     WgSettings *settings = &crew->places[crew->world[robot]].settings;
@@ -120,7 +120,8 @@ static bool advance(WgCrew *crew, int64_t robot)
     return driver->contact.x != 0.0 || driver->contact.y != 0.0;
 }
 
-// Length of the path to the target, m: straight to one of the four nodes around, then the shortest; or infinite.
+// Length of the path to the target, m: straight to one of the four nodes around the robot, then the
+// shortest path; or infinity.
 static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
 {
     double best = (double)INFINITY;
@@ -137,7 +138,8 @@ static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
     return best;
 }
 
-// How far a robot is from the target, m: by the shortest path where those are known, else straight.
+// The robot's distance to the target, m: by the shortest path if those are known, otherwise
+// straight.
 static double distance_of(const WgCrew *crew, int64_t robot)
 {
     const WgPlace *place = &crew->places[crew->world[robot]];
@@ -172,7 +174,7 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
     crew->run[robot] = wg_run_of_episode(crew->seed[robot], crew->episode[robot]);
     crew->world[robot] = world;
 
-    // Where worlds change, the robot gets a fresh copy.
+    // If worlds change, the robot gets a fresh copy.
     if (crew->cells != NULL) {
         const WgArena *fresh = &crew->places[world].arena;
         size_t size = (size_t)(fresh->width * fresh->height);
@@ -183,7 +185,7 @@ void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observatio
     crew->clock[robot] = 0;
     crew->elapsed[robot] = 0;
 
-    // The first move, at a stand.
+    // The first move, at standstill.
     advance(crew, robot);
     observe(crew, observation);
     crew->distance[robot] = distance_of(crew, robot);
@@ -200,7 +202,7 @@ void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations)
     }
 }
 
-// The next episode, in a world that the robot's seed chooses.
+// The next episode, in a world chosen by the robot's seed.
 static void begin_next(WgCrew *crew, int64_t robot, float *observation)
 {
     crew->episode[robot]++;

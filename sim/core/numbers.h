@@ -1,4 +1,4 @@
-// Arithmetic as Python has it: division and remainder round down, and so on.
+// Arithmetic with Python's semantics: division and remainder round down, and so on.
 
 #ifndef WG_NUMBERS_H
 #define WG_NUMBERS_H
@@ -13,7 +13,7 @@ static inline int64_t wg_floor_div(int64_t value, int64_t divisor)
     return value % divisor < 0 ? quotient - 1 : quotient;
 }
 
-// What that division leaves, in [0, divisor).
+// The remainder of that division, in [0, divisor).
 static inline int64_t wg_floor_mod(int64_t value, int64_t divisor)
 {
     int64_t rest = value % divisor;
@@ -35,7 +35,7 @@ static inline int64_t wg_most(int64_t a, int64_t b)
     return b > a ? b : a;
 }
 
-// As Python's min and max: the first of equals, and a NaN only where it comes first.
+// Like Python's min and max: the first of equals, and a NaN only if it comes first.
 static inline double wg_lower(double a, double b)
 {
     return b < a ? b : a;
@@ -46,8 +46,8 @@ static inline double wg_higher(double a, double b)
     return b > a ? b : a;
 }
 
-// The next integers below and above, for values within those of an int64. Unlike the library's functions they are no
-// calls where the processor may lack an instruction for them.
+// The next integers below and above, for values within the range of an int64. Unlike the library's
+// functions they are not calls on processors that may lack the instruction.
 static inline int64_t wg_floor(double value)
 {
     int64_t whole = (int64_t)value;
@@ -60,8 +60,8 @@ static inline int64_t wg_ceil(double value)
     return whole + (value > (double)whole);
 }
 
-// The nearest integer, halves away from zero, so that rounding has every mirror symmetry. Adding half and cutting off
-// is the same as rounding down where the sum is positive, and half of the instructions.
+// The nearest integer, halves away from zero, so that rounding has every mirror symmetry. For a
+// positive sum, adding half and truncating equals rounding down, with half the instructions.
 static inline int64_t wg_round_away(double value)
 {
     return (int64_t)(value + copysign(0.5, value));

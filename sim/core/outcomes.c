@@ -1,4 +1,5 @@
-// What one step makes of each of many states, for every value that a random number may have; and what is sensed there.
+// Computes the outcomes of one step from many states, for every value that a random number may
+// have, and what is sensed there.
 
 #include "step.h"
 #include "wg_runs.h"
@@ -32,7 +33,7 @@ WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *f
         }
         endings[n] = robot->report.ending;
         if (endings[n] == WG_CRASH) {
-            memcpy(robot->body, states + n * words, size);  // what a controller has half done counts for nothing
+            memcpy(robot->body, states + n * words, size);  // a controller's partial work counts for nothing
             robot->body->state.draws = 0;
         }
         drew[n] = robot->body->state.draws;

@@ -1,20 +1,21 @@
-// Plain runs: no events, noise, limits of dynamics, coarser lattice, digest or recording, little memory, and a loop is
-// sought. Most runs are plain, and a loop of such steps takes less than two thirds of the time.
+// Plain runs: no events, noise, dynamic limits, coarser lattice, digest or recording, little
+// memory, and a search for loops. Most runs are plain, and a specialised loop takes less than two
+// thirds of the time.
 //
-// The steps are those of step.h, without what such a run lacks, and without working out again what a step has left as it
-// was: a robot that turns on the spot neither moves nor touches anything, and a random number that was not used is still
-// the next one.
+// The steps are those of step.h without the features that a plain run lacks, and without
+// recomputing what a step leaves unchanged: a robot that turns on the spot neither moves nor
+// touches anything, and an unused random number is still the next one.
 
 #include "step.h"
 
-// What the loop keeps at hand.
+// The loop's local state.
 typedef struct Plain {
     const WgArena *arena;
     const WgSettings *settings;
     const WgController *controller;
     WgRobot *robot;
     WgWorkspace *workspace;
-    int64_t words;      // of a state
+    int64_t words;      // words of a state
     bool is_inside;     // whether the centre is in the grid
     bool knows_random;  // whether the observation has the next random number
     uint64_t constant;  // what the words that the last step has left as they were add to the fingerprint
@@ -30,14 +31,15 @@ bool wg_is_plain(const WgEpisode *episode)
            && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;
 }
 
-// What position and random numbers add to the fingerprint: of wg_fingerprint_of_few, the words that change seldom.
+// The contribution of position and random numbers to the fingerprint: of wg_fingerprint_of_few, the
+// words that rarely change.
 static uint64_t seldom_words(const WgState *state)
 {
     return wg_folded((uint64_t)state->x) * WG_FACTORS[0] + wg_folded((uint64_t)state->y) * WG_FACTORS[1]
            + wg_folded((uint64_t)state->draws) * WG_FACTORS[4];
 }
 
-// The fingerprint of the state: that of wg_fingerprint_of_few.
+// The fingerprint of the state, equal to that of wg_fingerprint_of_few.
 static inline uint64_t fingerprint(const Plain *plain)
 {
     const WgBody *body = plain->robot->body;
@@ -49,7 +51,7 @@ static inline uint64_t fingerprint(const Plain *plain)
     return mixed;
 }
 
-// Moves the robot on, and senses where it has come to.
+// Moves the robot, and senses at its new place.
 static inline void move(Plain *plain, int64_t drive, int64_t step)
 {
     const WgSettings *settings = plain->settings;

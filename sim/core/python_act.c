@@ -1,7 +1,7 @@
 // A controller that is a Python object.
 //
-// With the loop in Python, and a call of the core in each step, a quick controller made 0.63 million steps a second; with
-// the loop here it makes 1.1 million.
+// With the loop in Python, and a call of the core in each step, a fast controller made 0.63 million
+// steps a second; with the loop here it makes 1.1 million.
 
 #include "wg_python_act.h"
 
@@ -10,7 +10,7 @@
 
 enum { TOOLS = 9 };
 
-// What the loop works with; no reference of it is owned.
+// The loop's tools; it owns no references to them.
 typedef struct Tools {
     PyObject *act;
     PyObject *first;
@@ -28,7 +28,7 @@ int64_t wg_episode_stop(void *subject)
     return wg_episode_step(subject);
 }
 
-// Whether an object is of just that type, not of one that inherits from it.
+// Returns whether an object has exactly this type, not a subtype.
 static bool is_just(PyObject *object, PyObject *type)
 {
     PyObject *own = PyObject_Type(object);
@@ -50,7 +50,8 @@ static PyObject *floats(const double *numbers, int64_t count)
     return made;
 }
 
-// What the controller sees, as an Observation of its own: it may keep it. NULL after an exception.
+// The controller's observation, as a new object, because the controller may keep it. NULL after an
+// exception.
 static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools)
 {
     const double *seen = workspace->flat;
@@ -71,7 +72,7 @@ static PyObject *observation_of(const WgWorkspace *workspace, const Tools *tools
     return observation;
 }
 
-// Reads a number; false, without an exception, if it is none.
+// Reads a number; returns false, without an exception, if it isn't one.
 static bool read_number(PyObject *object, double *number)
 {
     *number = PyFloat_AsDouble(object);
@@ -82,7 +83,8 @@ static bool read_number(PyObject *object, double *number)
     return true;
 }
 
-// Reads all items of a tuple; false, without an exception, if one is not a number. `plain`: whether all are just floats.
+// Reads all items of a tuple; returns false, without an exception, if one isn't a number. `plain`:
+// whether all are exactly floats.
 static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, double *numbers, bool *plain)
 {
     *plain = true;
@@ -96,8 +98,9 @@ static bool read_numbers(PyObject *tuple, int64_t count, const Tools *tools, dou
     return true;
 }
 
-// Takes an answer that is a tuple of a command, which is a Command or a tuple of two or three, and a tuple of numbers.
-// Returns the memory to continue with; NULL without an exception for any other answer, which Python is to judge.
+// Reads an answer that is a tuple of a command, which is a Command or a tuple of two or three, and
+// a tuple of numbers. Returns the memory to continue with; NULL without an exception for any other
+// answer, which Python must judge.
 static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
 {
     if (!is_just(answer, tools->tuple) || PyTuple_Size(answer) != 2) {
@@ -130,7 +133,7 @@ static PyObject *take_quickly(PyObject *answer, int64_t size, const Tools *tools
     return after;
 }
 
-// The same for any answer, by Python's word. NULL after an exception.
+// The same for any answer, judged by Python. NULL after an exception.
 static PyObject *take_slowly(PyObject *answer, int64_t size, const Tools *tools, double *taken)
 {
     PyObject *length = PyLong_FromLongLong(size);
@@ -146,7 +149,8 @@ static PyObject *take_slowly(PyObject *answer, int64_t size, const Tools *tools,
     return fits ? floats(taken + WG_ANSWER, size) : NULL;
 }
 
-// Lets the controller act once, and writes its answer. Returns its memory, a new reference; NULL after an exception.
+// Lets the controller act once, and writes its answer. Returns its memory, a new reference; NULL
+// after an exception.
 static PyObject *act_once(WgActing *acting, const Tools *tools, PyObject *memory)
 {
     WgWorkspace *workspace = &acting->episode->workspace;
@@ -155,7 +159,8 @@ static PyObject *act_once(WgActing *acting, const Tools *tools, PyObject *memory
         return NULL;
     }
 
-    // Which function it is says how its time counts: the first call alone, later ones for all around them.
+    // The function decides how its time is counted: only the first call, later ones for all calls
+    // around them.
     PyObject *act = tools->act;
     if (acting->calls == 0) {
         act = tools->first;

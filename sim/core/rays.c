@@ -2,7 +2,7 @@
 
 #include "rays.h"
 
-// Distance along a ray from a coordinate to the side of its cell that the ray makes for.
+// Distance along a ray from a coordinate to the side of its cell that the ray heads for.
 static double next_line(int64_t place, int64_t cell, double direction)
 {
     if (direction > 0.0) {
@@ -35,7 +35,7 @@ double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t 
             return longest;
         }
         if (to_x == to_y) {
-            // Through a corner: two walls that touch there let nothing through.
+            // At a corner: two walls that touch there block the ray.
             bool both = is_solid(grid, ix + step_x, iy) && is_solid(grid, ix, iy + step_y);
             ix += step_x;
             iy += step_y;
@@ -95,13 +95,13 @@ static bool has_arrived(const Line *line)
     return line->ix == line->last_ix && line->iy == line->last_iy;
 }
 
-// Goes to the next cell: of the next column's and the next row's line, the one that comes first is crossed; where both
-// meet, the line passes through the corner.
+// Moves to the next cell. Of the lines to the next column and the next row, the nearer one is
+// crossed; if both are equally near, the line passes through the corner.
 static void follow(Line *line)
 {
     int64_t to_column = line->step_x > 0 ? (line->ix + 1) * WG_UNIT - line->x : line->x - line->ix * WG_UNIT;
     int64_t to_row = line->step_y > 0 ? (line->iy + 1) * WG_UNIT - line->y : line->y - line->iy * WG_UNIT;
-    // How far along the way each of them is, times both lengths.
+    // How far along the line each of them is, times both lengths.
     int64_t first_x = to_column * line->length_y;
     int64_t first_y = to_row * line->length_x;
     if (line->iy == line->last_iy || (line->ix != line->last_ix && first_x <= first_y)) {
@@ -125,7 +125,7 @@ int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int
     return count;
 }
 
-// Whether a cell, or one of those around it as far as smoke reaches, burns.
+// Returns whether a cell, or one within the reach of smoke around it, burns.
 static bool is_in_smoke(WgGrid grid, int64_t ix, int64_t iy, int64_t reach)
 {
     int64_t top = wg_least(iy + reach, grid.height - 1);

@@ -7,7 +7,7 @@
 
 #include "geometry.h"
 
-// The cosine of a heading, right to the last bits: the table holds it as two integers.
+// The cosine of a heading, correct to the last bits: the table stores it as two integers.
 static inline double wg_cosine(const int64_t *headings, int64_t heading)
 {
     int64_t place = heading & (WG_TURN - 1);
@@ -19,7 +19,8 @@ static inline double wg_sine(const int64_t *headings, int64_t heading)
     return wg_cosine(headings, heading - WG_TURN / 4);
 }
 
-// World heading of a beam: spread evenly over `field` about the robot's heading, over a whole turn from it.
+// World heading of a beam: spread evenly over `field` around the robot's heading, or over a full
+// turn from it.
 static inline int64_t wg_beam_heading(int64_t heading, int64_t beam, int64_t beams, double field)
 {
     if (field >= (double)WG_TURN) {

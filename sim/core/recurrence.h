@@ -1,14 +1,14 @@
-// Finds the step in which a run's complete state comes back, whatever the motion model.
+// Finds the step in which a run's complete state recurs, for any motion model.
 //
-// During a run, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier one is followed
-// by the same states, so once any state has come back, every later one has been there before. It is therefore enough to
-// look up the last state of the budget: if it is new, nothing in the run has come back. To stop early, states are
-// looked up before that too, each twice as far along as the one before.
+// During a run, each state leaves a 64-bit fingerprint in a log. Equal states are followed by equal
+// states, so once any state has recurred, every later one has occurred before. It is therefore
+// enough to look up the last state of the budget: if it is new, no state of the run has recurred.
+// To stop early, earlier states are looked up too, each twice as far along as the one before.
 //
-// Equal fingerprints are only a claim. It is proved by a second run, up to the end of the first period, that compares
-// the complete states at both ends (WG_PROVE_LOOP).
+// Equal fingerprints only suggest equal states. A second run, up to the end of the first period,
+// proves it by comparing the complete states at both ends (WG_PROVE_LOOP).
 //
-// A state is any object of so many 64-bit words; its bytes are compared, so -0.0 is not 0.0.
+// A state is any object of 64-bit words; its bytes are compared, so -0.0 differs from 0.0.
 
 #ifndef WG_RECURRENCE_H
 #define WG_RECURRENCE_H
@@ -20,12 +20,12 @@
 #include "wg_episode.h"
 
 enum {
-    WG_BLOCK = 8,       // words that share a fingerprint, which is worked out again only when one of them changes
-    WG_FEW_WORDS = 32,  // a state of at most so many has no blocks
+    WG_BLOCK = 8,       // words that share a fingerprint, which is recomputed only when one of them changes
+    WG_FEW_WORDS = 32,  // a state of at most this many words has no blocks
     WG_FIRST_STEPS = 16,  // before the first look-up
 };
 
-static const uint64_t WG_STRIDE = 0x9E3779B97F4A7C15u;  // tells blocks apart
+static const uint64_t WG_STRIDE = 0x9E3779B97F4A7C15u;  // distinguishes blocks
 static const uint64_t WG_MIXER = 0xBF58476D1CE4E5B9u;
 
 static inline uint64_t wg_word(const void *state, int64_t index)
@@ -35,7 +35,7 @@ static inline uint64_t wg_word(const void *state, int64_t index)
     return word;
 }
 
-// How many blocks a state of so many words has.
+// Number of blocks of a state of this many words.
 static inline int64_t wg_blocks(int64_t words)
 {
     return (words + WG_BLOCK - 1) / WG_BLOCK;
@@ -59,8 +59,9 @@ static inline uint64_t wg_folded(uint64_t word)
     return word ^ (word >> 32);
 }
 
-// The fingerprint of a state of few words. Each word's upper half is folded into its lower one, because of floats that
-// are small whole numbers only the upper one varies, and a product spreads upwards only. No product waits for another.
+// The fingerprint of a state of few words. Each word's upper half is folded into its lower one,
+// because in floats that are small whole numbers only the upper half varies, and a product only
+// spreads upwards. No product depends on another.
 static inline uint64_t wg_fingerprint_of_few(const void *state, int64_t words)
 {
     uint64_t mixed = 0;
@@ -76,22 +77,23 @@ uint64_t wg_fingerprint_of_many(WgSearch *search, const void *state);
 // Begins with the state of step 0. `quiet` is the step of the last event: earlier states prove nothing.
 void wg_search_begin(WgSearch *search, const void *state, int64_t quiet);
 
-// Looks up the state of a step and says when the next one is looked up. Steps since it was there before, the fewest; 0
-// if it is new.
+// Looks up the state of a step and decides when to look up the next one. Returns the fewest steps
+// since it occurred before; 0 if it is new.
 int64_t wg_search_look_up(WgSearch *search, int64_t step, int64_t quiet);
 
-// The first step, not before `quiet`, from which on the log repeats itself up to `step`.
+// The first step, not before `quiet`, from which the log repeats itself up to `step`.
 int64_t wg_entry_of_loop(const uint64_t *log, int64_t quiet, int64_t step, int64_t period);
 
-// The same of any state.
+// The same for any state.
 static inline uint64_t wg_fingerprint(WgSearch *search, const void *state)
 {
     return search->words <= WG_FEW_WORDS ? wg_fingerprint_of_few(state, search->words)
                                          : wg_fingerprint_of_many(search, state);
 }
 
-// Logs the fingerprint of the state after a step, which is not before `quiet`, and looks it up if it is its turn or the
-// last one of the budget. Steps since the state was there before, the fewest; 0 if it is new or was not looked up.
+// Logs the fingerprint of the state after a step, which is not before `quiet`, and looks it up if
+// it is due or the last one of the budget. Returns the fewest steps since the state occurred
+// before; 0 if it is new or was not looked up.
 static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int64_t step, int64_t quiet, int64_t budget)
 {
     search->log[step] = fingerprint;
@@ -101,13 +103,13 @@ static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int6
     return wg_search_look_up(search, step, quiet);
 }
 
-// The same, of a state.
+// The same, for a given state.
 static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
 {
     return wg_search_log(search, wg_fingerprint(search, state), step, quiet, budget);
 }
 
-// Keeps the state of step `entry`; at step `end`, whether it is there again, word by word.
+// Keeps the state of step `entry`; at step `end`, returns whether it recurs, word by word.
 static inline bool wg_search_is_proved(WgSearch *search, const void *state, int64_t step, int64_t entry, int64_t end)
 {
     size_t size = (size_t)search->words * sizeof *search->known;

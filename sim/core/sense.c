@@ -1,4 +1,4 @@
-// What few steps sense, or what takes long; see sense.h.
+// Senses that few steps need, or that take long; see sense.h.
 
 #include "sense.h"
 
@@ -7,7 +7,7 @@
 
 static const double PER_RADIAN = (double)WG_TURN / (2.0 * 3.141592653589793);
 
-// Where a signal may be read: the middle of a cell, or the target in its own.
+// A place at which a signal may be read: the middle of a cell, or the target in its own cell.
 typedef struct Place {
     int64_t x;
     int64_t y;
@@ -41,7 +41,7 @@ void wg_heading_table(int64_t *table)
     enum { EIGHTH = WG_TURN / 8, HALF = WG_TURN / 2 };
     const double scale = 0x1p30;
 
-    // The first quarter turn: sines and cosines of the first eighth, and what rounding them leaves.
+    // The first quarter turn: sines and cosines of the first eighth, and their rounding errors.
     for (int64_t k = 0; k <= EIGHTH; k++) {
         double angle = (double)k / PER_RADIAN;
         double values[2] = {wg_sin(angle), wg_cos(angle)};
@@ -65,17 +65,18 @@ void wg_heading_table(int64_t *table)
     }
 }
 
-// Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells), less what walls and smoke
-// on its way take.
+// Strength of the signal at a place, 0 if none arrives: 1 / (1 + squared distance in cells),
+// reduced by walls and smoke on its way.
 //
-// shift:  direction from the robot to where the signal is looked for.
+// shift:  direction from the robot to the place that is read.
 // draw:   number of the random draw of the noise.
 static double reading(const WgArena *arena, const WgSettings *settings, Place place, Place shift, int64_t heading,
                       int64_t draw)
 {
     enum { MOST_HALVINGS = 1000 };
 
-    // Out of the sensor's range, or of its field, which reaches as far to either side of the heading.
+    // Out of the sensor's range, or of its field, which reaches equally far to either side of the
+    // heading.
     int64_t dx = settings->target_x - place.x;
     int64_t dy = settings->target_y - place.y;
     double away_sq = (double)(dx * dx + dy * dy);
@@ -118,12 +119,13 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
     return reading(arena, settings, here, shift, state->heading, wg_noise_channel(step, WG_NOISE_SIGNAL));
 }
 
-// The cell, of the nine around (ix, iy), of which wg_signal_heading speaks.
+// The cell, of the nine around (ix, iy), that wg_signal_heading points to.
 static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t target_x, int64_t target_y)
 {
     const int64_t middle = WG_UNIT / 2;
 
-    // If the target's cell is none of the nine, one of them is nearer than all others: if it is free, that is it.
+    // If the target's cell isn't among the nine, one of them is nearest: if it is free, it is the
+    // answer.
     int64_t away_x = ix * WG_UNIT + middle - target_x;
     int64_t away_y = iy * WG_UNIT + middle - target_y;
     bool is_far = wg_most(wg_abs(away_x), wg_abs(away_y)) > 2 * WG_UNIT;
@@ -135,7 +137,7 @@ static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t targ
         }
     }
 
-    // The robot's own cell first: another must be strictly stronger.
+    // Start with the robot's own cell; another must be strictly stronger.
     Place best = {ix, iy};
     int64_t least = -1;
     for (int64_t place = -1; place < 9; place++) {
@@ -165,7 +167,7 @@ int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, i
     return wg_heading_of(best.x * WG_UNIT + middle - x, best.y * WG_UNIT + middle - y, heading);
 }
 
-// As wg_signal_heading, for a sensor with other limits; the own heading where it sees nothing.
+// Like wg_signal_heading, for a sensor with other limits; the robot's heading if it sees nothing.
 static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
 {
     WgGrid grid = wg_grid(arena);
@@ -247,7 +249,7 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         observation->time = (double)step * settings->time_step;
     }
 
-    // Where the wheels say that it is: the truth, if they have no noise.
+    // The position measured by the wheels: the true one, if they have no noise.
     if ((senses & WG_SENSE_ODOMETRY) != 0) {
         if (settings->odometry_noise > 0.0) {
             observation->odometry_x = odometry->x * metres;

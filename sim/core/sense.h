@@ -1,4 +1,4 @@
-// What a robot on the pose lattice senses, and the lattice's trigonometry: what every step needs.
+// The senses of a robot on the pose lattice, and the lattice's trigonometry: what every step needs.
 
 #ifndef WG_SENSE_H
 #define WG_SENSE_H
@@ -12,7 +12,7 @@
 #include "random_draw.h"
 #include "wg_episode.h"
 
-// Channels of the simulator's own random numbers in one step; each number is drawn for itself alone.
+// Channels of the simulator's own random numbers in one step; each number is drawn independently.
 enum {
     WG_NOISE_SLIP = 0,
     WG_NOISE_WAY = 1,
@@ -52,16 +52,16 @@ static inline WgVector wg_displacement(const int64_t *headings, int64_t heading,
     };
 }
 
-// Begins to load what a displacement in a direction needs: the table is larger than the nearest cache. A loop of plain
-// steps takes 4 % less time.
+// Prefetches what a displacement in a direction needs, because the table is larger than the nearest
+// cache. A loop of plain steps takes 4 % less time.
 static inline void wg_prefetch_displacement(const int64_t *headings, int64_t heading)
 {
     __builtin_prefetch(&headings[wg_reduced_heading(heading)]);
     __builtin_prefetch(&headings[wg_reduced_heading(heading - WG_TURN / 4)]);
 }
 
-// Whether a normal is one: not (0, 0). Without its sign, zero has no bits; comparing them takes a third of the
-// instructions of two comparisons of doubles.
+// Returns whether a normal is set: not (0, 0). Without its sign, zero has no bits; comparing them
+// takes a third of the instructions of two comparisons of doubles.
 static inline bool wg_is_contact(WgNormal contact)
 {
     uint64_t bits[2];
@@ -75,7 +75,7 @@ static inline int64_t wg_noise_channel(int64_t step, int64_t channel)
     return step * WG_NOISE_CHANNELS + channel;
 }
 
-// One of the simulator's own random numbers, in [0, 1), apart from those that the controller gets.
+// One of the simulator's own random numbers, in [0, 1), separate from the controller's.
 static inline double wg_noise_draw(const WgSettings *settings, int64_t draw)
 {
     return wg_random_draw(settings->seed ^ 0x5DEECE66D1CE4E5Bu, draw);
@@ -87,15 +87,16 @@ double wg_signal_here(const WgArena *arena, const WgSettings *settings, const Wg
 // Heading towards the strongest signal around the robot.
 int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step);
 
-// Fills the range beams, m; a beam that meets nothing, or is lost, gives its longest distance.
+// Fills the range beams, m; a beam that hits nothing, or is lost, returns its longest distance.
 void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
                     double *beams);
 
-// The senses that take longest, as a rule; in sense.c.
+// The senses that usually take longest; in sense.c.
 void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
                    WgNormal contact, int64_t step, WgObservation *observation, double *beams);
 
-// Whether any of them is declared. One test of all instead of one of each takes 16 instructions from a step without.
+// Returns whether any of them is declared. One test of all instead of one of each saves 16
+// instructions in a step without them.
 static inline bool wg_senses_more(const WgSettings *settings)
 {
     return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;
@@ -115,11 +116,12 @@ static inline double wg_sensed_random(const WgSettings *settings, const WgState 
     return settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
 }
 
-// Fills the observation: of the senses that cost time only those in WgSettings.senses. Constants are not touched.
+// Fills the observation; of the senses that cost time only those in WgSettings.senses. Constants
+// are left alone.
 //
 // contact:  normal of the robot's last contact.
 // step:     its number.
-// beams:    what observation->beams points to.
+// beams:    target of observation->beams.
 static inline void wg_sense(const WgArena *arena, const WgSettings *settings, const WgState *state,
                             const WgOdometry *odometry, WgNormal contact, int64_t step, WgObservation *observation,
                             double *beams)

@@ -1,8 +1,9 @@
-// The parts of a step that few steps need: walls and fire nearby, events, noise, digests and recordings.
+// The parts of a step that few steps need: walls and fire nearby, events, noise, digests and
+// recordings.
 
 #include "step.h"
 
-// Notes that fire or debris has caught the robot.
+// Records that fire or debris has caught the robot.
 static void burn(WgRobot *robot, int64_t step, WgFound cell, int state)
 {
     robot->report.ending = WG_BURNED;
@@ -36,7 +37,8 @@ static void apply_events(const WgArena *arena, const WgSettings *settings, int64
     }
 }
 
-// Notes walls that a piece of the path of an unsafe motion model cuts: deepest cut, first overlap, first tunnel.
+// Records walls that a piece of the path of an unsafe motion model cuts: deepest cut, first
+// overlap, first tunnel.
 static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way, WgRobot *robot)
 {
     WgReport *report = &robot->report;
@@ -68,8 +70,8 @@ static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_
     }
 }
 
-// Judges a straight piece of the path next to cells that are not free: fire, walls, target, length; and puts the robot
-// at its end.
+// Judges a straight piece of the path near cells that are not free (fire, walls, target, length),
+// and moves the robot to its end.
 static void arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t x, int64_t y,
                            WgRobot *robot)
 {
@@ -103,7 +105,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     }
     robot->corners = moved.count;
 
-    // A robot that stands may still be burnt, or be at the target.
+    // A robot that stands still may still be burnt, or be at the target.
     if (robot->corners == before) {
         arrive_closely(arena, settings, step, state->x, state->y, robot);
     }
@@ -113,7 +115,7 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
     return moved.contact;
 }
 
-// What of a displacement is covered by a time in the step, lattice units.
+// The part of a displacement covered by a time in the step, lattice units.
 static int64_t share(int64_t whole, int64_t time)
 {
     return wg_round_away((double)whole * ((double)time / (double)WG_STEP_TIME));
@@ -122,7 +124,7 @@ static int64_t share(int64_t whole, int64_t time)
 WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                                  WgRobot *robot)
 {
-    // `endpoint` looks at the world where a step ends only: there all events come first.
+    // `endpoint` only looks at the world at the end of a step, so all events come first.
     bool exact = settings->motion == WG_SWEPT;
     WgNormal last = {0.0, 0.0};
     int64_t now = 0;
@@ -136,7 +138,7 @@ WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings
             int64_t there_y = until == WG_STEP_TIME ? dy : share(dy, until);
             WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
 
-            // It waits for what comes.
+            // The robot waits for the next event.
             bool waits = robot->corners == 0 || robot->chain[robot->corners - 1].time < until;
             if (until < WG_STEP_TIME && waits) {
                 wg_add_corner(robot, robot->body->state.x, robot->body->state.y, until);
@@ -168,7 +170,7 @@ void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t ste
         return;
     }
 
-    // Of points that are equally near the first counts, from the lower left.
+    // Of equally near points, the first from the lower left counts.
     int64_t to_x = state->x;
     int64_t to_y = state->y;
     int64_t best = -1;
@@ -198,7 +200,7 @@ int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive)
     return wg_whole_speed((double)drive * (1.0 - lost));
 }
 
-// How many times too long a measured length or turn is.
+// The factor by which a measured length or turn is too long.
 static double wrong(const WgSettings *settings, int64_t step, int64_t channel)
 {
     double draw = wg_noise_draw(settings, wg_noise_channel(step, channel));
@@ -247,7 +249,8 @@ void wg_flatten(WgWorkspace *workspace)
 
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
 {
-    // What a controller writes into the observation is gone after the step: it would be memory that no state holds.
+    // Anything that a controller writes into the observation is cleared after the step: otherwise
+    // it would be memory outside the state.
     wg_flatten(workspace);
     double command[3] = {0.0, 0.0, 0.0};
     int64_t size = WG_SENSES + workspace->observation.beam_count;

@@ -1,8 +1,9 @@
-// One step on the pose lattice: the move at the speed of the wheels, with the events that fall into it each at its
-// time, then sensing, then the controller, whose turn takes effect at once and whose speed drives the next step.
+// One step on the pose lattice: the move at the wheels' speed, with each event of the step at its
+// time, then sensing, then the controller, whose turn takes effect immediately and whose speed
+// drives the next step.
 //
-// What every step needs is inline, so that the compiler keeps the loop around it in registers; what few steps need is
-// in step.c.
+// What every step needs is inline, so that the compiler keeps the loop around it in registers; the
+// rest is in step.c.
 
 #ifndef WG_STEP_H
 #define WG_STEP_H
@@ -30,13 +31,13 @@ static const uint64_t WG_HASH_PRIME = 1099511628211u;
 // Time in a step.
 #define WG_STEP_TIME ((int64_t)1 << 32)
 
-// Puts a robot at its start, with its memory at reset.
+// Puts a robot at its start, with its memory reset.
 void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgController *controller);
 
-// What a controller senses before its first step: nothing but constants.
+// The controller's senses before its first step: only constants.
 void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 
-// Forgets where the robot has been, but for its start.
+// Forgets where the robot has been, except for its start.
 void wg_visit_start(const WgArena *arena, const WgSettings *settings);
 
 // Step in which the world changes for the last time; 0 if it never does.
@@ -45,17 +46,17 @@ static inline int64_t wg_last_event(const WgArena *arena)
     return arena->event_count > 0 ? arena->events[arena->event_count - 1].step : 0;
 }
 
-// Whole units of speed, never more than asked for, so that nobody outruns the top speed.
+// Whole units of speed, never more than requested, so that no robot exceeds the top speed.
 static inline int64_t wg_whole_speed(double asked)
 {
     return (int64_t)(asked + copysign(1e-9, asked));
 }
 
-// Runs a plain run up to a step; plain.c says what that is. Returns true if it continues.
+// Runs a plain run (see plain.c) up to a step. Returns true if it continues.
 bool wg_is_plain(const WgEpisode *episode);
 bool wg_run_plain(WgEpisode *episode, int64_t last);
 
-// What few steps need; in step.c.
+// Functions that few steps need; in step.c.
 
 // Takes command and memory from workspace.answer, if they are there.
 void wg_take_answer(WgEpisode *episode);
@@ -66,22 +67,25 @@ void wg_flatten(WgWorkspace *workspace);
 // Lets a WgFlatAct act on copies of the observation and the command.
 void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory);
 
-// Moves the robot by a step's displacement, the events of the step each at its time. Returns the last contact.
+// Moves the robot by a step's displacement, with each event of the step at its time. Returns the
+// last contact.
 WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                                  WgRobot *robot);
 
-// Moves the robot by a part of a step, in which the world stands still, next to cells that are not free, and judges the
-// path. `from` and `until` are times in the step.
+// Moves the robot by a part of a step in which the world is static, near cells that are not free,
+// and judges the path. `from` and `until` are times in the step.
 WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                           int64_t from, int64_t until, WgRobot *robot);
 
-// Moves the robot on to the nearest point of a coarser lattice to which a clear way leads, if there is one.
+// Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
+// there is one.
 void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
 
-// What is left of a drive after the wheels have slipped.
+// The remainder of a drive after the wheels have slipped.
 int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive);
 
-// Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too.
+// Adds a displacement to the odometry as the robot measures it, with errors in length and
+// direction.
 void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                      WgRobot *robot);
 
@@ -94,7 +98,7 @@ void wg_hash_step(WgRobot *robot, int64_t words, bool bumped);
 // Writes a step into a recording: its state, and the corners of its path after those of the steps before.
 void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped);
 
-// What every step needs.
+// Functions that every step needs.
 
 // Whole lattice units that a speed drives in a step; the rest is lost.
 static inline int64_t wg_drive(int64_t speed)
@@ -102,13 +106,14 @@ static inline int64_t wg_drive(int64_t speed)
     return speed / WG_SPEED_UNIT;
 }
 
-// Whether the robot's centre is in the grid.
+// Returns whether the robot's centre is in the grid.
 static inline bool wg_is_inside(const WgArena *arena, const WgState *state)
 {
     return wg_is_in_grid(wg_grid(arena), wg_cell_of(state->x), wg_cell_of(state->y));
 }
 
-// Whether the tables show that no cell that is not free is within reach of a move; if not, a closer look is due.
+// Returns whether the tables show that every cell within reach of a move is free; if not, the exact
+// test is needed.
 static inline bool wg_nothing_near(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t dx,
                                    int64_t dy)
 {
@@ -133,7 +138,8 @@ static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t t
     corner->time = time;
 }
 
-// Puts the robot at the end of a straight piece of its path: whether the target is reached on it, and its length.
+// Moves the robot to the end of a straight piece of its path, and updates whether the target is
+// reached on it, and its length.
 static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -154,7 +160,7 @@ static inline void wg_arrive(const WgSettings *settings, int64_t x, int64_t y, W
     state->y = y;
 }
 
-// Moves the robot by a part of a step, in which the world stands still, and judges the path.
+// Moves the robot by a part of a step in which the world is static, and judges the path.
 static inline WgNormal wg_move(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
                                 int64_t from, int64_t until, WgRobot *robot)
 {
@@ -189,8 +195,9 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
     return true;
 }
 
-// Moves the robot for one step, with the events that fall into it, and judges the path. Returns whether its centre is
-// in the grid. Where the compiler is left to choose, it is not inlined, and a step takes 3 % longer.
+// Moves the robot for one step, with the events in it, and judges the path. Returns whether its
+// centre is in the grid. If the compiler is left to choose, it does not inline this, and a step
+// takes 3 % longer.
 __attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings,
                                                              int64_t step, WgRobot *robot)
 {
@@ -200,7 +207,7 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     int64_t y = state->y;
     robot->corners = 0;
 
-    // The displacement that the wheels make of their speed.
+    // The displacement that the wheels make at their speed.
     int64_t drive = wg_drive(state->speed);
     if (settings->slip > 0.0) {
         drive = wg_slipped(settings, step, drive);
@@ -216,7 +223,7 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // What few robots have: poses on a coarser lattice, wheels that measure wrong.
+    // Features that few robots have: poses on a coarser lattice, wheels that measure wrong.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
@@ -227,8 +234,8 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     return wg_keep_books(arena, step, robot);
 }
 
-// The part of a step before the controller acts. Returns whether it is to act: not if the run has ended, nor outside
-// the grid, where nothing can be sensed.
+// The part of a step before the controller acts. Returns whether the controller is to act: not if
+// the run has ended, nor outside the grid, where nothing can be sensed.
 static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
                                      WgWorkspace *workspace, int64_t step)
 {
@@ -243,7 +250,7 @@ static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *set
     return true;
 }
 
-// Speed after a step: as wanted, or as near as the wheels' gain and the floor's friction allow.
+// Speed after a step: as commanded, or as near as the wheels' gain and the floor's friction allow.
 static inline int64_t wg_next_speed(int64_t now, int64_t wanted, const WgSettings *settings)
 {
     double gain = settings->gain;
@@ -268,14 +275,14 @@ static inline double wg_clamp(double value, double low, double high)
     return wg_lower(wg_higher(value, low), high);
 }
 
-// Whether two numbers are neither infinite nor NaN: times zero, all others are zero. Two tests of one number each take
-// twice the instructions.
+// Returns whether two numbers are finite: times zero, all finite numbers are zero. One test per
+// number would take twice the instructions.
 static inline bool wg_are_finite(double one, double two)
 {
     return one * 0.0 + two * 0.0 == 0.0;
 }
 
-// Whether a number is anything but zero, NaN included: without its sign, zero has no bits.
+// Returns whether a number is anything but zero, including NaN: without its sign, zero has no bits.
 static inline bool wg_is_nonzero(double value)
 {
     uint64_t bits;
@@ -283,20 +290,21 @@ static inline bool wg_is_nonzero(double value)
     return bits << 1 != 0;
 }
 
-// The turn that a command asks for, heading units; `most` is the limit, whole.
+// The turn that a command requests, heading units; `most` is the limit, whole.
 static inline int64_t wg_commanded_turn(const WgSettings *settings, const WgCommand *command, double most)
 {
     return wg_round_away(wg_clamp(command->turn_rate * settings->turn, -most, most));
 }
 
-// The speed that a command asks for, units of speed.
+// The speed that a command requests, units of speed.
 static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCommand *command)
 {
     double speed = wg_clamp(command->speed, -settings->top_speed, settings->top_speed);
     return wg_whole_speed(speed * settings->speed * (double)WG_SPEED_UNIT);
 }
 
-// Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities.
+// Applies a command: the turn now, the speed in the next step; clamps both, and refuses NaN and
+// infinities.
 static inline void wg_apply_command(const WgSettings *settings, const WgCommand *command, int64_t step, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
@@ -352,7 +360,7 @@ static inline void wg_count_contact(WgRobot *robot, bool touches)
     robot->touched = touches;
 }
 
-// Counts a contact, and hashes and records the step if asked to.
+// Counts a contact, and hashes and records the step if requested.
 static inline void wg_note_step(const WgSettings *settings, const WgRecording *recording, int64_t words, int64_t step,
                                 WgRobot *robot)
 {
@@ -366,7 +374,7 @@ static inline void wg_note_step(const WgSettings *settings, const WgRecording *r
     }
 }
 
-// Whether a step that is noted was the last one, for a recurrence too.
+// Returns whether a recorded step was the last one, considering a recurrence too.
 static inline bool wg_is_over(const WgSettings *settings, WgSearch *search, int64_t step, int64_t quiet, WgRobot *robot)
 {
     WgReport *report = &robot->report;

@@ -1,4 +1,5 @@
-// Whether the disc surely gets to the target: a flood over half cells that may miss a path, but never invents one.
+// Decides whether the disc surely gets to the target: a flood over half cells that may miss a path,
+// but never invents one.
 //
 // A step of half a cell along an axis has its least clearance at an end, a diagonal one at an end or in the middle
 // (docs/explanation/reachability.md proves it).
@@ -24,7 +25,7 @@ static bool is_clear(const Flood *flood, int64_t x, int64_t y)
     return wg_disc_is_clear(flood->grid, WG_SOLID, flood->disc, x, y);
 }
 
-// Whether the disc, which is clear at both ends, may go from one to the other.
+// Returns whether the disc, which is clear at both ends, may go from one to the other.
 static bool goes_straight(const Flood *flood, WgSegment way)
 {
     return !wg_first_not_clear(flood->grid, WG_SOLID, flood->disc, way).found;
@@ -37,7 +38,7 @@ static void push(Flood *flood, int64_t i, int64_t j)
     flood->stack[flood->count++] = node;
 }
 
-// Pushes the nodes around the start to which the disc gets in a straight line.
+// Pushes the nodes around the start that the disc reaches in a straight line.
 static void begin(Flood *flood, int64_t x, int64_t y)
 {
     for (int64_t j = wg_floor_div(y, HALF); j <= wg_floor_div(y + HALF - 1, HALF); j++) {
@@ -50,7 +51,7 @@ static void begin(Flood *flood, int64_t x, int64_t y)
     }
 }
 
-// Pushes the neighbours of a node to which the disc gets from it.
+// Pushes the neighbours of a node that the disc reaches from it.
 static void spread(Flood *flood, int64_t i, int64_t j)
 {
     for (int step = 0; step < 9; step++) {

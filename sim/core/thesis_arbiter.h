@@ -1,17 +1,17 @@
-// Who is in charge of the thesis's robot, and what it then does: a state machine without any
+// Which behaviour controls the thesis's robot, and what it does: a state machine without any
 // geometry.
 //
 // wg_select_behaviour lets a behaviour take control; the caller then sets the new target heading if
-// collide has just come in, and looks whether the robot already points there. wg_run_behaviour lets
-// the one in charge act, and says what the wheels do.
+// collide has just taken control, and checks whether the robot already points there.
+// wg_run_behaviour lets the controlling behaviour act, and reports what the wheels do.
 //
-// The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 the
-// behaviour that took control keeps it until it gives it up, and acts in the very tick in which it
+// The thesis's listing lacks the arbiter, so it is reconstructed from the prose. In reading A0 the
+// behaviour that took control keeps it until it gives it up, and acts in the same tick in which it
 // took over. A1 does not act in that tick; A2 acts first and then selects; A3 acts, selects and
-// acts. A4 asks the one in charge again in every tick whether it would take control, and so
-// restarts it; A6 does that for collide alone. In A5 no behaviour is in charge for longer than a
-// tick. WG_INTERRUPTIBLE is what the thesis asks for as further work: every tick decides again, and
-// a collision restarts the escape whatever is in charge; until then an escape, or a drive,
+// acts. A4 asks the controlling behaviour again in every tick whether it would take control, and so
+// restarts it; A6 does that only for collide. In A5 no behaviour has control for longer than a
+// tick. WG_INTERRUPTIBLE is what the thesis proposes as further work: every tick decides again, and
+// a collision restarts the escape whatever is in control; until then an escape, or a drive,
 // continues.
 
 #ifndef WG_THESIS_ARBITER_H
@@ -26,8 +26,8 @@ enum { WG_IDLE = -1, WG_COLLIDE = 0, WG_SEEK = 1, WG_DRIVE = 2 };
 // Readings of the arbiter.
 enum { WG_A0 = 0, WG_A1, WG_A2, WG_A3, WG_A4, WG_A5, WG_A6, WG_INTERRUPTIBLE };
 
-// What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive
-// at the speed before the collision; stand; keep the speed, whatever it is.
+// Actions of the wheels: stop and turn towards the target heading; drive at the robot's speed;
+// drive at the speed before the collision; stop; keep the speed, whatever it is.
 typedef enum WgWheels {
     WG_WHEELS_TURN,
     WG_WHEELS_GO,
@@ -37,24 +37,26 @@ typedef enum WgWheels {
 } WgWheels;
 
 typedef struct WgCharge {
-    int64_t behaviour; // WG_IDLE if none is in charge
+    int64_t behaviour;  // WG_IDLE if no behaviour has control
     int64_t ticks;     // its counter
-    bool taken;        // whether it took control just now
+    bool taken;        // whether it has just taken control
 } WgCharge;
 
 typedef struct WgAction {
     WgWheels wheels;
-    int64_t behaviour; // in charge afterwards
+    int64_t behaviour;  // in control afterwards
     int64_t ticks;     // its counter
 } WgAction;
 
-// Lets a behaviour take control, asked in the order drive, seek, collide, if the reading lets it.
+// Lets a behaviour take control, asked in the order drive, seek, collide, if the reading allows it.
 //
 // reading:        of the arbiter.
-// behaviour:      in charge so far; ticks: its counter.
-// collision:      whether the last move met a wall.
-// at_signal:      whether the target heading already is the signal's direction.
-// collide_ticks:  counter that collide starts with; drive_ticks: the one of drive.
+// behaviour:      in control so far;
+// ticks:          its counter.
+// collision:      whether the last move hit a wall.
+// at_signal:      whether the target heading is already the signal's direction.
+// collide_ticks:  initial counter of collide;
+// drive_ticks:    that of drive.
 //
 // If collide takes control, the caller remembers the speed, stops, and sets the target heading by
 // its rule.
@@ -88,11 +90,13 @@ static inline WgCharge wg_select_behaviour(int64_t reading, int64_t behaviour, i
     return at_signal ? drive : seek;
 }
 
-// Lets the behaviour in charge act.
+// Lets the controlling behaviour act.
 //
 // behaviour:  WG_COLLIDE, WG_SEEK (the caller has made the signal's direction its target) or
-// WG_DRIVE. ticks:      its counter. collision:  whether the last move met a wall. turned: whether
-// the robot points along its target heading.
+//             WG_DRIVE.
+// ticks:      its counter.
+// collision:  whether the last move hit a wall.
+// turned:     whether the robot points along its target heading.
 static inline WgAction wg_run_behaviour(int64_t behaviour, int64_t ticks, bool collision,
                                         bool turned)
 {

@@ -1,7 +1,7 @@
-// Whole runs of the thesis's robot.
+// Complete runs of the thesis's robot.
 //
-// A tick: events that are due, then the move and the behaviours (thesis_tick.c), then what they led
-// to.
+// A tick consists of due events, then the move and the behaviours (thesis_tick.c), then their
+// consequences.
 //
 // Source: the thesis's listing, simGuiExp.actionPerformed.
 
@@ -17,7 +17,7 @@
 static const uint64_t HASH_START = 1469598103934665603u;
 static const uint64_t HASH_PRIME = 1099511628211u;
 
-// A robot that has arrived is in the cell whose signal is this.
+// A robot that has arrived is in the cell with this signal.
 enum { TARGET_VALUE = 0 };
 
 void wg_thesis_begin(WgThesisRun *run, double x, double y, double heading, double speed)
@@ -84,7 +84,7 @@ static void record(const WgThesisState *state, WgThesisRow *row)
     };
 }
 
-// Ends the run if its state has been there before, and a recurrence is looked for here.
+// Ends the run if its state has occurred before, and this is where recurrences are checked.
 static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, WgSearch *search,
                           int64_t quiet)
 {
@@ -124,7 +124,7 @@ static bool tick(const ThesisGrid *grid, const WgThesisArena *arena,
     int64_t touched = run->state.collision;
     ThesisPoint before;
     if (settings->rule == WG_RULE_RANDOM && run->state.draws_used >= draw_count) {
-        // The tick may need the draw that is not there: then it has not happened.
+        // The tick may need the missing draw: then it has not happened.
         const WgThesisState state = run->state;
         if (!thesis_tick(grid, settings, draws, draw_count, &run->state, step, &before)) {
             run->state = state;
@@ -152,7 +152,7 @@ static bool is_share(double value)
     return value >= 0.0 && value <= 1.0;
 }
 
-// Whether the robot's numbers are such that every tick ends and no whole number overflows.
+// Returns whether the robot's numbers guarantee that every tick ends and no integer overflows.
 static bool robot_is_sound(const WgThesisSettings *settings)
 {
     const int64_t most = (int64_t)1 << 40;
@@ -166,7 +166,7 @@ static bool robot_is_sound(const WgThesisSettings *settings)
     return rule && counters && turns && shares && forces && settings->steps <= most;
 }
 
-// The same of the state that a run begins with.
+// The same for a run's initial state.
 static bool state_is_sound(const WgThesisSettings *settings, const WgThesisState *state)
 {
     const double farthest = 1e6; // px in a tick, and rad

@@ -1,10 +1,10 @@
-// What a tick of the thesis's robot is judged by: walls and flames that it touches, paths through
-// walls, new cells.
+// Judges a tick of the thesis's robot: walls and flames that it touches, paths through walls, new
+// cells.
 
 #include "thesis_judge.h"
 
 static const double LEAST_CROSSING =
-    1e-6; // px; a shorter path through a wall is rounding that no checker could confirm
+    1e-6;  // px; a shorter path through a wall is rounding error that no checker could confirm
 
 // Distance from a point to a cell, px; 0 inside.
 static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
@@ -18,7 +18,7 @@ static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
     return sqrt(dx * dx + dy * dy);
 }
 
-// Whether the disc cuts a wall by more than rounding.
+// Returns whether the disc cuts a wall by more than rounding.
 static bool overlaps(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t own_x = thesis_cell_of(centre.x);
@@ -36,7 +36,7 @@ static bool overlaps(const ThesisGrid *grid, ThesisPoint centre, double radius)
     return false;
 }
 
-// Ends the run in a flame, or under debris, of a cell.
+// Ends the run in the flame, or under the debris, of a cell.
 static void burn(WgThesisRun *run, int64_t step, int64_t x, int64_t y, int64_t state)
 {
     run->ending = WG_BURNED;
@@ -104,8 +104,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     WgThesisPlace deepest = deepest_cut(grid, settings->radius, run, step, &depth);
     run->deepest = wg_higher(run->deepest, depth);
 
-    // An overlap begins with the move that let the robot in. What overlaps before a wall changed
-    // that move, a corner let in.
+    // An overlap begins with the move that let the robot in. If the move was not changed by a wall,
+    // a corner let it in.
     if (depth <= LEAST_CROSSING) {
         run->overlap_began = -1;
     } else if (run->overlap_began < 0) {
@@ -118,7 +118,7 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
         run->overlap = deepest;
     }
 
-    // The centre's own cell: a wall, or new.
+    // The centre's own cell: a wall, or newly visited.
     int64_t own_x = thesis_cell_of(run->state.x);
     int64_t own_y = thesis_cell_of(run->state.y);
     if (thesis_value(grid, own_x, own_y) == WG_THESIS_WALL && run->in_wall.step < 0) {
@@ -132,8 +132,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     }
 }
 
-// Narrows [enter, leave], shares of a path, to where it is between two edges of a cell; false if it
-// never is.
+// Narrows [enter, leave], shares of a path, to the part between two edges of a cell; false if there
+// is none.
 //
 // low: the first edge from the path's start, px; along: length of the path on this axis, px.
 static bool clip(double low, double along, double *enter, double *leave)

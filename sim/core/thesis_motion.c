@@ -1,20 +1,20 @@
 // The thesis's motion: forward in steps of one pixel until something is touched, with its three
 // faults.
 //
-// It slides along a wall after looking at one cell only, backs off without looking, and continues
-// where only the corner of a cell is touched; so a robot that turns often works itself into walls
-// and through them. Each fault can be repaired; with all three repaired the disc only ever stands
-// where it was found clear.
+// It slides along a wall after looking at only one cell, backs off without looking, and continues
+// if only the corner of a cell is touched; so a robot that turns often works its way into walls and
+// through them. Each fault can be repaired; with all three repaired, the disc only ever stands
+// where it was found to be clear.
 //
 // Source: the thesis's listing, simGuiExp.checkCollision and advanceRobot; the disc test is Java's
 // Ellipse2D.intersects.
 
 #include "thesis_parts.h"
 
-static const double MOST_OPEN = 60.0; // px: side of the largest box that is looked at before a move
+static const double MOST_OPEN = 60.0;  // px: side of the largest box that is checked before a move
 
-// What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both,
-// would touch; or only the corner of a cell. TOUCH_BOTH is the sum of the two before it.
+// What one pixel's step hits: nothing; a wall that one of the two single-axis moves, or both, would
+// touch too; or only the corner of a cell. TOUCH_BOTH is the sum of the two before it.
 enum { TOUCH_NOTHING = 0, TOUCH_X = 1, TOUCH_Y = 2, TOUCH_BOTH = 3, TOUCH_CORNER = 4 };
 
 // Distance along one axis from the disc's centre to a cell, in the ellipse's own coordinates, where
@@ -30,7 +30,7 @@ static inline double near_on_axis(double place, double radius, int64_t cell)
     return high < 0.0 ? high : 0.0;
 }
 
-// Whether the open disc meets the cell.
+// Returns whether the open disc meets the cell.
 static inline bool touches_cell(ThesisPoint centre, double radius, int64_t cell_x, int64_t cell_y)
 {
     double near_x = near_on_axis(centre.x, radius, cell_x);
@@ -38,7 +38,7 @@ static inline bool touches_cell(ThesisPoint centre, double radius, int64_t cell_
     return near_x * near_x + near_y * near_y < 0.25;
 }
 
-// What one pixel's step meets: the first wall that a single-axis part of it touches.
+// What one pixel's step hits: the first wall that a single-axis part of it touches.
 //
 // Rows outside the grid are skipped, where the listing leaves its loop: the same inside a border of
 // walls.
@@ -75,7 +75,7 @@ static int contact(const ThesisGrid *grid, ThesisPoint next, ThesisPoint here, d
     return found;
 }
 
-// Whether the disc touches no wall.
+// Returns whether the disc touches no wall.
 static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t centre_x = thesis_cell_of(centre.x);
@@ -93,11 +93,11 @@ static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
     return true;
 }
 
-// Whether a move meets no wall and no edge of the grid, judged by the box around it: then none of its
-// steps needs a look, and a tick of the recorded vectors takes 59 ns, not 68.
+// Returns whether a move hits no wall and no edge of the grid, judged by the box around it: then
+// none of its steps needs a check, and a tick of the recorded vectors takes 59 ns instead of 68.
 static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double radius)
 {
-    const double margin = 0.5; // px, far more than rounding adds up to in such a move
+    const double margin = 0.5;  // px, far more than the rounding errors of such a move add up to
     double around = radius + margin;
     double low_x = (path.x < 0.0 ? start.x + path.x : start.x) - around;
     double low_y = (path.y < 0.0 ? start.y + path.y : start.y) - around;
@@ -123,7 +123,7 @@ static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path,
 
 // Sets the centre after a pixel's step that meets a wall, and returns WG_SLIDE or WG_BACK_OFF.
 //
-// A slide continues along one axis, and one pixel's part back along the other.
+// A slide continues along one axis, and goes back along the other by one pixel's part.
 static int64_t meet_wall(const ThesisGrid *grid, ThesisPoint *here, ThesisPoint next,
                          ThesisPoint unit, double radius, int touched, int64_t repairs,
                          double wall_friction)
@@ -178,7 +178,7 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
                 collision = true;
                 break;
             }
-            // The sum of the steps so far is added to the start, as in the listing: its rounding
+            // As in the listing, the sum of the steps so far is added to the start: its rounding
             // decides where steps end.
             gone.x += unit.x;
             gone.y += unit.y;

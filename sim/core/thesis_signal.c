@@ -1,7 +1,8 @@
 // The thesis's light: the noise filter, and how the robot reads the signal.
 //
-// What its author left to be done is here too: a sensor that looks one way only, or errs; walls
-// that weaken or end the light behind them; a robot whose own map is coarser than the world.
+// It also has the features that its author proposed for later: a sensor that looks in one direction
+// only, or errs; walls that weaken or block the light behind them; a robot with a coarser map than
+// the world.
 //
 // Source: the thesis's listing, simWorldCreator.noiseMapGen, simGuiExp.scanMultipleCells and
 // calcHeading.
@@ -11,10 +12,10 @@
 #include "thesis_parts.h"
 
 static const double DARK =
-    1073741824.0; // 2^30, what is read where no light comes: weaker than any signal
+    1073741824.0;  // 2^30, the reading where no light arrives: weaker than any signal
 
 enum {
-    MOST_HALVINGS = 30, // walls that weaken; behind more it is as dark
+    MOST_HALVINGS = 30,  // walls that weaken the light; behind more of them it is equally dark
     NOISE_REACH = 2,    // cells around a wall whose signal the filter changes
 };
 
@@ -42,7 +43,8 @@ WgStatus wg_thesis_add_noise(int32_t *cells, const int32_t *light, int64_t width
                     if (cells[cell] <= 0) {
                         continue;
                     }
-                    // The undisturbed value is multiplied, so the last wall to see a cell decides.
+                    // The undisturbed value is multiplied, so the last wall that sees a cell
+                    // decides.
                     double factor = cells[cell] > at_wall ? 1.5 : 0.9;
                     int32_t value = (int32_t)(factor * light[cell]);
                     if (factor > 1.0 || value != 0) {
@@ -106,10 +108,10 @@ static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
     return best;
 }
 
-// Walls between two cells' centres, the two cells left out.
+// Number of walls between two cells' centres, without the two cells.
 //
 // John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics
-// 1987; here in whole numbers.
+// 1987; here in integers.
 static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
 {
     int64_t path_x = to.x > from.x ? to.x - from.x : from.x - to.x;
@@ -137,7 +139,7 @@ static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
     return walls;
 }
 
-// Signal of a cell as it comes through the walls; below 0 where there is none.
+// Signal of a cell after passing the walls; below 0 if there is none.
 static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings)
 {
     double value = thesis_value(grid, cell.x, cell.y);
@@ -175,7 +177,7 @@ static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesi
     return best;
 }
 
-// What the sensor reads of a cell, or of a block of the robot's map.
+// The sensor's reading of a cell, or of a block of the robot's map.
 static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings,
                             int64_t scale, int64_t draw)
 {
@@ -187,7 +189,7 @@ static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSet
     return value;
 }
 
-// Whether a place is in the sensor's field of view.
+// Returns whether a place is in the sensor's field of view.
 static bool in_field(double dx, double dy, double looking, double field)
 {
     if (field == 0.0) {
@@ -198,8 +200,8 @@ static bool in_field(double dx, double dy, double looking, double field)
     return (around < off ? around : off) <= field / 2.0;
 }
 
-// Cell, or block of `scale` cells, with the best reading in reach; the first of equals, the own one
-// before all.
+// Cell, or block of `scale` cells, with the best reading in reach; the first of equals, its own
+// before all others.
 static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
                     double looking, int64_t step, int64_t scale)
 {
@@ -241,7 +243,7 @@ double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, d
     if (plain) {
         return bearing_to(brightest(grid, x, y, settings->sense), THESIS_CELL, x, y);
     }
-    // In the block that is best already the robot goes by single cells.
+    // Within the best block, the robot uses single cells.
     if (settings->map_scale > 1) {
         Cell block = best_of(grid, settings, x, y, looking, step, settings->map_scale);
         double side = THESIS_CELL * (double)settings->map_scale;

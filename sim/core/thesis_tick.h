@@ -1,5 +1,5 @@
 // A tick of the thesis's robot: the move at the present speed, then the arbiter, whose turn takes
-// effect at once and whose speed drives the next tick.
+// effect immediately and whose speed drives the next tick.
 //
 // Source: the thesis's listing, robot.update, robot.turnS and the three behaviours.
 
@@ -31,8 +31,8 @@ static inline double thesis_turn(double heading, double target)
     return thesis_wrap(turned);
 }
 
-// The speed at which the robot rolls in this tick: inertia and friction keep it from the one that
-// it wants.
+// The speed at which the robot rolls in this tick: inertia and friction keep it from the wanted
+// speed.
 static inline double thesis_rolling(const WgThesisSettings *settings, double rolling, double wanted)
 {
     if (rolling < wanted) {
@@ -73,7 +73,7 @@ static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSet
     WgThesisMove move = thesis_advance(grid, state->x, state->y, goal_x, goal_y, settings->radius,
                                        settings->repairs, settings->wall_friction);
 
-    // Only a robot with inertia or friction remembers what a wall did to its speed.
+    // Only a robot with inertia or friction remembers a wall's effect on its speed.
     bool has_forces = settings->acceleration > 0.0 || settings->friction > 0.0;
     if (move.collision != 0 && has_forces) {
         state->rolling = move.ending == WG_SLIDE ? rolling * (1.0 - settings->wall_friction) : 0.0;
@@ -81,8 +81,8 @@ static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSet
     return move;
 }
 
-// Lets the behaviour in charge act: changes the headings, the speed, who is in charge then, and its
-// counter.
+// Lets the controlling behaviour act: changes the headings, the speed, the behaviour in control,
+// and its counter.
 static inline void thesis_act(WgThesisState *state, double signal, double top_speed)
 {
     if (state->behaviour == WG_SEEK) {
@@ -116,8 +116,7 @@ static inline void thesis_act(WgThesisState *state, double signal, double top_sp
 static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState *state,
                                  const double *draws)
 {
-    // A robot that rolls out, or is interrupted while it turns, still wants the speed that it had
-    // before that.
+    // A robot that is coasting, or is interrupted while it turns, still wants its previous speed.
     if (state->speed > 0.0 ||
         (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
         state->old_speed = state->speed;
@@ -137,7 +136,7 @@ static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState
 // draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
 // before:  gets the centre before a wall changed the move.
 //
-// Returns false if the tick needs a draw and none is left; then the state is of no use.
+// Returns false if the tick needs a draw and none is left; then the state is unusable.
 static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *settings,
                                const double *draws, int64_t draw_count, WgThesisState *state,
                                int64_t step, ThesisPoint *before)
@@ -155,13 +154,13 @@ static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *s
     bool collision = move.collision != 0;
     *before = (ThesisPoint){move.before_x, move.before_y};
 
-    // Sense, where a behaviour can ask for it.
+    // Sense, if a behaviour can ask for it.
     double signal = 0.0;
     if (old == WG_SEEK || (!collision && (old == WG_IDLE || reading >= WG_A2))) {
         signal = thesis_sensed(grid, settings, state->x, state->y, state->heading, step);
     }
 
-    // Some readings act before they look who is next.
+    // Some readings act before they select the next behaviour.
     if (old != WG_IDLE && (reading == WG_A2 || reading == WG_A3)) {
         state->active = old;
         thesis_act(state, signal, settings->speed);

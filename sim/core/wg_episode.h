@@ -1,8 +1,9 @@
-// Episodes on the pose lattice: one robot and its controller, from the start until something is decided.
+// Episodes on the pose lattice: one robot and its controller, from the start until the outcome is
+// decided.
 //
-// An episode is resumable: it runs in portions, or step by step for a controller that is not a C function. Everything
-// that it works with is allocated by wg_episode_new and freed by wg_episode_free; the arena and the settings stay the
-// caller's and must live as long.
+// An episode is resumable: it runs in portions, or step by step for a controller that isn't a C
+// function. wg_episode_new allocates all its working memory and wg_episode_free frees it; the arena
+// and the settings remain the caller's and must live as long.
 
 #ifndef WG_EPISODE_H
 #define WG_EPISODE_H
@@ -11,31 +12,31 @@
 
 #include "wg_sim.h"
 
-// The corners that one move may add to the path of a step, the end of a wait included.
+// The corners that one move may add to the path of a step, including the end of a wait.
 enum { WG_MOST_CORNERS = 4 };
 
-// What wg_episode_run and wg_episode_step come back with.
+// Return values of wg_episode_run and wg_episode_step.
 enum {
-    WG_GOES_ON = 0,  // so many steps are done, and nothing is decided
-    WG_OVER = 1,     // WgReport.ending says why; also when the budget is spent
-    WG_ACTS = 2,     // the controller is to act: of wg_episode_step only
+    WG_GOES_ON = 0,  // the steps are done, and nothing is decided
+    WG_OVER = 1,     // WgReport.ending gives the reason; also when the budget is spent
+    WG_ACTS = 2,     // the controller is to act: only from wg_episode_step
 };
 
-// A controller over flat arrays, as numba compiles it: the first 17 numbers of an observation, then its beams; the
-// memory; and speed, turn rate and whether the random number was used, all zero. Anything but 0 means that it failed:
-// the run ends as WG_CRASH.
+// A controller over flat arrays, as compiled by numba. It takes the first 17 numbers of an
+// observation, then its beams; the memory; and speed, turn rate and whether the random number was
+// used, all zero. A nonzero result means that it failed: the run ends as WG_CRASH.
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
-// Who drives. With neither function, the episode stops wherever the controller is to act.
+// The controller. With neither function, the episode stops whenever the controller is to act.
 typedef struct WgController {
     WgAct act;
-    WgFlatAct flat;        // used where act is NULL
-    const double *memory;  // (memory_size,) at reset; may be NULL where there is none
+    WgFlatAct flat;        // used if act is NULL
+    const double *memory;  // (memory_size,) at reset; may be NULL if there is none
     int64_t memory_size;
 } WgController;
 
-// The complete state, with the controller's memory: what a recurrence repeats, word by word.
+// The complete state, with the controller's memory: what a recurrence must repeat, word by word.
 typedef struct WgBody {
     WgState state;
     double memory[];
@@ -48,7 +49,7 @@ typedef struct WgOdometry {
     double heading;  // heading units
 } WgOdometry;
 
-// A robot, and what the last step made of it.
+// A robot, and the result of its last step.
 typedef struct WgRobot {
     WgBody *body;
     WgOdometry odometry;
@@ -56,14 +57,15 @@ typedef struct WgRobot {
     int64_t corners;     // how many
     WgNormal contact;    // of the last step
     int64_t touched;     // 1 if the step before touched a wall
-    int64_t next_event;  // index of the first event that has not happened
+    int64_t next_event;  // index of the first event that is still to come
     WgReport report;
 } WgRobot;
 
-// What passes between the robot and its controller.
+// Data exchanged between the robot and its controller.
 //
-// A controller outside the core finds the observation in `flat`. It changes `command` and its memory, or writes both
-// into `answer`: 1, speed, turn rate, whether it used the random number, memory.
+// A controller outside the core finds the observation in `flat`. It changes `command` and its
+// memory, or writes both into `answer`: 1, speed, turn rate, whether it used the random number,
+// memory.
 typedef struct WgWorkspace {
     WgObservation observation;
     WgCommand command;
@@ -72,7 +74,7 @@ typedef struct WgWorkspace {
     double *answer;  // (4 + memory,)
 } WgWorkspace;
 
-// What the search for a recurrence works with: see recurrence.h.
+// Data of the search for a recurrence: see recurrence.h.
 typedef struct WgSearch {
     uint64_t *log;     // (log_size,) fingerprint of the state after each step
     int64_t log_size;
@@ -82,7 +84,7 @@ typedef struct WgSearch {
     int64_t next;      // the step whose state is looked up next
 } WgSearch;
 
-// Where the steps of an episode are written, if anywhere.
+// Where the steps of an episode are recorded, if anywhere.
 typedef struct WgRecording {
     int64_t *rows;        // (row_count, 1 + words): whether a wall was touched, then the state
     int64_t row_count;
@@ -101,45 +103,48 @@ typedef struct WgEpisode {
     WgSearch search;
     WgRecording recording;
     int64_t step;    // steps done
-    int64_t quiet;   // step of the last event: states before it prove nothing
+    int64_t quiet;   // step of the last event: earlier states prove nothing
     int64_t waits;   // 1 while the controller is to act
     int64_t over;    // 1 when the episode has ended
 } WgEpisode;
 
-// Makes an episode. Sizes are taken from the arguments: the controller's memory, settings->beams, the most events of a
-// step. `log_steps` is the longest run in which a recurrence is searched; 0 for none.
+// Creates an episode. Sizes are taken from the arguments: the controller's memory, settings->beams,
+// the most events of a step. `log_steps` is the longest run in which a recurrence is searched; 0
+// for none.
 WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                         int64_t log_steps, WgEpisode **made);
 
 void wg_episode_free(WgEpisode *episode);
 
-// The same in memory of the caller's, such as another process shares: first the bytes of a block that is all zero,
-// then those of the log, which may hold anything.
+// The same in memory of the caller's, which another process may share: first the bytes of a block
+// that is all zero, then those of the log, which may contain anything.
 WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, const WgController *controller,
                           int64_t log_steps, int64_t sizes[2]);
 
-// Makes an episode in two such blocks; NULL if a size is out of its range. Nothing of it is to be freed.
+// Creates an episode in two such blocks; NULL if a size is out of its range. Nothing of it needs to
+// be freed.
 WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
                             const WgController *controller, int64_t log_steps);
 
-// Ends an episode as a crash of its controller, in the step in which it was to act last.
+// Ends an episode as a crash of its controller, in the step in which the controller was last to
+// act.
 void wg_episode_fail(WgEpisode *episode, const char *error);
 
-// Puts the robot at its start, its memory at reset. The arena must be as it is before the first event.
+// Puts the robot at its start, its memory reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);
 
-// Writes steps from the next one on into a recording, `rows` of them, and their path.
+// Records `rows` steps from the next one on, and their path.
 WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
                            int64_t path_size);
 
-// Runs at most so many steps.
+// Runs at most this many steps.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
-// For a controller that is not a C function. Takes its answer, if it was to act; then runs until it is to act again,
-// WG_ACTS, or the episode ends, WG_OVER.
+// For a controller that isn't a C function. Takes its answer, if it was to act; then runs until it
+// is to act again, WG_ACTS, or the episode ends, WG_OVER.
 int64_t wg_episode_step(WgEpisode *episode);
 
-// The first step from which on the states repeat, of an episode that has ended as WG_LOOP; else -1.
+// The first step from which the states repeat, for an episode that ended as WG_LOOP; otherwise -1.
 int64_t wg_episode_entry(const WgEpisode *episode);
 
 #endif

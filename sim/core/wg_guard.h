@@ -1,9 +1,10 @@
-// Calls of the core in another process, so that a controller that crashes or hangs ends a run and not the program.
+// Calls of the core in another process, so that a controller that crashes or hangs ends a run and
+// not the program.
 //
-// wg_guard_start forks a process that waits for a byte, makes the call that stands in shared memory, and answers with a
-// byte. Whatever a call works on is in memory that both processes share, so when the process dies in the middle, the
-// owner finds everything as it was when the controller was asked, and can say in which step of which run that was.
-// Not on Windows.
+// wg_guard_start forks a process that waits for a byte, makes the call described in shared memory,
+// and answers with a byte. Everything a call works on is in memory that both processes share, so
+// when the process dies in the middle, the owner finds everything as it was when the controller was
+// asked, and can report the step and the run. Not on Windows.
 
 #ifndef WG_GUARD_H
 #define WG_GUARD_H
@@ -14,7 +15,7 @@
 
 enum {
     WG_CALL_OBJECTS = 8,
-    WG_LONGEST_ERROR = 256,  // bytes of what a controller says is wrong, with the zero at its end
+    WG_LONGEST_ERROR = 256,  // bytes of a controller's error message, with its terminating zero
 };
 
 typedef struct WgCall WgCall;
@@ -24,19 +25,19 @@ typedef int64_t (*WgWork)(const WgCall *call);
 
 struct WgCall {
     WgWork work;
-    void *objects[8];        // the pointers that the function takes, in their order
+    void *objects[8];        // the function's pointer arguments, in order
     int64_t number;          // the number that it takes
     const WgReport *report;  // of the run under way; NULL: there is none
     int64_t result;          // filled: what the function returns
-    int64_t has_error;       // filled: 1 if the last run's controller said what is wrong
-    char error[256];         // filled: this
+    int64_t has_error;       // filled: 1 if the last run's controller left a message
+    char error[256];         // filled: the message
 };
 
-// Forks the process that makes the calls, which ends with its owner: it reads from `asked`, and writes to `answered`.
-// Returns its number; -1 if there is none.
+// Forks the process that makes the calls, which ends with its owner: it reads from `asked`, and
+// writes to `answered`. Returns its number; -1 if there is none.
 int64_t wg_guard_start(WgCall *call, int asked, int answered);
 
-// Processor time of a process, s; -1 where the system does not say.
+// Processor time of a process, s; -1 if the system does not report it.
 double wg_guard_seconds(int64_t process);
 
 // The functions that can be called.

@@ -1,8 +1,8 @@
-// Episodes of many robots in lockstep whose commands come from outside, as environments for reinforcement learning have
-// them: act, move, sense, reward, and begin again, in one call.
+// Episodes of many robots in lockstep whose commands come from outside, as in environments for
+// reinforcement learning: act, move, sense, reward, and begin again, in one call.
 //
-// Each robot's steps are those of a controller in an episode: a first move before anything was sensed, at a stand; then,
-// in turns, the command and the next move. Arrays belong to the caller.
+// Each robot's steps are those of a controller in an episode: a first move at standstill before
+// anything is sensed, then alternating commands and moves. Arrays belong to the caller.
 
 #ifndef WG_NAVIGATE_H
 #define WG_NAVIGATE_H
@@ -12,7 +12,7 @@
 #include "wg_episode.h"
 #include "wg_sim.h"
 
-// What an environment shows of the senses, in its own order.
+// The senses that an environment shows, in its own order.
 enum {
     WG_SHOW_BUMP = 0,
     WG_SHOW_BUMP_DIRECTION = 1,
@@ -26,15 +26,16 @@ enum {
     WG_SHOW_BEAMS = 9,
 };
 
-// When the next episode begins: in the step after the last one, in the same step, or when the caller says so.
+// When the next episode begins: in the step after the last one, in the same step, or when the
+// caller asks.
 enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
-// What decides numbers of observations, commands and rewards.
+// Constants for the numbers of observations, commands and rewards.
 typedef struct WgRules {
     double extent;      // m: what counts as 1 in distances
     double beam_range;  // m: what counts as 1 in range beams
     double turn_rate;   // rad/s: what counts as 1 in actions
-    double slowest;     // share of the top speed: the least that an action may ask for
+    double slowest;     // share of the top speed: the least that an action may request
     double progress;    // reward for a metre nearer to the target
     double time;        // for a second
     double contact;     // for a step in which a wall stopped or bent the move
@@ -44,7 +45,7 @@ typedef struct WgRules {
     int64_t autoreset;  // WG_NEXT_STEP, ...
 } WgRules;
 
-// A world that robots may be in.
+// A world for robots.
 typedef struct WgPlace {
     WgArena arena;        // before its first event; not changed
     WgSettings settings;  // the seed is each robot's own
@@ -52,7 +53,7 @@ typedef struct WgPlace {
                           // half a cell, infinite if there is none; NULL: distances are straight
 } WgPlace;
 
-// n robots, and what all of them share.
+// n robots, and what they share.
 typedef struct WgCrew {
     int64_t count;
     const WgRules *rules;
@@ -64,7 +65,7 @@ typedef struct WgCrew {
     WgPlace *places;
     int64_t place_count;
     WgWorkspace workspace;
-    uint8_t *cells;           // (count, page) where worlds change: each robot's own; else NULL
+    uint8_t *cells;           // (count, page) if worlds change: each robot's own; else NULL
     int32_t *near;            // same
     int64_t page;             // cells of the largest world
     WgRobot *robots;          // (count,) without memories
@@ -78,7 +79,7 @@ typedef struct WgCrew {
     uint8_t *over;            // (count,) 1 if the episode has ended
 } WgCrew;
 
-// What a step says of each robot.
+// The results of a step for each robot.
 typedef struct WgTold {
     float *observation;   // (count, size)
     double *reward;       // (count,)
@@ -90,10 +91,10 @@ typedef struct WgTold {
                           // step; only for WG_SAME_STEP
 } WgTold;
 
-// Fills an environment's observation: what the sensors show of the simulator's. Fills (size,).
+// Fills an environment's observation, (size,), with the simulator's senses that it shows.
 void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_count, const WgRules *rules, float *shown);
 
-// Which of so many worlds an episode is in.
+// Which of the worlds an episode is in.
 int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count);
 
 // Seed of an episode's run, from which noise is drawn: 53 bits.
@@ -105,8 +106,9 @@ void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
 // Puts a robot at the start of its episode in a world, and observes: (size,).
 void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observation);
 
-// The same for each robot of which `which` (count,) is not 0, in the world that its seed chooses. Seeds and numbers of
-// episodes are as they shall be. Their rows of (count, size) observations are filled.
+// The same for each robot whose entry in `which` (count,) isn't 0, in the world that its seed
+// chooses. Seeds and episode numbers must be set. Their rows of (count, size) observations are
+// filled.
 void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations);
 
 // One action of each robot: (count,) discrete ones, or (count, 2) continuous ones; the other is NULL.

@@ -1,5 +1,5 @@
-// What a step on the lattice is made of, and the tables that it looks up: for the tests, and for those who need one part
-// alone. Sizes are the caller's promise here: sim/lattice_parts.py checks them.
+// The parts of a step on the lattice, and the tables it looks up, for tests and for callers that
+// need one part alone. Sizes are not checked here: sim/lattice_parts.py checks them.
 //
 // Coordinates are lattice units. Cells outside the grid are solid.
 
@@ -36,7 +36,7 @@ typedef struct WgVector {
     int64_t y;
 } WgVector;
 
-// A cell that was looked for.
+// A cell found by a search.
 typedef struct WgFound {
     bool found;
     int64_t ix;
@@ -51,25 +51,28 @@ typedef struct WgMoved {
 
 // geometry.c
 
-// Fills `near` with the cells that are not free among the 25 around each cell: bits in rows from the lowest.
+// Fills `near` with the cells that are not free among the 25 around each cell: bits in rows from
+// the lowest.
 void wg_near_masks(WgGrid grid, int32_t *near);
 
-// Notes in the masks of the cells around what a cell is now.
+// Updates the masks of the cells around a cell with its new state.
 void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
 
 // Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
 //
-// A point in a cell with distance D is at least D - 1 cells away from every such cell, so most steps need no test of
-// their path. Two passes: Rosenfeld and Pfaltz, "Sequential operations in digital picture processing" (1966).
+// A point in a cell with distance D is at least D - 1 cells away from every such cell, so most
+// steps need no test of their path. It takes two passes: Rosenfeld and Pfaltz, "Sequential
+// operations in digital picture processing" (1966).
 void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
 
-// Whether the disc at (x, y) is clear of every cell in `state`.
+// Returns whether the disc at (x, y) is clear of every cell in `state`.
 bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y);
 
-// The first cell in `state`, in order of rows, that the disc cuts along a segment whose first end is taken as clear.
+// The first cell in `state`, in row order, that the disc cuts along a segment whose first end is
+// taken to be clear.
 WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
 
-// Whether a segment, or a point where p = q, meets the open inside of a cell.
+// Returns whether a segment, or a point if p = q, meets the open inside of a cell.
 bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
 
 // How deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell counts as the
@@ -87,8 +90,8 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);
 
-// Moves a disc if it is clear where the move ends, else not at all. What lies between is not looked at, as in most small
-// simulators: a fast robot passes through walls.
+// Moves a disc if it is clear at the end of the move, otherwise not at all. What lies between is
+// ignored, as in most small simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
 
 // rays.c
@@ -103,11 +106,12 @@ WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chai
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t y, int64_t heading, double longest);
 
-// How many solid cells the straight line between two places goes through, its ends' cells not counted.
+// Number of solid cells that the straight line between two places passes through, without its ends'
+// cells.
 int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y);
 
-// How many cells of the straight line between two places are in smoke, its ends' cells counted. Smoke fills as many
-// cells around a burning one as `reach` says.
+// Number of cells on the straight line between two places that are in smoke, including its ends'
+// cells. Smoke fills `reach` cells around a burning one.
 int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y, int64_t reach);
 
 // beams.c: tables that range beams look up in a world that does not change
@@ -115,11 +119,13 @@ int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int
 // Fills (8193,): the directions of the first eighth of a turn.
 void wg_ray_table(const int64_t *headings, WgRay *rays);
 
-// Fills (beams,): where each beam points, from the robot's heading. It saves a tenth of a beam's time.
+// Fills (beams,): the direction of each beam, relative to the robot's heading. It saves a tenth of
+// a beam's time.
 void wg_beam_spread(int64_t beams, double field, int64_t *spread);
 
-// Fills (height + 2, width + 2, 4): how many cells that are not solid follow each other from a cell on, itself counted,
-// to the right, to the left, upwards and downwards; a ring of zeros is around the grid. No side may be above 65535.
+// Fills (height + 2, width + 2, 4): the number of consecutive cells, starting with this one, that
+// are not solid, to the right, to the left, upwards and downwards; a ring of zeros surrounds the
+// grid. No side may be above 65535.
 WgStatus wg_free_runs(WgGrid grid, uint16_t *runs);
 
 // sense.c
@@ -134,14 +140,16 @@ int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 
 // Heading to the strongest of the nine cells around the robot: to its centre, or to the target in it.
 //
-// The thesis's sensor: a cell's strength falls with the squared distance of its centre from the target (the target's own
-// cell is the strongest), walls and flames carry none, and the first of equals wins, rows from the top, columns from
-// the left. In the thesis the target is a cell's centre; here it may be anywhere.
+// This is the thesis's sensor: a cell's strength falls with the squared distance of its centre from
+// the target (the target's own cell is the strongest), walls and flames carry none, and the first
+// of equals wins, rows from the top, columns from the left. In the thesis the target is a cell's
+// centre; here it may be anywhere.
 int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
 
 // sure_way.c
 
-// Whether a flood over half cells gets from the start into the target's disc. False shows nothing.
+// Returns whether a flood over half cells gets from the start into the target's disc. False proves
+// nothing.
 //
 // grid:       WG_SOLID where the robot never goes.
 // way:        p is the start, q the target.
@@ -154,7 +162,8 @@ bool wg_surely_reaches(WgGrid grid, WgDisc disc, WgSegment way, int64_t within_s
 // Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
 WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance);
 
-// Whether the masks of an arena show that no cell in the box around a disc's path is taken; false shows nothing.
+// Returns whether the masks of an arena show that every cell in the box around a disc's path is
+// free; false proves nothing.
 bool wg_box_of_path_is_free(const WgArena *arena, int64_t reach, WgSegment way);
 
 // Draw number `index`, from 0, of the stream of a seed, in [0, 1).
@@ -163,7 +172,7 @@ double wg_draw_of_stream(uint64_t seed, int64_t index);
 // World heading of a beam.
 int64_t wg_heading_of_beam(int64_t heading, int64_t beam, int64_t beams, double field);
 
-// Fills the senses that WgSettings.senses names, and those that are always there; not the constants.
+// Fills the senses in WgSettings.senses, and those that are always there; not the constants.
 //
 // contact:  normal of the robot's last contact.
 // step:     its number.

@@ -1,4 +1,4 @@
-// Lets a controller act that is a Python object: the loop of an episode, through Python's stable ABI.
+// Runs a controller that is a Python object: the loop of an episode, through Python's stable ABI.
 
 #ifndef WG_PYTHON_ACT_H
 #define WG_PYTHON_ACT_H
@@ -13,18 +13,19 @@ typedef int64_t (*WgStop)(void *subject);
 // A run whose controller acts in Python.
 typedef struct WgActing {
     WgStop stop;
-    void *subject;       // what `stop` takes
-    WgEpisode *episode;  // in which the controller sees and answers
+    void *subject;       // argument of `stop`
+    WgEpisode *episode;  // buffers of the controller
     int64_t calls;       // of the controller so far
-    int64_t every;       // one call in so many is measured
+    int64_t every;       // one call in this many is measured
     int64_t over;        // 1 once `stop` has returned WG_OVER
 } WgActing;
 
 // wg_episode_step as a WgStop, of a WgEpisode.
 int64_t wg_episode_stop(void *subject);
 
-// Lets the controller act at most so many times, or until the run is over. Arguments and result are objects of
-// Python, so that the caller must hold Python's lock: call it by its address, as ctypes does with PYFUNCTYPE.
+// Lets the controller act at most this many times, or until the run is over. Arguments and result
+// are Python objects, so the caller must hold Python's lock: call it by its address, as ctypes does
+// with PYFUNCTYPE.
 //
 // tools:  a tuple of nine: the controller's function; the same measured, for the first call; the same measured, for
 //         one call in `every`; tuple.__new__; the types Observation, Command, tuple and float; and a function that

@@ -1,6 +1,8 @@
-// Many runs in one call: of one world from many starts, of edited copies of a world, of one step from many states.
+// Many runs in one call: of one world from many starts, of edited copies of a world, or of one step
+// from many states.
 //
-// Each takes an episode whose arena and settings are the caller's own; it changes them and leaves them changed.
+// Each takes an episode with the caller's own arena and settings; it changes them and leaves them
+// changed.
 
 #ifndef WG_RUNS_H
 #define WG_RUNS_H
@@ -19,7 +21,8 @@ typedef struct WgStart {
 
 // batch.c
 
-// Runs one controller in one world many times. A recurrence is counted up to the end of its first period, as proved.
+// Runs one controller in one world many times. A recurrence counts up to the end of its first
+// period, as if proved.
 //
 // fresh:     the surroundings before the first event; not changed.
 // settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
@@ -35,7 +38,7 @@ WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fr
 // What an edit does to the grid.
 enum {
     WG_FREE_BOX = 0,      // ix, iy, width, height: what is solid in this box of cells becomes free
-    WG_FREE_RUN = 1,      // first, count: so many of the solid cells, in order of rows
+    WG_FREE_RUN = 1,      // first, count: this many of the solid cells, in row order
     WG_FREE_RIM = 2,      // the outermost cells
     WG_DROP_ROWS = 3,     // first, count; what is above moves down
     WG_DROP_COLUMNS = 4,  // first, count; what is right of them moves left
@@ -53,15 +56,15 @@ typedef struct WgEdit {
 // WgWanted.ending for a run that ends as WG_LIMIT, WG_REACHED or WG_LOOP.
 enum { WG_ANY_ENDING = -1 };
 
-// What is asked of the edited worlds.
+// The requirements on the edited worlds.
 typedef struct WgWanted {
     int64_t ending;   // WG_LIMIT, ... or WG_ANY_ENDING
     int64_t overlap;  // 1: with an overlap; 0: without; -1: it does not matter
-    int64_t by_way;   // 1: the target is surely to be reached after an edit that moves cells
-    int64_t steps;    // after which to come back, even in the middle of a run, so that a clock or Ctrl-C is heard
+    int64_t by_way;   // 1: the target must certainly be reachable after an edit that moves cells
+    int64_t steps;    // steps after which to return, even in the middle of a run, so that Ctrl-C is noticed
 } WgWanted;
 
-// What was done.
+// The progress so far.
 typedef struct WgTried {
     int64_t next;     // index of the edit at which to go on
     int64_t runs;
@@ -69,8 +72,9 @@ typedef struct WgTried {
     int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
-// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that was not over after the
-// last call continues first, so nothing that the arguments point to may change in between.
+// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that
+// was not over after the last call continues first, so nothing that the arguments point to may
+// change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
 // before:    those of the world before the edit, with the start as the world says it.
@@ -81,17 +85,18 @@ WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSetting
 
 // outcomes.c
 
-// One step from each of many states. The world must not change, and nothing but the controller may draw numbers.
+// One step from each of many states. The world must not change, and only the controller may draw
+// random numbers.
 //
-// states:   (count, words) complete states; the number of draws is left out of account.
-// faces:    (count,) which value the random number has that is drawn next, from 0, of WgSettings.coin.
+// states:   (count, words) complete states; the number of draws is ignored.
+// faces:    (count,) index of the next random number's value, from 0, of WgSettings.coin.
 // after:    (count, words) filled; the number of draws is 0.
-// endings:  (count,) filled; WG_LIMIT where the run continues.
+// endings:  (count,) filled; WG_LIMIT if the run continues.
 // drew:     (count,) filled; 1 if the random number was used up.
 WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
                      int64_t *endings, int64_t *drew);
 
-// What a controller senses at each of many poses, of all that walls decide besides contact.
+// The senses of a controller at each of many poses, of those that walls determine, without contact.
 //
 // seen:  (count, 17 + beams) filled; 0 for what is not sensed.
 WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
@@ -110,8 +115,9 @@ WgStatus wg_lockstep_new(const WgArena *arenas, const WgSettings *settings, cons
 
 void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 
-// Applies the commands of the robots in the first slots, and runs each until it is to act again. Those that do move up
-// to the first slots, in their order; in the first call none has been asked yet.
+// Applies the commands of the robots in the first slots, and runs each until it is to act again.
+// Those that do move up to the first slots, in their order; in the first call no robot has acted
+// yet.
 //
 // slots:         (count,) episodes
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
@@ -123,7 +129,7 @@ void wg_lockstep_free(WgEpisode **episodes, int64_t count);
 int64_t wg_lockstep_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,
                       double *observations, double *memories);
 
-// Fills (count,) what each run reports, and where a loop with which it ended begins, else -1.
+// Fills (count,) each run's report, and where the loop that ended it begins, otherwise -1.
 void wg_lockstep_reports(WgEpisode *const *episodes, int64_t count, WgReport *reports, int64_t *entries);
 
 #endif

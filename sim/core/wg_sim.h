@@ -15,11 +15,11 @@ enum {
     WG_UNIT = 1024,         // lattice units per cell
     WG_UNIT_BITS = 10,
     WG_TURN = 65536,        // heading units per turn
-    WG_SPEED_UNIT = 65536,  // a speed of so many is one lattice unit per step
+    WG_SPEED_UNIT = 65536,  // speed of one lattice unit per step
     WG_NEAR = 2,            // how many cells a mask of WgArena.near looks to each side
 };
 
-// What a cell is now.
+// The state of a cell.
 enum { WG_FREE = 0, WG_SOLID = 1, WG_BURNING = 2 };
 
 // How an episode ends.
@@ -30,19 +30,19 @@ enum {
     WG_TUNNEL = 3,
     WG_BURNED = 4,
     WG_INVALID_COMMAND = 5,
-    WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither kept nor hashed
+    WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither recorded nor hashed
 };
 
 // Motion models on the lattice.
 enum { WG_SWEPT = 0, WG_ENDPOINT = 1 };
 
-// What walls do to the target's signal.
+// The effect of walls on the target's signal.
 enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
 
 // How a recurrence of the complete state ends an episode.
 enum {
-    WG_NO_LOOP = 0,     // not at all
-    WG_SEEK_LOOP = 1,   // when it is found, as late as in the last step of the budget
+    WG_NO_LOOP = 0,     // it is not searched
+    WG_SEEK_LOOP = 1,   // when it is found, in the last step of the budget at the latest
     WG_PROVE_LOOP = 2,  // in the last step of the budget, if its state is that of step WgSettings.loop_entry
 };
 
@@ -59,7 +59,7 @@ typedef struct WgEvent {
 typedef struct WgCorner {
     int64_t x;     // lattice units
     int64_t y;
-    int64_t time;  // in the step, 2^-32 steps
+    int64_t time;   // in the step, 2^-32 steps
 } WgCorner;
 
 // Direction away from what the robot touched, of any length; (0, 0): nothing.
@@ -71,7 +71,7 @@ typedef struct WgNormal {
 // A corner of a recorded path. As rows of (n, 4) int64 in Python.
 typedef struct WgPathPoint {
     int64_t step;
-    int64_t time;  // in the step, 2^-32 steps
+    int64_t time;   // in the step, 2^-32 steps
     int64_t x;     // lattice units
     int64_t y;
 } WgPathPoint;
@@ -82,7 +82,7 @@ typedef struct WgRay {
     int64_t slope;    // the first divided by the second, 2^-32, rounded down; 0 on the axis
 } WgRay;
 
-// What surrounds a robot. `cells`, `near` and `visited` change during an episode.
+// The robot's surroundings. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
     int64_t height;
@@ -95,13 +95,15 @@ typedef struct WgArena {
     const int64_t *headings;   // (131072,) cosines and sines, 2^-30: sim/motion's heading table
     uint8_t *visited;          // (height, width) 1 where the centre has been
 
-    // For range beams, in a world that does not change: then they take a third of the time. Else NULL, all three.
+    // Tables for range beams in a world that does not change, which take a third of the time with
+    // them. Otherwise all three are NULL.
     const WgRay *rays;      // (8193,) wg_ray_table
     const int64_t *spread;  // (beams,) wg_beam_spread
     const uint16_t *runs;   // (height + 2, width + 2, 4) wg_free_runs
 } WgArena;
 
-// What an episode is asked to do, and the robot's dynamics and sensors. A limit that is off is infinity.
+// The settings of an episode, and the robot's dynamics and sensors. A limit that is off is
+// infinity.
 typedef struct WgSettings {
     // Start and target, lattice and heading units.
     int64_t start_x;
@@ -121,8 +123,8 @@ typedef struct WgSettings {
     int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;  // for WG_PROVE_LOOP
     uint64_t seed;       // of the draws
-    int64_t digest;      // 1: the digest of the trace is worked out
-    int64_t senses;      // WG_SENSE_ bits: what the controller looks at
+    int64_t digest;      // 1: compute the digest of the trace
+    int64_t senses;      // WG_SENSE_ bits: what the controller senses
 
     // Sensors.
     int64_t sensor_cells;  // how many cells around it the signal sensor sees
@@ -130,7 +132,7 @@ typedef struct WgSettings {
     int64_t beams;
     int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
     int64_t smoke_reach;   // cells around a burning one that its smoke fills
-    int64_t coin;          // how many values a random number has; 0: any in [0, 1)
+    int64_t coin;          // number of values that a random number has; 0: any in [0, 1)
     int64_t lattice;       // lattice units to which poses are rounded after each step; 1: none
 
     // Between the lattice and SI units.
@@ -172,7 +174,7 @@ typedef struct WgState {
     int64_t draws;    // random numbers that the controller has used so far
 } WgState;
 
-// What an episode reports.
+// The result of an episode.
 typedef struct WgReport {
     int64_t ending;  // WG_LIMIT, ...
     int64_t steps;
@@ -188,7 +190,7 @@ typedef struct WgReport {
     int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
     int64_t overlap_ix;
     int64_t overlap_iy;
-    const char *error;      // of WG_CRASH: what the controller said; NULL
+    const char *error;      // of WG_CRASH: the controller's message; NULL
     double path_length;     // lattice units
     double overlap;         // deepest cut, lattice units
 } WgReport;

@@ -14,13 +14,13 @@
 #include "wg_sim.h"
 
 // Cells that carry no signal. The others hold the squared distance in cells to the target's cell,
-// which has 0, as the noise filter has changed it.
+// which has 0, as modified by the noise filter.
 enum {
     WG_THESIS_WALL = -2,  // as in the thesis's map files
     WG_THESIS_FLAME = -3, // does not stop the robot; the thesis has no fire
 };
 
-// An ending besides those of wg_sim.h: no draw was left; append some and call again.
+// An ending in addition to those of wg_sim.h: no draw was left; append some and call again.
 enum { WG_NEEDS_DRAWS = 6 };
 
 // Rules: how the robot turns after a collision.
@@ -33,7 +33,7 @@ enum { WG_STRAIGHT = 0, WG_SLIDE = 1, WG_BACK_OFF = 2, WG_CORNER = 3 };
 // Faults of the motion that can be repaired: bits of WgThesisSettings.repairs.
 enum { WG_REPAIR_SLIDE = 1, WG_REPAIR_BACK_OFF = 2, WG_REPAIR_CORNER = 4 };
 
-// The robot, and what is asked of the run.
+// The robot, and the settings of the run.
 typedef struct WgThesisSettings {
     int64_t rule;           // WG_RULE_ADD, ...
     int64_t sense;          // reach of the signal sensor, cells
@@ -72,7 +72,7 @@ typedef struct WgThesisEvent {
     int64_t state; // WG_FREE, WG_SOLID or WG_BURNING
 } WgThesisEvent;
 
-// What surrounds the robot. `cells` and `visited` change during an episode.
+// The robot's surroundings. `cells` and `visited` change during an episode.
 typedef struct WgThesisArena {
     int64_t width; // cells
     int64_t height;
@@ -83,7 +83,7 @@ typedef struct WgThesisArena {
     uint8_t *visited; // (width, height) 1 where the centre has been at the end of a tick
 } WgThesisArena;
 
-// How many of the words of a WgThesisState, the first, decide the robot's future: what a recurrence
+// The number of leading words of a WgThesisState that decide the robot's future: what a recurrence
 // must repeat.
 enum { WG_THESIS_WORDS = 11 };
 
@@ -97,8 +97,8 @@ typedef struct WgThesisState {
     double old_speed;      // px/ms, wanted before the collision
     double rolling;        // px/ms, at which the robot moves: `speed` without inertia and friction
     int64_t collision;     // 1 if the last move met a wall
-    int64_t behaviour;     // in charge: WG_COLLIDE, ...
-    int64_t ticks_left;    // 0 unless collide or drive is in charge
+    int64_t behaviour;     // in control: WG_COLLIDE, ...
+    int64_t ticks_left;    // 0 unless collide or drive is in control
     int64_t draws_used;
     int64_t active;  // behaviour that acted in the last tick
     int64_t move;    // how the last tick's move ended: WG_STRAIGHT, ...
@@ -133,8 +133,8 @@ typedef struct WgThesisPlace {
     int64_t cause; // the move of that step
 } WgThesisPlace;
 
-// A run: where it is, and what it reports. An episode that ended for want of ticks or draws
-// continues from here.
+// A run: where it is, and its results. An episode that ended for lack of ticks or draws continues
+// from here.
 typedef struct WgThesisRun {
     WgThesisState state;
     int64_t ending; // WG_LIMIT, ... or WG_NEEDS_DRAWS
@@ -158,7 +158,7 @@ typedef struct WgThesisRun {
 
 // Where a move ended.
 typedef struct WgThesisMove {
-    double x; // px
+    double x;  // px
     double y;
     int64_t collision; // the listing's flag
     int64_t ending;    // WG_STRAIGHT, ...
@@ -168,20 +168,22 @@ typedef struct WgThesisMove {
 
 // thesis_episode.c
 
-// Begins a run: driving already, aiming at heading 0, no behaviour in charge, as the thesis's.
+// Begins a run with a moving robot that aims at heading 0, no behaviour in control, as in the
+// thesis.
 //
 // x, y in px, heading in rad, speed in px/ms.
 void wg_thesis_begin(WgThesisRun *run, double x, double y, double heading, double speed);
 
-// Runs until something is decided, settings->steps ticks are done, or tick `until` is.
+// Runs until the outcome is decided, settings->steps ticks are done, or tick `until` is.
 //
 // A run that ended as WG_LIMIT or WG_NEEDS_DRAWS continues where it stopped if called again with
 // the same arena, and with more steps or draws; the earlier draws stay in front.
 //
-// run:         begun or stopped.
-// search:      for a recurrence of the complete state after the last event; NULL where find_loop is
-// WG_NO_LOOP. draws:       (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
-// rows:        (row_count,) row k gets the state after step first_row + k.
+// run:     begun or stopped.
+// search:  for a recurrence of the complete state after the last event; NULL where find_loop is
+//          WG_NO_LOOP.
+// draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
+// rows:    (row_count,) row k gets the state after step first_row + k.
 //
 // Of several endings in one tick the first counts: WG_BURNED, WG_TUNNEL, WG_REACHED, WG_LOOP.
 WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings,
@@ -190,7 +192,7 @@ WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *setti
 
 // thesis_motion.c
 
-// Moves the disc towards a goal, pixel by pixel, with the thesis's faults but those that are
+// Moves the disc towards a goal, pixel by pixel, with those of the thesis's faults that are not
 // repaired.
 //
 // cells:          (width, height).
@@ -210,7 +212,7 @@ WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height,
 // light: (width, height) the undisturbed signal.
 WgStatus wg_thesis_add_noise(int32_t *cells, const int32_t *light, int64_t width, int64_t height);
 
-// Sets `heading` to the direction, rad, of the best signal by the sensor of the settings.
+// Sets `heading` to the direction, rad, of the best signal by the sensor in the settings.
 //
 // x, y:     centre, px, in the grid.
 // looking:  the robot's heading, rad.
@@ -219,8 +221,8 @@ WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height,
                          const WgThesisSettings *settings, double x, double y, double looking,
                          int64_t step, double *heading);
 
-// Counts the walls whose inside the straight line between the centres of two cells crosses, those
-// two left out.
+// Counts the walls whose inside the straight line between the centres of two cells crosses, without
+// these two cells.
 //
 // A line exactly through a corner crosses neither of the two cells next to it.
 WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t height, int64_t x,

@@ -64,7 +64,7 @@ void wg_begin_following(WgWallBody *body, double wall)
     body->smooth = 0.0;
 }
 
-// How far the last step came in its direction, m; walls may have pushed the robot back, or aside.
+// How far the last step got in its direction, m; walls may have pushed the robot back, or aside.
 static double moved_ahead(const WgObservation *seen, const WgWallBody *body)
 {
     return (seen->x - body->x) * wg_cos(seen->heading) + (seen->y - body->y) * wg_sin(seen->heading);
@@ -74,7 +74,7 @@ bool wg_feel(const WgObservation *seen, WgWallBody *body)
 {
     bool stands = moved_ahead(seen, body) < STANDS * body->step;
 
-    // It touches nothing: its wall is lost, and after some presses it is searched for.
+    // It touches nothing: its wall is lost, and after some presses the robot searches for it.
     if (seen->bump == 0.0) {
         body->stuck = 0.0;
         body->smooth = 0.0;
@@ -85,7 +85,7 @@ bool wg_feel(const WgObservation *seen, WgWallBody *body)
         return false;
     }
 
-    // By how much the wall has turned out of the path decides whether it is the same wall.
+    // How far the wall has turned out of the path decides whether it is the same wall.
     double wall = wg_touched(seen);
     double turn = wg_wrap(body->hand * (wall - body->wall) + AHEAD - WG_PI) + WG_PI - AHEAD;
     double searched = body->lost;
@@ -96,7 +96,7 @@ bool wg_feel(const WgObservation *seen, WgWallBody *body)
         body->smooth = smooth ? wg_lower(body->smooth + 1.0, FLAT_AFTER) : 0.0;
         body->stuck = stands && advanced ? body->stuck + 1.0 : 0.0;
     } else if (stands || body->stuck > 0.0) {
-        // Another wall, and no way past it: it is followed from here on.
+        // Another wall blocks the path: follow it from here.
         body->stuck = 0.0;
         body->smooth = 0.0;
     } else {

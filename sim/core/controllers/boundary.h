@@ -1,11 +1,12 @@
 // Following a wall by touch: what wall followers and bug algorithms share.
 //
-// The robot knows its position and, of the wall that it touched last, the direction to it. It *advances* along that
-// wall, turned a little towards it, so that it slides on a flat wall and keeps in touch around a corner. Where it meets
-// something else, it *presses* against its own wall again before it continues: what stopped it may be the far side of a
-// passage hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall. Where it
-// loses its wall it turns towards it step by step. So it follows the edge of what its centre can reach, and skips no
-// opening.
+// The robot knows its position and the direction to the wall that it touched last. It *advances*
+// along that wall, turned a little towards it, so that it slides on a flat wall and stays in touch
+// around a corner. If it meets something else, it *presses* against its own wall again before it
+// continues: the obstacle may be the far side of a passage hardly wider than the robot. Only if it
+// then cannot move ahead at all does it turn to the other wall. If it loses its wall, it turns
+// towards it step by step. So it follows the edge of the region that its centre can reach, and
+// skips no opening.
 //
 // A step is never longer than wg_stride, which is less than the robot's diameter.
 
@@ -23,29 +24,34 @@ static const double WG_PRESS = 1.0;
 // Length of a step along a wall, m.
 double wg_stride(const WgObservation *seen);
 
-// Commands a step in a direction of the world, rad, of a length, m, and notes it.
+// Commands a step of a length, m, in a world direction, rad, and records it.
 void wg_drive(const WgObservation *seen, WgWallBody *body, WgCommand *command, double direction, double length);
 
-// Commands a step straight to the target: a short one if the last touched a wall, else as long as can be.
+// Commands a step straight to the target: a short one if the last step touched a wall, otherwise as
+// long as possible.
 void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *command);
 
-// Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
+// Returns whether a wall stopped, rather than bent, the last step to the target, which was no
+// longer than a stride.
 //
-// A wall that is not ahead any more has only bent it, however far that step came: the disc has slid around it.
+// A wall that is no longer ahead has only bent it, however far that step got: the disc has slid
+// around it.
 //
 // far: distance to the target before the step, m.
 bool wg_is_stopped(const WgObservation *seen, const WgWallBody *body, double far);
 
-// Direction of the world, rad, of what the last step touched.
+// World direction, rad, of what the last step touched.
 double wg_touched(const WgObservation *seen);
 
-// Takes up a wall in a direction, rad; it is pressed against first.
+// Starts to follow a wall in a direction, rad, by pressing against it.
 void wg_begin_following(WgWallBody *body, double wall);
 
-// Takes in what the last step touched; whether that was the wall that is followed, so that `wall` was measured here.
+// Processes what the last step touched; returns whether it was the followed wall, which makes
+// `wall` a measured direction.
 bool wg_feel(const WgObservation *seen, WgWallBody *body);
 
-// Whether the wall is nowhere around the robot any more: only a world that changes can take it away.
+// Returns whether the wall is nowhere around the robot any more; only a world that changes can
+// remove it.
 bool wg_has_lost_it(const WgWallBody *body);
 
 // Commands the next step along the wall.

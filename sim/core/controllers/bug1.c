@@ -17,10 +17,10 @@ static const double SAME_PLACE = 0.5;  // of a step
 static const double ELSEWHERE = 1.5;  // of a step: further from the hit point it has been away
 static const double SAME_WALL = 100.0 * (3.14159265358979323846 / 180.0);  // rad by which the direction of the wall may
                                                                            // differ at the same place
-static const double NEARER = 0.1;  // of a step: a hit on the same wall must be so much nearer than the last leave
+static const double NEARER = 0.1;  // of a step: a hit on the same wall must be nearer by this than the last leave
                                    // point, or it drives to that one
 
-// Whether the last step passed a place of the memory, along the same wall.
+// Returns whether the last step passed a remembered place, along the same wall.
 static bool passes(const WgObservation *seen, const WgBug1Memory *own, const WgWallPlace *place)
 {
     double apart = wg_distance_to_path(place->x, place->y, own->body.x, own->body.y, seen->x, seen->y);
@@ -56,7 +56,7 @@ static void go_round(const WgObservation *seen, WgBug1Memory *own, bool touches)
         own->away = 2.0;
     }
 
-    // Back at the hit point: to the leave point, the shorter way around.
+    // Back at the hit point: drive to the leave point by the shorter route.
     if (touches && own->away == 2.0) {
         own->mode = BACK;
         if (own->leave_path > 0.5 * own->path) {
@@ -66,7 +66,7 @@ static void go_round(const WgObservation *seen, WgBug1Memory *own, bool touches)
     }
 }
 
-// Decides what a wall on the path to the target is: a new obstacle, or the last one again.
+// Decides whether a wall on the path to the target is a new obstacle or the last one again.
 static void meet(const WgObservation *seen, WgBug1Memory *own)
 {
     if (!wg_is_stopped(seen, &own->body, own->far)) {
@@ -75,7 +75,7 @@ static void meet(const WgObservation *seen, WgBug1Memory *own)
     wg_begin_following(&own->body, wg_touched(seen));
     double margin = NEARER * wg_stride(seen);
     if (own->leave_far < INFINITY && fabs(wg_wrap(own->body.wall - own->leave.wall)) > SAME_WALL) {
-        margin = 0.0;  // a wall across a gap hardly wider than the robot is another, however near
+        margin = 0.0;  // a wall across a gap hardly wider than the robot is a different one, however near
     }
     own->mode = seen->target_distance < own->leave_far - margin ? MEET : BACK;
     if (own->mode == MEET) {

@@ -1,8 +1,8 @@
 // Bug2: goes around an obstacle until it is back on the straight line to the target, nearer to it.
 //
-// Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst
-// unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 5. In the paper the line is that from the start
-// to the target; here each hit point gives a line of its own.
+// Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton
+// moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), section 5. In the
+// paper the line runs from the start to the target; here each hit point defines a new line.
 
 #include "boundary.h"
 #include "directions.h"
@@ -13,10 +13,10 @@ static const double GOAL = 1.0;
 static const double ROUND = 2.0;
 static const double BACK = 3.0;
 
-static const double NEARER = 0.05;  // of a step: a place to leave at must be so much nearer than the hit point
+static const double NEARER = 0.05;  // of a step: a place to leave at must be nearer than the hit point by this
 static const double THERE = 0.02;  // of a step: nearer to the place to leave at it is there
 
-// Takes up a wall; with a line of its own if it is nearer to the target than the last.
+// Starts to follow a wall, with a new line if it is nearer to the target than the last one.
 static void hit(const WgObservation *seen, WgBug2Memory *own)
 {
     wg_begin_following(&own->body, wg_touched(seen));
@@ -30,7 +30,7 @@ static void hit(const WgObservation *seen, WgBug2Memory *own)
     }
 }
 
-// Whether the last step crossed the line at a place to leave at, which is then noted.
+// Returns whether the last step crossed the line at a place to leave at, and records it.
 static bool crosses(const WgObservation *seen, WgBug2Memory *own)
 {
     double from_x = own->body.x - own->hit_x;
@@ -38,7 +38,7 @@ static bool crosses(const WgObservation *seen, WgBug2Memory *own)
     double to_x = seen->x - own->hit_x;
     double to_y = seen->y - own->hit_y;
 
-    // On which side of the line the step began, and ended.
+    // The sides of the line on which the step began and ended.
     double before = own->line_x * from_y - own->line_y * from_x;
     double after = own->line_x * to_y - own->line_y * to_x;
     if ((before > 0.0) == (after > 0.0)) {

@@ -1,6 +1,6 @@
 // Directions and distances in the plane, where a beam and the target are, and how to command a turn.
 //
-// From + - * /, sqrt and fdlibm's functions alone: the same bits on every machine.
+// Only + - * /, sqrt and fdlibm's functions are used, so every machine gets the same bits.
 
 #ifndef WG_DIRECTIONS_H
 #define WG_DIRECTIONS_H
@@ -15,7 +15,7 @@
 static const double WG_PI = 3.14159265358979323846;
 static const double WG_WHOLE_TURN = 6.28318530717958647693;
 
-// What is left after dividing by a positive number, in [0, divisor).
+// The remainder of a division by a positive number, in [0, divisor).
 static inline double wg_remainder(double value, double divisor)
 {
     double rest = fmod(value, divisor);
@@ -69,7 +69,7 @@ static inline double wg_distance_to_path(double x, double y, double from_x, doub
     return wg_distance(x, y, from_x + share * dx, from_y + share * dy);
 }
 
-// Direction of a range beam from the heading, rad, for beams all round, the first ahead.
+// Direction of a range beam from the heading, rad, for beams over a full turn, the first ahead.
 static inline double wg_bearing_of(int64_t beam, int64_t beams)
 {
     return WG_WHOLE_TURN * (double)beam / (double)beams;

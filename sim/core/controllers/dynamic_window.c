@@ -1,4 +1,5 @@
-// Dynamic window: of the speeds and turn rates that the robot can have next, the best that lets it stop in time.
+// Dynamic window: of the speeds and turn rates the robot can reach next, choose the best that lets
+// it stop in time.
 //
 // Source: Dieter Fox, Wolfram Burgard and Sebastian Thrun, "The dynamic window approach to collision avoidance", IEEE
 // Robotics & Automation Magazine 4(1), 1997: admissible velocities (equation 14), the dynamic window (equation 15) and
@@ -8,7 +9,7 @@
 #include "directions.h"
 #include "library.h"
 
-static const double GRAIN = 1024.0;  // commands are whole 1/1024 m/s and rad/s, so that states can come back
+static const double GRAIN = 1024.0;  // commands are whole 1/1024 m/s and rad/s, so that states can recur
 
 const WgDynamicWindow wg_dynamic_window_default = {
     .margin = 0.003,
@@ -50,7 +51,7 @@ double wg_arc_to_contact(double x, double y, double speed, double turn_rate, dou
         return x - sqrt(radius * radius - y * y);
     }
 
-    // The circle on which the robot drives, mirrored so that it always bends to the left.
+    // The circle that the robot drives on, mirrored so that it always bends to the left.
     double bend = speed / fabs(turn_rate);
     double off = turn_rate > 0.0 ? bend - y : bend + y;  // from the point up to the circle's centre
     double away = sqrt(x * x + off * off);
@@ -94,7 +95,7 @@ static double facing(const WgObservation *seen, Arc arc, const WgDynamicWindow *
 {
     double turned = arc.turn_rate * tuned->ahead;
     double path = arc.speed * tuned->ahead;
-    double half = 0.5 * turned;  // on an arc the place so far is half the turn off the heading
+    double half = 0.5 * turned;  // on an arc, the direction to the place is off the heading by half the turn
     double towards = wg_target_bearing(seen);
     double far = seen->target_distance;
     double x = far * wg_cos(towards) - path * wg_cos(half);
@@ -115,7 +116,7 @@ static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgComma
         own->speed = 0.0;  // the wall has stopped the wheels
     }
 
-    // The window: what the wheels can reach within a step.
+    // The window: the speeds and turn rates the wheels can reach within a step.
     double slow = wg_higher(own->speed - tuned->gain * step, 0.0);
     double fast = wg_lower(own->speed + tuned->gain * step, top);
     double right = wg_higher(own->turn_rate - tuned->turn_gain * step, -tuned->fastest_turn);

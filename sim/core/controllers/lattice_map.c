@@ -6,23 +6,23 @@
 #include "directions.h"
 
 enum {
-    MOVES_A_WORD = 16,  // of 3 bits: 48 bits, which a double holds exactly
+    MOVES_A_WORD = 16,  // numbers of 3 bits: 48 bits, which a double holds exactly
     NODES_A_WORD = 12,  // of 4 bits
     MOST_MOVES = MOVES_A_WORD * 64,
     STRAIGHT = 5,  // costs of a move, nearly in the ratio of 1 to the root of 2
     DIAGONAL = 7,
-    REACH = 2,  // nodes at most so far from the target, along each axis, are next to it
+    REACH = 2,  // nodes at most this far from the target, along each axis, are next to it
 };
 
 static const int64_t UNKNOWN = (int64_t)1 << 40;
 
-// Where the bit of an edge is: which of the map's numbers, and which bit of it.
+// Position of an edge's bit: which of the map's numbers, and which bit of it.
 typedef struct Bit {
     double *word;
     int64_t shift;
 } Bit;
 
-// What a search works in; numbered by the nodes of the window, row by row.
+// The working memory of a search; numbered by the nodes of the window, row by row.
 typedef struct Search {
     int32_t *cost;  // of the best path to each node so far; INT32_MAX: none
     int8_t *move;   // by which that path came there; -1: none
@@ -98,7 +98,7 @@ void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius)
     map->plan_length = 0.0;
 }
 
-// Number of a node among those next to the target; -1 for another.
+// Number of a node among those next to the target; -1 for other nodes.
 static int64_t door_of(const WgMapperMemory *map, WgNode node)
 {
     int64_t i = node.x - wg_floor(map->target_x) + REACH - 1;
@@ -106,7 +106,7 @@ static int64_t door_of(const WgMapperMemory *map, WgNode node)
     return 0 <= i && i < 2 * REACH && 0 <= j && j < 2 * REACH ? j * 2 * REACH + i : -1;
 }
 
-// Whether a node is next to the target, and the way from it to the target not known to be blocked.
+// Returns whether a node is next to the target, and the way between them isn't known to be blocked.
 static bool has_door(const WgMapperMemory *map, WgNode node)
 {
     int64_t number = door_of(map, node);
@@ -214,7 +214,7 @@ static int64_t pop(Search *search)
     return least;
 }
 
-// Cost that the way from a node to the target has at least.
+// Lower bound of the cost from a node to the target.
 static int64_t at_least(const WgMapperMemory *map, WgNode node)
 {
     double dx = fabs((double)node.x - map->target_x);
@@ -222,10 +222,11 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
     return wg_floor((double)STRAIGHT * wg_higher(dx, dy) + (double)(DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
-// A* from a node; the number in the window of the node where the plan ends, -1 if there is no path.
+// A* from a node; returns the number of the window's node where the plan ends, -1 if there is no
+// path.
 //
-// A plan ends next to the target, or where it leaves the window, which is as good as what is left from there plus a
-// charge that makes it the last resort.
+// A plan ends next to the target. It may also end where it leaves the window; that costs the
+// remaining distance plus a charge that makes it the last resort.
 static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
 {
     int64_t side = side_of(map);
@@ -251,7 +252,7 @@ static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
             return number;
         }
 
-        // The border of the window is a last resort: nothing is known beyond it.
+        // The border of the window is a last resort, because nothing is known beyond it.
         int64_t column = number % side;
         int64_t row = number / side;
         if ((column == 0 || column == side - 1 || row == 0 || row == side - 1) && number != first) {
@@ -278,10 +279,10 @@ static int64_t find(WgMapperMemory *map, WgNode start, Search *search)
     return out;
 }
 
-// Packs the moves that lead to a node into the memory; those beyond MOST_MOVES are left out.
+// Packs the moves that lead to a node into the memory; moves beyond MOST_MOVES are dropped.
 static void keep_plan(WgMapperMemory *map, Search *search, int64_t last)
 {
-    // Backwards; the heap is free by now and takes the moves.
+    // Go backwards; the heap is unused by now and holds the moves.
     int64_t side = side_of(map);
     int64_t count = 0;
     while (search->move[last] >= 0) {
@@ -302,7 +303,8 @@ static void keep_plan(WgMapperMemory *map, Search *search, int64_t last)
 
 WgPlanned wg_map_plan(WgMapperMemory *map, WgNode from)
 {
-    // A plan is made every hundred steps or so, and its room is up to 77 bytes a node: too much to keep for each robot.
+    // A plan is made about every hundred steps, and needs up to 77 bytes a node: too much to keep
+    // for each robot.
     int64_t nodes = side_of(map) * side_of(map);
     Search search = {.room = 8 * nodes + 1};
     search.heap = malloc((size_t)search.room * sizeof *search.heap);

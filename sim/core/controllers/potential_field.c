@@ -1,14 +1,15 @@
-// Potential field: the target pulls, walls push, and the robot drives down the slope.
+// Potential field: the target attracts, walls repel, and the robot drives down the slope.
 //
-// Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The International Journal
-// of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and the push of
-// "FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by their nearest points: the
-// beams that are shorter than their neighbours.
+// Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The
+// International Journal of Robotics Research 5(1), 1986: the attraction of equation 10 with the
+// limited speed of equation 13, and the repulsion "FIRAS" of equation 18, summed over obstacles. A
+// robot with range beams knows obstacles by their nearest points, which are the beams shorter than
+// their neighbours.
 
 #include "directions.h"
 #include "library.h"
 
-static const double NEAREST = 0.004;  // m: no push is larger than at this gap, so that none is infinite
+static const double NEAREST = 0.004;  // m: the repulsion stops growing at this gap, so that it is never infinite
 
 const WgPotentialField wg_potential_field_default = {
     .pull = 1.0,
@@ -28,7 +29,7 @@ static double push_of(double gap, const WgPotentialField *tuned)
     return tuned->push * (1.0 / near - 1.0 / tuned->influence) / (near * near);
 }
 
-// One step: sums the forces in the robot's frame and drives along their sum.
+// One step: sums the forces in the robot's frame and drives along the sum.
 static void drive(const WgObservation *seen, WgCommand *command, const WgPotentialField *tuned)
 {
     int64_t beams = seen->beam_count;
@@ -50,7 +51,8 @@ static void drive(const WgObservation *seen, WgCommand *command, const WgPotenti
         }
     }
 
-    // Half the gap in a step at most: the slope of the push changes within millimetres there.
+    // Move at most half the gap in a step, because the slope of the repulsion changes within
+    // millimetres there.
     double force = sqrt(force_x * force_x + force_y * force_y);
     double careful = wg_higher(nearest - seen->radius, NEAREST) / (2.0 * seen->time_step);
     double speed = seen->top_speed * wg_lower(force / tuned->full_force, 1.0);

@@ -1,4 +1,5 @@
-// Q-learning: a table of what each turn is worth in each situation, learnt by driving in the simulator.
+// Q-learning: a table of the value of each turn in each situation, learnt by driving in the
+// simulator.
 //
 // Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
 // Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
@@ -32,7 +33,7 @@ int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own)
     return ((int64_t)own->turned * 8 + eighth) * 32 + blocked;
 }
 
-// The turn that the shipped table has as the best in a situation; the first of equals.
+// The turn with the highest value in the shipped table for a situation; the first of equals.
 static int64_t best_of_table(int64_t situation)
 {
     const int16_t *worths = wg_q_table[situation];
@@ -45,7 +46,7 @@ static int64_t best_of_table(int64_t situation)
     return best;
 }
 
-// One step: decides if it is time to, and drives on.
+// One step: makes a decision if it is time to, and drives on.
 //
 // best: the turn to take in each situation; NULL: the shipped table's.
 static void drive(const WgObservation *seen, WgQMemory *own, WgCommand *command, const double *best)

@@ -1,4 +1,4 @@
-// The Q-learning robot's table; `python -m benchmarks.train_q_learning` has written it.
+// The Q-learning robot's table, written by `python -m benchmarks.train_q_learning`.
 
 #include "q_table.h"
 

@@ -5,7 +5,7 @@
 
 #include "wg_controllers.h"
 
-// Worth of each turn, thousandths, in each situation.
+// Value of each turn, thousandths, in each situation.
 extern const int16_t wg_q_table[WG_Q_SITUATIONS][WG_Q_TURNS];
 
 #endif

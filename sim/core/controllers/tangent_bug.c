@@ -1,4 +1,4 @@
-// TangentBug: looks ahead with range beams, and goes around what is in the way along its tangents.
+// TangentBug: looks ahead with range beams, and goes around obstacles along their tangents.
 //
 // Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm", The International
 // Journal of Robotics Research 17 (1998).
@@ -12,17 +12,17 @@ static const double APPROACH = 1.0;
 static const double WALL = 2.0;
 static const double LEAVE = 3.0;
 
-static const double RANGE = 1.0;  // m: further points are not looked at
-static const double APART = 1.4;  // of the radius: points further apart than this from beam to beam are not, either
-static const double TOUCHING = 0.97;  // of the radius: a wall that is touched is no nearer, so it does not bar the path
+static const double RANGE = 1.0;  // m: points farther away are ignored
+static const double APART = 1.4;  // of the radius: points farther apart than this from beam to beam are ignored, too
+static const double TOUCHING = 0.97;  // of the radius: a touched wall is no nearer than this, so it doesn't block the path
                                       // along it
 static const double JUMP = 0.08 / 0.07;  // of the radius: an end of a wall is where the free path is longer by this in
                                          // the next direction
-static const double LONGER = 0.05;  // m: so much longer the path by an end may become before a wall is followed
+static const double LONGER = 0.05;  // m: the path by an end may become this much longer before a wall is followed
 static const double CONTINUES = 0.5;  // share of its distance by which a wall may be nearer or further in the next
                                       // direction
-static const double NEARER = 0.03;  // m: a place to leave a wall for is nearer to the target by this than all of it
-static const double PATIENCE = 60.0;  // steps in which the path must have become shorter
+static const double NEARER = 0.03;  // m: a place to leave a wall for is nearer to the target than all of the wall by this
+static const double PATIENCE = 60.0;  // steps within which the path must have become shorter
 
 // A place in sight, with what makes it better than others: a length, m.
 typedef struct Sighting {
@@ -31,13 +31,14 @@ typedef struct Sighting {
     double length;   // m: distance of the place
 } Sighting;
 
-// Distance, m, up to which points are looked at; a disc has a free path of that less its radius at most.
+// Distance, m, up to which points are considered; a disc's free path is at most that minus its
+// radius.
 static double sight_of(const WgObservation *seen)
 {
     return wg_lower(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
 }
 
-// How far the disc can go in a direction from the heading, rad, past all points that beams met; m.
+// How far the disc can go in a direction from the heading, rad, past all points that beams hit; m.
 static double free_path(const WgObservation *seen, double bearing)
 {
     double sight = sight_of(seen);
@@ -50,7 +51,8 @@ static double free_path(const WgObservation *seen, double bearing)
         }
         double angle = wg_wrap(wg_bearing_of(beam, seen->beam_count) - bearing);
 
-        // Most points are behind, or far aside: sin(x) >= 2 x / pi up to a quarter turn. This halves a step.
+        // Most points are behind the robot or far to the side: sin(x) >= 2 x / pi up to a quarter
+        // turn. This halves the time of a step.
         double turned = fabs(angle);
         if (turned > 1.5708 || 0.6366 * turned * far > 1.001 * wide) {
             continue;
@@ -64,7 +66,7 @@ static double free_path(const WgObservation *seen, double bearing)
     return wg_higher(free, 0.0);
 }
 
-// Distance to the target from the place that is so far away in a direction from the heading.
+// Distance to the target from the place at this distance in a direction from the heading.
 static double rest_from(const WgObservation *seen, double bearing, double length)
 {
     double far = seen->target_distance;
@@ -73,7 +75,7 @@ static double rest_from(const WgObservation *seen, double bearing, double length
     return sqrt(wg_higher(squared, 0.0));
 }
 
-// The end of a wall by which the path to the target is shortest; its worth is the length of that path.
+// The end of a wall with the shortest path to the target; its value is the length of that path.
 static Sighting best_end(const WgObservation *seen)
 {
     int64_t beams = seen->beam_count;
@@ -96,7 +98,7 @@ static Sighting best_end(const WgObservation *seen)
     return best;
 }
 
-// The free place in sight that is nearest to the target; its worth is that distance.
+// The free place in sight that is nearest to the target; its value is that distance.
 static Sighting nearest_seen(const WgObservation *seen)
 {
     double offset = seen->target_heading - seen->heading;
@@ -116,7 +118,8 @@ static Sighting nearest_seen(const WgObservation *seen)
     return best;
 }
 
-// Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up.
+// Drives towards the target, or to the best end of the wall in front of it; follows a wall if both
+// fail.
 static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *command)
 {
     double ahead = seen->target_heading - seen->heading;
@@ -127,7 +130,7 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
         own->body.hand = wg_wrap(chosen.bearing - ahead) > 0.0 ? -1.0 : 1.0;
     }
 
-    // The path must get shorter, or the wall is approached.
+    // If the path does not get shorter, approach the wall.
     own->since += 1.0;
     if (chosen.worth < own->best) {
         own->best = chosen.worth;
@@ -145,7 +148,8 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     wg_drive(seen, &own->body, command, direction, wg_lower(step, chosen.length));
 }
 
-// Takes in how near to the target the followed wall comes, as far as it is seen to one side, 1 or -1.
+// Updates how near to the target the followed wall comes, as far as it is seen on one side, 1 or
+// -1.
 static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t side)
 {
     int64_t beams = seen->beam_count;
@@ -165,7 +169,8 @@ static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t
     }
 }
 
-// Notes a place in sight to leave the wall for, if one is nearer to the target than all of the wall was.
+// Records a place in sight to leave the wall for, if one is nearer to the target than all of the
+// wall was.
 static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *own)
 {
     see_wall(seen, own, 1);
@@ -180,7 +185,7 @@ static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *
     }
 }
 
-// Drives to the place for which a wall is left.
+// Drives to the place for which the robot left the wall.
 static void leave(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *command)
 {
     double left = wg_distance(seen->x, seen->y, own->leave_x, own->leave_y);
@@ -200,7 +205,7 @@ void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *co
 {
     WgTangentBugMemory *own = (WgTangentBugMemory *)memory;
 
-    // What the last step changed.
+    // Processes the result of the last step.
     if (own->mode == LEAVE) {
         double moved = wg_distance(own->body.x, own->body.y, seen->x, seen->y);
         if (seen->target_distance < own->wall_far - 0.5 * NEARER) {
@@ -217,7 +222,7 @@ void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *co
         head_for_goal(own);
     }
 
-    // The next step.
+    // Commands the next step.
     if (own->mode == GOAL) {
         go(seen, own, command);
     } else if (own->mode == APPROACH) {

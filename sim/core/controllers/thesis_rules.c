@@ -1,9 +1,10 @@
 // The thesis's robot on the pose lattice: seek the signal, drive, and after a collision turn by a fixed or random angle.
 //
-// Three behaviours (drive, seek, collide) under an arbiter; the one that took control keeps it until it is done.
+// Three behaviours (drive, seek, collide) run under an arbiter; the one that took control keeps it
+// until it is done.
 //
-// Source: the thesis on behaviour-based search and rescue robots that this program descends from (2005-2006), sections 3
-// and 4 and its listing; the arbiter is rebuilt from the prose.
+// Source: the thesis on behaviour-based search and rescue robots that this program is based on
+// (2005-2006), sections 3 and 4 and its listing; the arbiter is reconstructed from the prose.
 
 #include <math.h>
 
@@ -12,7 +13,7 @@
 #include "thesis_arbiter.h"
 #include "wg_sim.h"
 
-// The thesis's numbers of its rules.
+// The constants of the thesis's rules.
 typedef enum Rule { RIGHT = 1, LEFT = 2, RANDOM = 3 } Rule;
 
 static const double UNITS = (double)WG_TURN / 6.28318530717958647693;  // heading units per rad
@@ -56,7 +57,7 @@ static void tick(const WgObservation *seen, WgThesisMemory *own, WgCommand *comm
     int64_t signal = heading_units(seen->signal_heading);
     int64_t target = (int64_t)own->target;
 
-    // Who is in charge.
+    // Select the behaviour in control.
     WgCharge charge = wg_select_behaviour(WG_A0, (int64_t)own->behaviour, (int64_t)own->counter, collision,
                                           target == signal, COLLIDE_TICKS, DRIVE_TICKS);
     if (charge.taken && charge.behaviour == WG_COLLIDE) {
@@ -70,7 +71,7 @@ static void tick(const WgObservation *seen, WgThesisMemory *own, WgCommand *comm
         target = signal;
     }
 
-    // What it does.
+    // Let it act.
     WgAction action = wg_run_behaviour(charge.behaviour, charge.ticks, collision, heading == target);
     if (action.wheels == WG_WHEELS_TURN) {
         int64_t turn = turn_between(heading, target);

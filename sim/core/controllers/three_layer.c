@@ -1,4 +1,4 @@
-// Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
+// Three layers: one that reacts, one that gets things done in sequence, and one that plans ahead.
 //
 // Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
 // Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
@@ -14,7 +14,7 @@
 enum { SIDE = 48 };  // cells of the map a side; a row's bits must fit the 53 of a double
 
 static const uint64_t ALL = ((uint64_t)1 << SIDE) - 1;
-static const double MOST_FORGOTTEN = 7.0;  // a number that grew forever would let no state come back
+static const double MOST_FORGOTTEN = 7.0;  // a number that grows forever would never let a state recur
 
 const WgThreeLayer wg_three_layer_default = {
     .margin = 0.002,
@@ -48,7 +48,8 @@ static int64_t within_side(int64_t place)
     return place < SIDE ? place : SIDE - 1;
 }
 
-// Lays the map about the middle between start and target, the target in the middle of its cell.
+// Lays the map around the middle between start and target, with the target in the middle of its
+// cell.
 static void lay(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     double far = seen->target_distance;
@@ -74,7 +75,7 @@ static WgMapCell cell_at(const WgThreeLayerMemory *own, double x, double y)
     return (WgMapCell){within_side(column), within_side(row)};
 }
 
-// One round of the flood: cells next to `flooded` are added to it; whether there was a new one.
+// One round of the flood: adds the cells next to `flooded`; returns whether there were any.
 static bool spread(const WgThreeLayerMemory *own, uint64_t *flooded)
 {
     uint64_t wave[SIDE];
@@ -96,8 +97,8 @@ static bool spread(const WgThreeLayerMemory *own, uint64_t *flooded)
     return grown;
 }
 
-// The deliberator's plan: floods the map from the target, a whole row of cells at a time, until the robot's cell is
-// next to the flood.
+// The deliberator's plan: floods the map from the target, a whole row of cells at a time, until the
+// flood is next to the robot's cell.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target)
 {
     int64_t column = here.column;
@@ -159,7 +160,8 @@ static void set_waypoint(WgThreeLayerMemory *own, WgMapCell there)
     own->to_y = (double)there.row;
 }
 
-// The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next.
+// The sequencer: checks whether the waypoint is reached or abandoned, and asks the deliberator for
+// the next one.
 static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     WgMapCell here = cell_at(own, seen->x, seen->y);
@@ -172,7 +174,8 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
         own->here_y = (double)here.row;
     }
 
-    // As long as it is on its way to the waypoint, or to the target in its cell, there is nothing to decide.
+    // While the robot is on its way to the waypoint, or to the target in its cell, there is nothing
+    // to decide.
     WgMapCell there = {(int64_t)own->to_x, (int64_t)own->to_y};
     own->waited += 1.0;
     bool late = own->waited > tuned->patience * (1.0 + own->forgotten);
@@ -183,8 +186,8 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
         return;
     }
 
-    // What it did not get through is closed.
-    if (there.column >= 0 && !is_same(there, here)) {  // given up, or driven off
+    // Close the border that it did not get through.
+    if (there.column >= 0 && !is_same(there, here)) {  // abandoned, or driven off course
         close_border(own, late ? here : before, there);
     } else if (there.column < 0 && late) {  // the target's cell was entered on the wrong side of a wall
         close_border(own, here, (WgMapCell){(int64_t)own->from_x, (int64_t)own->from_y});
@@ -201,7 +204,8 @@ static void sequence(const WgObservation *seen, WgThreeLayerMemory *own, const W
     set_waypoint(own, there);
 }
 
-// Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see.
+// Returns whether the beams show that the disc can drive this far straight, m, in a direction from
+// the heading.
 static bool is_free(const WgObservation *seen, double turn, double look, const WgThreeLayer *tuned)
 {
     double radius = seen->radius + tuned->margin;
@@ -221,7 +225,8 @@ static bool is_free(const WgObservation *seen, double turn, double look, const W
     return true;
 }
 
-// The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell.
+// The controller: drives in the free direction nearest to the waypoint's, or to the target's in the
+// last cell.
 static void react(const WgObservation *seen, const WgThreeLayerMemory *own, WgCommand *command,
                   const WgThreeLayer *tuned)
 {

@@ -34,7 +34,7 @@ typedef struct Sides {
     double left;
 } Sides;
 
-// What a direction is judged against, in sectors.
+// The reference directions for a cost, in sectors.
 typedef struct Wanted {
     double heading;
     double target;
@@ -66,7 +66,7 @@ static void fill(const WgObservation *seen, double *density, const WgVfh *tuned)
     }
 }
 
-// Stage 2: the binary histogram; a sector stays as it was between the two thresholds.
+// Stage 2: the binary histogram; between the two thresholds a sector keeps its state.
 static void block(const double *density, WgVfhMemory *own, const WgVfh *tuned)
 {
     for (int64_t sector = 0; sector < SECTORS; sector++) {
@@ -105,7 +105,7 @@ static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
     return sides;
 }
 
-// Sectors between two directions in sectors, the short way around.
+// Sectors between two directions, the short way around.
 static double apart(double one, double other)
 {
     double away = wg_remainder(fabs(one - other), SECTORS);
@@ -120,7 +120,7 @@ static double cost_of(double direction, const Wanted *wanted, const WgVfh *tuned
     return wanted->last < 0.0 ? cost : cost + tuned->to_last * apart(direction, wanted->last);
 }
 
-// Whether the masked histogram leaves a sector open.
+// Returns whether the masked histogram leaves a sector open.
 static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemory *own)
 {
     int64_t at = wg_floor_mod(sector, SECTORS);
@@ -131,7 +131,7 @@ static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemo
 // Stage 4: the cheapest direction through an opening, sectors; -1 if all are blocked.
 static double choose(const Wanted *wanted, Sides sides, const WgVfhMemory *own, const WgVfh *tuned)
 {
-    // Openings are counted from a blocked sector, so that none is cut in two.
+    // Openings are counted from a blocked sector, so that none is split in two.
     int64_t border = 0;
     while (border < SECTORS && is_free(border, wanted->heading, sides, own)) {
         border++;
@@ -153,7 +153,8 @@ static double choose(const Wanted *wanted, Sides sides, const WgVfhMemory *own, 
             continue;
         }
 
-        // A narrow opening has one direction, its middle; a wide one both sides, and the target if it is inside.
+        // A narrow opening has one candidate direction, its middle; a wide one has both sides, and
+        // the target if it is inside.
         double directions[3] = {0.5 * (double)(right + left - 1), -1.0, -1.0};
         if ((double)width > tuned->wide) {
             double near = (double)right + 0.5 * tuned->wide;
@@ -175,7 +176,7 @@ static double choose(const Wanted *wanted, Sides sides, const WgVfhMemory *own, 
     return best;
 }
 
-// One step of the four stages; stands still where every direction is blocked.
+// Runs the four stages of one step; stands still if every direction is blocked.
 static void drive(const WgObservation *seen, WgVfhMemory *own, WgCommand *command, const WgVfh *tuned)
 {
     Wanted wanted = {.last = own->last};

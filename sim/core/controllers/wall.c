@@ -1,4 +1,5 @@
-// Wall following: drives to the target until it touches a wall, and then keeps its hand on that wall forever.
+// Wall following: drives to the target until it touches a wall, and then keeps its hand on that
+// wall forever.
 //
 // Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their History and
 // Developments" (1922), on the solution of mazes; for robots V. J. Lumelsky and A. A. Stepanov, "Path-planning

@@ -1,7 +1,8 @@
-// The controllers of the library, and what stands where in their memories.
+// The controllers of the library, and the layout of their memories.
 //
-// A memory is an array of float64; each struct here is laid over it, so that fields have names in C and in Python. Its
-// numbers are part of the state that a loop repeats and a digest covers: their order never changes.
+// A memory is an array of float64; each struct here is laid over it, so that fields have names in C
+// and in Python. The numbers are part of the state that a loop repeats and a digest covers, so
+// their order never changes.
 
 #ifndef WG_CONTROLLERS_H
 #define WG_CONTROLLERS_H
@@ -10,20 +11,21 @@
 
 #include "worldgen_controller.h"
 
-// The act of a controller of the library, or of one with a planted fault, by its name; NULL if there is none.
+// Returns the act of a controller of the library, or of one with a planted fault, by name; NULL if
+// there is none.
 WgAct wg_library_act(const char *name);
 
-// What follows a wall by touch. The memory of such a controller begins with it.
+// State of wall following by touch. The memory of such a controller begins with it.
 typedef struct WgWallBody {
     double x;       // m: position before the last step
     double y;
-    double step;    // m: length that was asked for in the last step
+    double step;    // m: length requested in the last step
     double hand;    // side of the wall: 1 left, -1 right
     double wall;    // rad: direction from the robot to its wall
     double phase;   // WG_ADVANCE or WG_PRESS
-    double stuck;   // how often in a row it touched its wall and did not move
-    double lost;    // how many steps ago it touched a wall
-    double smooth;  // how often in a row its wall had not turned, at most FLAT_AFTER
+    double stuck;   // how many times in a row it touched its wall and did not move
+    double lost;    // steps since it touched a wall
+    double smooth;  // how many times in a row its wall had not turned, at most FLAT_AFTER
 } WgWallBody;
 
 typedef struct WgWallMemory {
@@ -31,16 +33,16 @@ typedef struct WgWallMemory {
     double mode;  // 0 to the target, 1 along the wall
 } WgWallMemory;
 
-// A place of a wall that Bug1 remembers.
+// A place on a wall that Bug1 remembers.
 typedef struct WgWallPlace {
     double x;     // m
     double y;
-    double wall;  // rad: direction of the wall there
+    double wall;    // rad: direction of the wall there
 } WgWallPlace;
 
 typedef struct WgBug1Memory {
     WgWallBody body;
-    double mode;        // 0 start, 1 to the target, 2 meets a wall, 3 round it, 4 to the leave point
+    double mode;  // 0 start, 1 to the target, 2 meets a wall, 3 around it, 4 to the leave point
     double far;         // m: distance to the target before the step
     WgWallPlace hit;    // where a wall stopped it
     WgWallPlace leave;  // where the wall was nearest to the target
@@ -52,7 +54,7 @@ typedef struct WgBug1Memory {
 
 typedef struct WgBug2Memory {
     WgWallBody body;
-    double mode;     // 0 start, 1 to the target, 2 round the obstacle, 3 to the line
+    double mode;  // 0 start, 1 to the target, 2 around the obstacle, 3 to the line
     double far;      // m: distance to the target before the step
     double hit_x;    // m
     double hit_y;
@@ -75,30 +77,30 @@ typedef struct WgTangentBugMemory {
 } WgTangentBugMemory;
 
 typedef struct WgRandomWalkMemory {
-    double left;  // m: what is left of the leg
+    double left;  // m: remainder of the leg
 } WgRandomWalkMemory;
 
 typedef struct WgThesisMemory {
-    double behaviour;  // in charge: WG_IDLE, WG_COLLIDE, WG_SEEK or WG_DRIVE
-    double counter;    // its
+    double behaviour;  // in control: WG_IDLE, WG_COLLIDE, WG_SEEK or WG_DRIVE
+    double counter;    // its counter
     double target;     // heading units: the target heading; -1: none
     double speed;      // share of the top speed
     double old_speed;  // same, before the collision
 } WgThesisMemory;
 
-// A controller with tuned numbers has an act that takes the ones named here as `..._default`, and an act whose memory
-// holds numbers of the user's own behind the state.
+// A controller with tuned numbers has two acts: one uses the numbers named here as `..._default`,
+// the other has the user's numbers in its memory, after the state.
 
 typedef struct WgPotentialField {
     double pull;        // force per metre of distance from the target
-    double far;         // m: distance beyond which the pull grows no more, which limits the speed
-    double push;        // gain of the walls' push
-    double influence;   // m: gap beyond which a wall does not push
-    double full_force;  // force at which the robot drives at its top speed; below, in proportion
+    double far;         // m: distance beyond which the attraction stops growing, which limits the speed
+    double push;        // gain of the walls' repulsion
+    double influence;   // m: gap beyond which a wall does not repel
+    double full_force;  // force at which the robot drives at its top speed; below it, proportionally slower
 } WgPotentialField;
 
 typedef struct WgVfh {
-    double safety;          // what obstacles are widened by in addition to the robot's radius, in radii
+    double safety;          // widening of obstacles in addition to the robot's radius, in radii
     double window;          // distance, in radii of the robot, beyond which obstacles do not count
     double low;             // density, 0 to 1, below which a blocked sector becomes free
     double high;            // density above which a free sector becomes blocked
@@ -107,7 +109,7 @@ typedef struct WgVfh {
     double to_heading;      // cost of a sector between it and the heading
     double to_last;         // cost of a sector between it and the direction chosen last
     double turning_radius;  // m, of a robot that cannot turn on the spot; 0 masks no directions
-    double slowest;         // share of the top speed that is left in the densest direction
+    double slowest;         // share of the top speed that remains in the densest direction
 } WgVfh;
 
 typedef struct WgVfhMemory {
@@ -121,12 +123,12 @@ typedef struct WgVfhTunedMemory {
 } WgVfhTunedMemory;
 
 typedef struct WgDynamicWindow {
-    double margin;        // m: what the robot is taken to be larger by than it is
+    double margin;        // m: added to the robot's radius
     double gain;          // m/s2: greatest change of speed, up or down
     double turn_gain;     // rad/s2: greatest change of turn rate
     double fastest_turn;  // rad/s
-    double speeds;        // how many speeds are tried, from the slowest to the fastest within the window
-    double turns;         // how many turn rates are tried, same; an odd number keeps the one of now
+    double speeds;        // number of speeds tried, from the slowest to the fastest within the window
+    double turns;         // number of turn rates tried; an odd number includes the current one
     double ahead;         // s after which an arc's heading is compared with the target's direction
     double least;         // m: free path that an arc must have
     double far;           // m: free path beyond which more is not better
@@ -146,11 +148,11 @@ typedef struct WgDynamicWindowTunedMemory {
 } WgDynamicWindowTunedMemory;
 
 typedef struct WgThreeLayer {
-    double margin;    // m: what the robot is taken to be larger by than it is
-    double pitch;     // side of a cell of the map, in radii of the robot; more where the map would not reach the target
+    double margin;        // m: added to the robot's radius
+    double pitch;     // side of a cell of the map, in radii of the robot; larger if the map would not reach the target
     double reach;     // least side of the map, times the distance from start to target
     double look;      // m: free path that the controller wants in the direction it takes
-    double patience;  // steps after which a waypoint is given up, times one more than the map has been forgotten
+    double patience;  // steps after which a waypoint is abandoned, times one more than the map has been forgotten
 } WgThreeLayer;
 
 typedef struct WgThreeLayerMemory {
@@ -160,11 +162,11 @@ typedef struct WgThreeLayerMemory {
     double pitch;      // m: side of its cells
     double to_x;       // the waypoint's cell; -1: none
     double to_y;
-    double waited;     // steps since it was set
-    double forgotten;  // how often the map was forgotten
+    double waited;     // steps since the waypoint was set
+    double forgotten;  // how many times the map was forgotten
     double here_x;     // the robot's cell
     double here_y;
-    double from_x;     // the one before
+    double from_x;     // the previous one
     double from_y;
     double target_x;   // the target's
     double target_y;
@@ -178,9 +180,9 @@ typedef struct WgThreeLayerTunedMemory {
 } WgThreeLayerTunedMemory;
 
 enum {
-    WG_Q_SITUATIONS = 768,  // that the Q-learning robot tells apart
-    WG_Q_TURNS = 6,         // among which it chooses
-    WG_Q_DRIVEN = 4,        // steps between two decisions, if no bump comes first
+    WG_Q_SITUATIONS = 768,  // situations that the Q-learning robot tells apart
+    WG_Q_TURNS = 6,         // turns that it chooses from
+    WG_Q_DRIVEN = 4,        // steps between two decisions, unless a bump comes first
 };
 
 // Eighths of a turn, counter-clockwise; of equals the first is taken.
@@ -193,7 +195,7 @@ typedef struct WgQMemory {
 
 typedef struct WgQTunedMemory {
     WgQMemory state;
-    double best[768];  // the turn to take in each situation: its number among the six turns
+    double best[768];  // the turn to take in each situation: its index among the six turns
 } WgQTunedMemory;
 
 typedef struct WgMapperMemory {
@@ -203,14 +205,14 @@ typedef struct WgMapperMemory {
     double window_y;
     double target_x;     // of the target, not rounded
     double target_y;
-    double doors;        // bits of the nodes next to the target from which the way to it was found blocked
-    double plan_at;      // moves that are done
+    double doors;        // bits of the nodes next to the target from which the way to it was blocked
+    double plan_at;      // moves that have been made
     double plan_length;  // all moves of the plan
     double plan[64];     // 16 moves in each number
 
     // The controller.
-    double mode;     // 0 start, 1 go, 2 to the target, 3 feel for the wall, 4 back
-    double from_x;   // the node that it came from
+    double mode;  // 0 start, 1 go, 2 to the target, 3 probe for the wall, 4 back
+    double from_x;     // the node that it came from
     double from_y;
     double move;     // from that node: 0 is east, then counter-clockwise by eighths of a turn
     double start_x;  // m
@@ -220,8 +222,8 @@ typedef struct WgMapperMemory {
     double y;
     double step;     // m: length of the step
     double tries;    // failed returns
-    double no_room;  // share of the robot's radius nearer than which to a place that it felt there is no room for it; 0
-                     // if it does not feel for walls
+    double no_room;  // share of the robot's radius: within this of a place that it probed, there is no room for it; 0
+                     // if it does not probe for walls
 
     double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
 } WgMapperMemory;
@@ -233,8 +235,8 @@ extern const WgThreeLayer wg_three_layer_default;
 
 // Length of an arc until a disc meets a point, m; infinity if it never does.
 //
-// x, y:       of the point, m, ahead of the robot and to its left. A point inside the disc counts as met at once if it
-//             is ahead.
+// x, y:       of the point, m, ahead of the robot and to its left. A point inside the disc counts
+//             as met immediately if it is ahead.
 // speed:      m/s, positive.
 // turn_rate:  rad/s.
 // radius:     of the disc, m.
@@ -249,7 +251,8 @@ typedef struct WgMapCell {
     int64_t row;
 } WgMapCell;
 
-// The cell after `here` on a shortest path through the map to `target`; (-1, -1) if there is none.
+// Returns the cell after `here` on a shortest path through the map to `target`; (-1, -1) if there
+// is none.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target);
 
 #endif
