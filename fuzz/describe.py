@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fuzz.boundary import describe_boundaries
 from fuzz.failure import Failure
+from fuzz.triage.hazards import HAZARD
 from sim.describe import describe_evidence, describe_frames
 from sim.drawing.picture import trail_of
 from sim.episode import Episode
@@ -64,12 +65,19 @@ def describe(failure: Failure, path: Path, *, met: Counter[str] | None = None) -
     return (
         f"{shown(failure.who)}: {record.verdict}{shown(words)}\n"
         f"{shown_lines(describe_frames(evidence))}"
+        f"{_doubt(failure)}"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
         f"{draw_terminal(failure.stored, trail=trail, color=color)}"
         f"  {shown(failure.replay_command(path))}\n"
     )
+
+
+def _doubt(failure: Failure) -> str:
+    """Return a line that says why no controller is sure to arrive; else nothing."""
+    why = str(failure.record.details.get(HAZARD, "")).partition("disturbed: ")[2]
+    return f"  no controller is sure to arrive: {shown(why)}\n" if why else ""
 
 
 def run_to_draw(failure: Failure) -> tuple[Episode, str]:

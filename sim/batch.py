@@ -29,6 +29,7 @@ from sim.runners.lattice import LatticeRun
 from sim.runners.lockstep import LockstepRun
 from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
+from worldgen.lattice import UNIT
 from worldgen.world import Pose, Value, World
 
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
@@ -68,6 +69,7 @@ class Runs:
         time: float64, simulated time, s.
         path_length: float64, distance driven, m.
         collisions: int64, times that the robot began to touch a wall.
+        area_covered: float64, area of the cells that its centre was in after a step, m2.
         digest: uint64, the trace's digest; 0 unless it was requested.
         names: Names of the controllers.
     """
@@ -81,6 +83,7 @@ class Runs:
     time: Floats
     path_length: Floats
     collisions: Ints
+    area_covered: Floats
     digest: npt.NDArray[np.uint64]
     names: tuple[str, ...]
 
@@ -233,6 +236,7 @@ def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np
         time=np.zeros(count),
         path_length=np.zeros(count),
         collisions=np.zeros(count, np.int64),
+        area_covered=np.zeros(count),
         digest=np.zeros(count, np.uint64),
         names=tuple(names),
     )
@@ -370,7 +374,7 @@ def _fill(
     # cut into a wall, then an event that ends a run in the step in which it happens.
     confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE[Verdict.STALLED], _CODE[Verdict.TIMEOUT])
-    for code in (lib.WG_LOOP, lib.WG_REACHED):
+    for code in (lib.WG_LOOP, lib.WG_REACHED, lib.WG_COVERED):
         verdict = np.where(ending == code, _CODE[Verdict(ENDINGS[code])], verdict)
     verdict = np.where(reports["overlap_step"] >= 0, _CODE[Verdict.OVERLAP], verdict)
     for code in decided:
@@ -380,6 +384,7 @@ def _fill(
     runs.time[rows] = np.round(steps * time_step, 9)
     runs.path_length[rows] = reports["path_length"] * metres
     runs.collisions[rows] = reports["collisions"]
+    runs.area_covered[rows] = reports["cells_visited"] * (metres * UNIT) ** 2
     if digest:
         runs.digest[rows] = reports["digest"]
 
@@ -397,5 +402,6 @@ def _fill_one(runs: Runs, row: int, episode: Episode, digest: bool) -> None:
     runs.time[row] = episode.time
     runs.path_length[row] = episode.path_length
     runs.collisions[row] = episode.collisions
+    runs.area_covered[row] = episode.area_covered
     if digest:
         runs.digest[row] = int(episode.trace_digest, 16)

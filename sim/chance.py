@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
-from sim.controllers.base import robot_for
+from sim.controllers.base import robot_for, senses_of
 from sim.controllers.shared.guarded import ControllerDied, call
 from sim.motion import MOTIONS
 from sim.options.noise import is_noisy
@@ -125,6 +125,10 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
     robot = robot_for(controller, options.robot)
     if world.is_dynamic:
         return "the world changes"
+    if robot.pushes:
+        return "pushes at stated times make a state's future depend on the time"
+    if robot.moved and senses_of(controller) & lib.WG_SENSE_ODOMETRY:
+        return "the controller reads odometry, which what moves the robot makes wrong"
     if is_noisy(controller, options):
         return "the simulator draws its own random numbers, for slip or a noisy sensor"
     if "time" in controller.senses:

@@ -24,9 +24,10 @@ from sim.thesis.run import ThesisRun
 from sim.trace import Trace, state_digest
 from sim.verdict import BY_THE_CONTROLLER, OUT_OF_BUDGET, Verdict
 from worldgen.errors import InvalidParameter
+from worldgen.lattice import exact
 from worldgen.world import Value, Witness, World
 
-__all__ = ["Episode", "prepare", "simulate", "wall_evidence"]
+__all__ = ["Episode", "area_of", "prepare", "simulate", "wall_evidence"]
 
 # Steps, 30 MB. Slow controllers record this much at once, before a verdict says whether the
 # recording is needed, so that they need not run twice.
@@ -46,6 +47,8 @@ class Episode:
         trace_digest: 16 hex digits, a digest of every state.
         evidence: The facts that confirm the verdict for a checker; a record of the verdict's kind.
         trace: The recorded states, if requested.
+        area_covered: Area of the cells that its centre was in after a step, the start's included,
+            m2.
     """
 
     verdict: Verdict
@@ -56,6 +59,7 @@ class Episode:
     trace_digest: str
     evidence: Evidence
     trace: Trace | None = None
+    area_covered: float = 0.0
 
     @property
     def went_into_a_wall(self) -> bool:
@@ -159,9 +163,9 @@ def _loop(
         return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
     outcome, state = proof
     if outcome.overlap_step >= 0:
-        return _episode(Verdict.OVERLAP, outcome, options, wall_evidence(outcome))
+        return _episode(Verdict.OVERLAP, world, outcome, options, wall_evidence(outcome))
     evidence = LoopEvidence(entry=entry, period=period, state_digest=state_digest(state))
-    return _episode(Verdict.LOOP, outcome, options, evidence)
+    return _episode(Verdict.LOOP, world, outcome, options, evidence)
 
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
@@ -174,7 +178,7 @@ def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions)
     ):
         check_recordable(outcome.steps)
         evidence = run.with_confinement(evidence, outcome.steps)
-    return _episode(outcome.verdict, outcome, options, evidence)
+    return _episode(outcome.verdict, world, outcome, options, evidence)
 
 
 def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
@@ -195,6 +199,11 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
     return ReachedEvidence(step=outcome.steps, wall_step=entered)
 
 
+def area_of(cells: int, world: World) -> float:
+    """Return the area of so many cells, m2."""
+    return float(cells * exact(world.cell_size) ** 2)
+
+
 def wall_evidence(outcome: Outcome) -> WallEvidence:
     """Return where a run went into a wall and, if known, the move that let it in."""
     tunnelled = outcome.ending == Verdict.TUNNEL
@@ -207,7 +216,7 @@ def wall_evidence(outcome: Outcome) -> WallEvidence:
 
 
 def _episode(
-    verdict: Verdict, outcome: Outcome, options: RunOptions, evidence: Evidence
+    verdict: Verdict, world: World, outcome: Outcome, options: RunOptions, evidence: Evidence
 ) -> Episode:
     return Episode(
         verdict=verdict,
@@ -215,6 +224,7 @@ def _episode(
         time=round(outcome.steps * options.time_step, 9),
         path_length=outcome.path_length,
         collisions=outcome.collisions,
+        area_covered=area_of(outcome.cells_visited, world),
         trace_digest=outcome.digest,
         evidence=evidence,
         trace=outcome.trace,

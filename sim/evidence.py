@@ -18,6 +18,7 @@ from worldgen.world import Value
 __all__ = [
     "BudgetEvidence",
     "BurnedEvidence",
+    "CoveredEvidence",
     "Evidence",
     "FaultEvidence",
     "LoopEvidence",
@@ -44,6 +45,19 @@ class ReachedEvidence:
 
     step: int
     wall_step: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoveredEvidence:
+    """The robot has been in every cell that its coverage task asks for.
+
+    Args:
+        step: Step in which it entered the last one.
+        cells: How many cells the task asks for.
+    """
+
+    step: int
+    cells: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,11 +166,18 @@ class FaultEvidence:
 
 
 Evidence: TypeAlias = (
-    ReachedEvidence | LoopEvidence | BudgetEvidence | WallEvidence | BurnedEvidence | FaultEvidence
+    ReachedEvidence
+    | CoveredEvidence
+    | LoopEvidence
+    | BudgetEvidence
+    | WallEvidence
+    | BurnedEvidence
+    | FaultEvidence
 )
 
 _KINDS: Mapping[Verdict, type[Evidence]] = {
     Verdict.REACHED: ReachedEvidence,
+    Verdict.COVERED: CoveredEvidence,
     Verdict.LOOP: LoopEvidence,
     Verdict.STALLED: BudgetEvidence,
     Verdict.TIMEOUT: BudgetEvidence,

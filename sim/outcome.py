@@ -26,6 +26,7 @@ ENDINGS: Mapping[int, Ending] = {
     lib.WG_BURNED: Verdict.BURNED,
     lib.WG_INVALID_COMMAND: Verdict.INVALID_COMMAND,
     lib.WG_CRASH: Verdict.CRASH,
+    lib.WG_COVERED: Verdict.COVERED,
 }
 """The ending that each of the core's numbers stands for."""
 
@@ -55,6 +56,7 @@ class Outcome:
         wall_step: First step that ended with the centre in a wall, if walls do not end the run;
             else -1.
         random_draws: Random numbers used.
+        cells_visited: Cells that the centre has been in after a step, the start's included.
         complete: Whether the recorded state alone decides the future.
         fault: The controller's fault, without the step; ``None`` if it made none or only the core
             knows it.
@@ -74,6 +76,7 @@ class Outcome:
     overlap_step: int
     overlap_cell: tuple[int, int]
     random_draws: int
+    cells_visited: int = 0
     entry: int = -1
     cause: str = ""
     cause_step: int = -1

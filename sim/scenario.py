@@ -97,8 +97,9 @@ class Scenario:
             world: Its witness decides how long a run may take.
             steps: Budget to use instead.
         """
-        budget = step_budget(world, self.run.time_step) if steps is None else steps
-        return replace(self.run, steps=budget)
+        if steps is None:
+            steps = step_budget(world, self.run.time_step, self.run.robot)
+        return replace(self.run, steps=steps)
 
     def with_run(self, **changes: Any) -> Scenario:
         """Return the same scenario with other values for some fields of its run options."""

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from sim.options.robot import RobotOptions
 from worldgen.errors import InvalidParameter
 
 __all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
@@ -50,6 +51,7 @@ class Trace:
         recall: Shows the memory of a lean recording, which was too large to hold it. Such a
             recording has no ``words``, and its ``states`` lack the memory.
         recalled: How many numbers of memory ``recall`` shows.
+        robot: Options of the robot in the run; ``None`` for the thesis's robot.
     """
 
     time_step: float
@@ -68,6 +70,7 @@ class Trace:
     active: npt.NDArray[np.int8] | None = None
     recall: Recall | None = None
     recalled: int = 0
+    robot: RobotOptions | None = None
 
     @property
     def steps(self) -> int:

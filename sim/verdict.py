@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 __all__ = [
+    "ARRIVALS",
     "AT_ONCE",
     "BY_THE_CONTROLLER",
     "FAILURES",
@@ -19,10 +20,11 @@ __all__ = [
 class Verdict(StrEnum):
     """How a run ended; equal to its word, as written in files and JSON.
 
-    Tables use this order: arrival first, then failures from mild to grave.
+    Tables use this order: success first, then failures from mild to grave.
     """
 
     REACHED = "reached"
+    COVERED = "covered"
     LOOP = "loop"
     STALLED = "stalled"
     TIMEOUT = "timeout"
@@ -34,8 +36,11 @@ class Verdict(StrEnum):
     INVALID_COMMAND = "invalid-command"
 
 
-FAILURES = tuple(verdict for verdict in Verdict if verdict != Verdict.REACHED)
-"""Every verdict on a robot that did not arrive."""
+ARRIVALS = (Verdict.REACHED, Verdict.COVERED)
+"""Verdicts on a robot that did what its task asks."""
+
+FAILURES = tuple(verdict for verdict in Verdict if verdict not in ARRIVALS)
+"""Every verdict on a robot that did not do what its task asks."""
 
 NEVER = (Verdict.LOOP, Verdict.STALLED)
 """Verdicts on a robot that keeps driving forever."""
@@ -54,6 +59,7 @@ AT_ONCE = (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER)
 
 MEANINGS = {
     Verdict.REACHED: "The robot arrives.",
+    Verdict.COVERED: "The robot has been in every cell that its coverage task asks for.",
     Verdict.LOOP: "The robot returns to a complete state that it was in before, so it repeats "
     "itself endlessly and never arrives, although its target can be reached.",
     Verdict.STALLED: "The robot enters no new cell in the second half of a budget that is many "

@@ -32,7 +32,7 @@ from fuzz.failure import Failure
 from fuzz.oracles import NamedOracle, Trial
 from fuzz.search.names import DATABASE, TIME_STEPS
 from fuzz.search.registry import check_strategy
-from fuzz.triage.hazards import is_unsensed
+from fuzz.triage.hazards import hazard_words, is_hazard
 from fuzz.triage.proofs import certified
 from sim.motion import MOTIONS
 from sim.options.run import RunOptions
@@ -252,7 +252,7 @@ class CampaignSession:
         return (
             best
             if self._count_hazards
-            else {kind: one for kind, one in best.items() if not is_unsensed(one)}
+            else {kind: one for kind, one in best.items() if not is_hazard(one)}
         )
 
     def _hazards(self) -> dict[str, Failure]:
@@ -432,7 +432,9 @@ class CampaignSession:
         for kind, failure in sorted(self._failing().items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
         if hazards:
-            click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
+            click.echo(
+                f"{hazard_words(hazards.values())}: {counted(len(hazards), 'class', 'classes')}\n"
+            )
         for kind, failure in sorted(hazards.items()):
             click.echo(describe(failure, self._path(kind), met=state.met))
         click.echo(describe_strategies(state))
@@ -466,11 +468,13 @@ class CampaignSession:
                 f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards)
             )
             click.echo(
-                f"hazards it cannot sense: met {often}; --count-hazards makes failures of them"
+                f"{hazard_words(hazards.values())}: met {often}; --count-hazards makes failures "
+                "of them"
             )
         if not self._failing():
             what = "new failure" if state.known else "failure"
-            beside = ", but for hazards that it cannot sense" if hazards else ""
+            words = hazard_words(hazards.values()).replace("hazards it", "hazards that it")
+            beside = f", but for {words}" if hazards else ""
             who = f"{self._config.scenario.label()} under {self._config.scenario.run.motion}"
             click.echo(f"no {what} of {who} found{beside}")
 

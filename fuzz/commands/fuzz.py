@@ -86,7 +86,8 @@ _BEGUN = {option.name for option in _DECLARED} | {"out", "seed"}
 @click.option(
     "--count-hazards",
     is_flag=True,
-    help="Count it as a failure if a robot is burned by a hazard that its controller cannot sense.",
+    help="Count as failures hazards that the controller cannot sense, and disturbances that no "
+    "controller is sure to withstand.",
 )
 @output_options
 @seed_option
@@ -111,9 +112,9 @@ def fuzz(
     """Search for worlds in which a controller fails.
 
     Writes the smallest world of each class of failure to a .grid file. The exit code is 1 if a
-    class is found that no --baseline has, and 0 if not. Robots burned by hazards that their
-    controller cannot sense are listed separately. Ctrl-C keeps what was found. Run the same command
-    again, or --resume FOLDER, to continue an interrupted campaign.
+    class is found that no --baseline has, and 0 if not. Hazards that the controller
+    cannot sense or withstand are listed separately. Ctrl-C keeps what was found. Run the same
+    command again, or --resume FOLDER, to continue an interrupted campaign.
     """
     import os
     import time

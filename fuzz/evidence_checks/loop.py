@@ -34,6 +34,9 @@ def check_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motio
         return f"the trace ends at step {trace.steps}, before the second period does"
     if entry * _decimal(trace.time_step) < _decimal(world.timeline.last_time):
         return "the world still changes after the loop's entry"
+    pushes = trace.robot.pushes[::4] if trace.robot is not None else ()
+    if any(entry * _decimal(trace.time_step) < _decimal(time) for time in pushes):
+        return "the robot is still pushed after the loop's entry"
     # Equal complete states, step by step, in both periods.
     one = trace.states[entry : entry + period + 1]
     two = trace.states[entry + period : entry + 2 * period + 1]

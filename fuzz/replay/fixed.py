@@ -65,7 +65,8 @@ def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
     failure = failure.driven_by(controller)
     world = failure.world
     stored = failure.options
-    options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
+    budget = step_budget(world, stored.time_step, stored.robot)
+    options = replace(stored, steps=max(stored.steps, budget))
     return _checked(world, failure.scenario, options, oracle_of(failure))
 
 

@@ -238,7 +238,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         scenario = self._scenario(label, message)
         steps = message.get("steps")
         budget = (
-            step_budget(world, scenario.run.time_step)
+            step_budget(world, scenario.run.time_step, scenario.run.robot)
             if steps is None
             else field(message, "steps", int)
         )

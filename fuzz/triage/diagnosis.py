@@ -69,7 +69,7 @@ def cause_of(failure: Failure) -> Cause:
     # These need no run: the record says enough.
     if failure.oracle is not None:
         return Cause.BREAKS_A_RULE
-    if is_unsensed(failure):
+    if is_unsensed(failure.record.details):
         return Cause.HARMED_UNSENSED
     if (known := _BY_VERDICT.get(failure.verdict)) is not None:
         return known

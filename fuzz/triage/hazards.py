@@ -1,22 +1,26 @@
-"""Hazards that a controller cannot sense, so that burning there is not the controller's fault."""
+"""Hazards that a controller cannot sense, or withstand, so that failing is not its fault."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
 
 from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, Controller
 from sim.controllers.base import DEFAULT_SENSES, robot_for, wants_world
+from sim.options.disturbances import why_arrival_is_not_certain
 from sim.options.robot import RobotOptions
 from sim.scenario import Scenario
-from sim.verdict import Verdict
+from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.timeline import CellState
-from worldgen.world import Value
+from worldgen.world import Value, World
 
-__all__ = ["HAZARD", "can_sense", "hazard_details", "is_unsensed"]
+__all__ = ["HAZARD", "can_sense", "hazard_details", "hazard_words", "is_hazard", "is_unsensed"]
 
 HAZARD = "hazard"
-"""The detail of a failure's record that may be ``unsensed``."""
+"""The detail of a failure's record that may be ``unsensed``, or ``disturbed`` and why."""
 
 _UNSENSED = "unsensed"
+_DISTURBED = "disturbed: "
 _SMOKE_SENSES = ("signal", "signal_heading")
 
 
@@ -40,14 +44,21 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
     return how == "entered" and robot.beams > 0 and "beams" in senses
 
 
-def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
-    """Return the record's details if the robot burned where its controller could not know better.
+def hazard_details(world: World, verdict: str, kind: str, scenario: Scenario) -> dict[str, Value]:
+    """Return the record's details if a failure is not the controller's fault.
+
+    That is where the robot burned and its controller could not know better, and where something
+    moves the robot so that no controller is sure to arrive.
 
     Args:
+        world: The world, with its certificate.
         verdict: Verdict of the run.
         kind: The failure's bucket, whose words state what burned the robot.
         scenario: The scenario that ran.
     """
+    uncertain = why_arrival_is_not_certain(world, scenario.run.robot)
+    if uncertain and verdict not in BY_THE_CONTROLLER:
+        return {HAZARD: _DISTURBED + uncertain}
     if verdict != Verdict.BURNED:
         return {}
     _, state, how = (*kind.split("-"), "", "")[:3]
@@ -55,6 +66,21 @@ def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Val
     return {} if can_sense(controller, scenario.run.robot, state, how) else {HAZARD: _UNSENSED}
 
 
-def is_unsensed(failure: Failure) -> bool:
-    """Return True if the failure is a hazard that its controller cannot sense."""
-    return failure.record.details.get(HAZARD) == _UNSENSED
+def is_unsensed(details: Mapping[str, Value]) -> bool:
+    """Return True if a record's details say that its controller cannot sense what burned it."""
+    return details.get(HAZARD) == _UNSENSED
+
+
+def is_hazard(failure: Failure) -> bool:
+    """Return True if the failure is a hazard that its controller cannot sense or withstand."""
+    return is_unsensed(failure.record.details) or _is_disturbed(failure)
+
+
+def hazard_words(failures: Iterable[Failure]) -> str:
+    """Return what to call these hazards: ``hazards it cannot sense``, or ``sense or withstand``."""
+    disturbed = any(_is_disturbed(failure) for failure in failures)
+    return "hazards it cannot sense or withstand" if disturbed else "hazards it cannot sense"
+
+
+def _is_disturbed(failure: Failure) -> bool:
+    return str(failure.record.details.get(HAZARD, "")).startswith(_DISTURBED)

@@ -15,7 +15,7 @@ from fuzz.oracles import NamedOracle, Oracle, Trial, Violation, verdict_oracle
 from fuzz.triage.cause import Cause
 from fuzz.triage.crash_bucket import FACTS
 from fuzz.triage.diagnosis import CAUSE, cause_of_run
-from fuzz.triage.hazards import HAZARD, hazard_details
+from fuzz.triage.hazards import hazard_details, is_unsensed
 from fuzz.triage.proofs import certificate_fault
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode
@@ -107,7 +107,10 @@ def failure_of(
     if found is None or not _comes_again(trial, found, oracle):
         return None
     if oracle.by_verdict:
-        details = {**hazard_details(trial.episode.verdict, found.bucket, scenario), **details}
+        details = {
+            **hazard_details(world, trial.episode.verdict, found.bucket, scenario),
+            **details,
+        }
     record = FailureRecord(
         controller=scenario.controller,
         motion=scenario.run.motion,
@@ -118,7 +121,7 @@ def failure_of(
         evidence=found.table,
         details={
             "class": found.bucket,
-            CAUSE: _cause(trial, found, oracle, is_unsensed=HAZARD in details).value,
+            CAUSE: _cause(trial, found, oracle, is_blind=is_unsensed(details)).value,
             "motion_version": MOTIONS.get(scenario.run.motion).version,
             **details,
         },
@@ -126,10 +129,10 @@ def failure_of(
     return Failure(replace(world, failure=None), record)
 
 
-def _cause(trial: Trial, found: Violation, oracle: Oracle, *, is_unsensed: bool) -> Cause:
+def _cause(trial: Trial, found: Violation, oracle: Oracle, *, is_blind: bool) -> Cause:
     if not oracle.by_verdict:
         return Cause.BREAKS_A_RULE
-    if is_unsensed:
+    if is_blind:
         return Cause.HARMED_UNSENSED
     episode = trial.episode
     return cause_of_run(trial.world, replace(episode, evidence=found.evidence or episode.evidence))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sim.commands.notes import note_unused
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS, Verdict
 from worldgen.cli.output import (
     CONTROLLER_HELP,
     emit_json,
@@ -21,6 +21,7 @@ from worldgen.support.progress import working
 
 if TYPE_CHECKING:
     from sim.episode import Episode
+    from sim.scenario import Scenario
     from worldgen.world import World
 
 __all__ = ["run"]
@@ -109,26 +110,40 @@ def run(
         )
     check_contract(scenario.controller, episode.evidence, episode.steps)
     reachable = _is_reachable(world, episode)
+    uncertain = _why_uncertain(world, scenario)
     if as_json:
-        emit_json({**_summary(episode), "reachable": reachable})
+        emit_json(
+            {**_summary(episode), "reachable": reachable, "arrival_uncertain": uncertain or None}
+        )
     else:
         click.echo(_sentence(episode))
         click.echo(shown_lines(describe_frames(episode.evidence)), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
-    if reachable is not True and episode.verdict != Verdict.REACHED:
+    if reachable is not True and episode.verdict not in ARRIVALS:
         note(_BLOCKED if reachable is False else _UNDECIDED)
+    if uncertain and episode.verdict not in ARRIVALS:
+        note(f"with these disturbances no controller is sure to arrive: {uncertain}")
     if trace is not None and episode.trace is not None:
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")
     if trail is not None:
-        title = f"{scenario.label()}, {scenario.run.motion}: {_sentence(episode)}"
+        title = (
+            f"{scenario.label()}, {scenario.run.motion}: {_sentence(episode)}, "
+            f"{episode.area_covered:.4g} m2 covered"
+        )
         with working(f"drawing {trail}"):
             picture = _picture(world, episode, title, trail.suffix)
         write_bytes(trail, picture, force=force)
         note(f"wrote {trail}")
-    if episode.verdict != Verdict.REACHED:
+    if episode.verdict not in ARRIVALS:
         raise SystemExit(1)
+
+
+def _why_uncertain(world: World, scenario: Scenario) -> str:
+    from sim.options.disturbances import why_arrival_is_not_certain
+
+    return why_arrival_is_not_certain(world, scenario.run.robot)
 
 
 def _is_reachable(world: World, episode: Episode) -> bool | None:
@@ -156,6 +171,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         "time": episode.time,
         "path_length": episode.path_length,
         "collisions": episode.collisions,
+        "area_covered": episode.area_covered,
         "trace_digest": episode.trace_digest,
         "evidence": evidence_table(episode.evidence),
     }

@@ -13,14 +13,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sim.controllers import CONTROLLERS, CompiledController, Controller
-from sim.episode import prepare, simulate, wall_evidence
+from sim.episode import area_of, prepare, simulate, wall_evidence
 from sim.evidence import BudgetEvidence, Evidence, LoopEvidence, WallEvidence
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.options.noise import is_noisy
 from sim.options.run import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
-from sim.verdict import NEVER, UNENDED, Verdict
+from sim.verdict import ARRIVALS, NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.support.intervals import interval_95
 from worldgen.world import World
@@ -66,12 +66,13 @@ class NamedWorld:
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """One run's result, as :func:`sim.episode.simulate` reports it; ``time`` in s."""
+    """One run's result, as :func:`sim.episode.simulate` reports it; ``time`` in s, area in m2."""
 
     seed: int
     verdict: str
     steps: int
     time: float
+    area_covered: float
 
 
 @dataclass(frozen=True)
@@ -100,14 +101,14 @@ class Cell:
     def arrivals(self) -> list[ComparedRun]:
         """The runs that arrived, fastest first."""
         return sorted(
-            (run for run in self.runs if run.verdict == Verdict.REACHED),
+            (run for run in self.runs if run.verdict in ARRIVALS),
             key=lambda run: (run.steps, run.seed),
         )
 
     @property
     def reached(self) -> int:
         """Number of runs that arrived."""
-        return sum(run.verdict == Verdict.REACHED for run in self.runs)
+        return sum(run.verdict in ARRIVALS for run in self.runs)
 
     @property
     def arrives(self) -> bool:
@@ -126,6 +127,11 @@ class Cell:
         return statistics.median(run.steps for run in self.arrivals or self.runs)
 
     @property
+    def area_covered(self) -> float:
+        """Median area of the cells that the centre was in, m2, over all runs."""
+        return statistics.median(run.area_covered for run in self.runs)
+
+    @property
     def rank_time(self) -> float:
         """Time to rank by, s; ``inf`` if the controller does not count as arriving."""
         return self.time if self.arrives and self.time is not None else math.inf
@@ -138,11 +144,11 @@ class Cell:
 
     @property
     def verdict(self) -> str:
-        """``reached`` if the controller counts as arriving, else the most frequent failure."""
+        """``reached`` or ``covered`` if the controller counts as arriving, else its main failure."""
         if self.arrives:
-            return Verdict.REACHED
+            return self.arrivals[0].verdict if self.arrivals else Verdict.REACHED
         failures = {
-            verdict: count for verdict, count in self.verdicts.items() if verdict != Verdict.REACHED
+            verdict: count for verdict, count in self.verdicts.items() if verdict not in ARRIVALS
         }
         return max(failures, key=lambda verdict: failures[verdict])
 
@@ -191,15 +197,15 @@ class Cell:
 
     def share_until(self, time: float) -> float:
         """Return the fraction of all runs that arrived no later than ``time``, s."""
-        return sum(
-            run.verdict == Verdict.REACHED and run.time <= time + _SAME for run in self.runs
-        ) / len(self.runs)
+        return sum(run.verdict in ARRIVALS and run.time <= time + _SAME for run in self.runs) / len(
+            self.runs
+        )
 
     def share_before(self, time: float) -> float:
         """Return the fraction of all runs that arrived earlier than ``time``, s."""
-        return sum(
-            run.verdict == Verdict.REACHED and run.time < time - _SAME for run in self.runs
-        ) / len(self.runs)
+        return sum(run.verdict in ARRIVALS and run.time < time - _SAME for run in self.runs) / len(
+            self.runs
+        )
 
 
 @dataclass(frozen=True)
@@ -217,6 +223,7 @@ class Total:
         shared_wins: Worlds in which it tied for best.
         mean_time: Mean time over the worlds that all controllers reach, s; ``None`` without any.
         median_time: Median time over the same worlds, s.
+        mean_area: Mean area of the cells that its centre was in, m2, over all runs.
     """
 
     label: str
@@ -229,6 +236,7 @@ class Total:
     shared_wins: int
     mean_time: float | None
     median_time: float | None
+    mean_area: float
 
 
 @dataclass(frozen=True)
@@ -262,7 +270,7 @@ class Comparison:
         runs = sum(len(cell.runs) for cell in cells)
         reached = sum(cell.reached for cell in cells)
         failures = Counter(
-            run.verdict for cell in cells for run in cell.runs if run.verdict != Verdict.REACHED
+            run.verdict for cell in cells for run in cell.runs if run.verdict not in ARRIVALS
         )
         times = [cells[row].rank_time for row in self.common]
         chance = cells[0].random
@@ -277,6 +285,9 @@ class Comparison:
             shared_wins=sum(index in winners and len(winners) > 1 for winners in best),
             mean_time=round(statistics.fmean(times), 9) if times else None,
             median_time=round(statistics.median(times), 9) if times else None,
+            mean_area=round(
+                statistics.fmean(run.area_covered for cell in cells for run in cell.runs), 9
+            ),
         )
 
 
@@ -450,10 +461,20 @@ class _Column:
             verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict
         elif outcome.ending == Verdict.LOOP or (verdict == Verdict.STALLED and explained):
             episode = simulate(world, self.controller, options)
-            run = ComparedRun(options.seed, episode.verdict, episode.steps, episode.time)
+            run = ComparedRun(
+                options.seed,
+                episode.verdict,
+                episode.steps,
+                episode.time,
+                episode.area_covered,
+            )
             return _TriedRun(run, episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
         evidence = wall_evidence(outcome) if outcome.cause else None
         return _TriedRun(
-            ComparedRun(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws
+            ComparedRun(
+                options.seed, verdict, outcome.steps, time, area_of(outcome.cells_visited, world)
+            ),
+            evidence,
+            outcome.random_draws,
         )

@@ -7,7 +7,7 @@ from sim.compare.report import describe_outcome
 from sim.controllers import CONTROLLERS
 from sim.drawing.picture import trail_of
 from sim.episode import simulate
-from sim.verdict import Verdict
+from sim.verdict import ARRIVALS
 from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import World
 
@@ -43,7 +43,7 @@ def _short(label: str) -> str:
 
 def _way(world: World, cell: Cell) -> Trail | None:
     shown = cell.shown
-    steps = shown.steps if shown.verdict == Verdict.REACHED else min(shown.steps, _MOST_STEPS)
+    steps = shown.steps if shown.verdict in ARRIVALS else min(shown.steps, _MOST_STEPS)
     if steps < 1:
         return None
     options = cell.scenario.with_run(seed=shown.seed).options(world, steps)

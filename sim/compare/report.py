@@ -35,6 +35,7 @@ CSV_COLUMNS = (
     "time",
     *(f"p{percent}" for percent in PERCENTILES),
     "source",
+    "area_covered",
 )
 
 # Columns of text for sentences below a table.
@@ -166,6 +167,7 @@ def _totals_table(comparison: Comparison) -> str:
             *(", ".join(f"{kind} {n}" for kind, n in t.failures.items()) or "-" for t in totals),
         ]
     )
+    rows.append(["mean area, m2", *(f"{total.mean_area:.2f}" for total in totals)])
     if len(totals) > 1:
         rows.append(
             [
@@ -262,6 +264,7 @@ def _csv_row(cell: Cell) -> list[object]:
         "never" if cell.never else "" if cell.time is None else repr(cell.time),
         *("" if time is None else repr(time) for time in percentiles),
         "worldgen compare",
+        f"{cell.area_covered:.9g}",
     ]
 
 
@@ -307,6 +310,7 @@ def _json_cell(cell: Cell, figures: Sequence[PublishedRow]) -> dict[str, Any]:
         "evidence": {} if cell.evidence is None else evidence_table(cell.evidence),
         "time": cell.time,
         "steps": cell.steps,
+        "area_covered": cell.area_covered,
         "percentiles": {f"p{p}": cell.percentile(p) for p in PERCENTILES} if cell.random else None,
         "published": [_json_figure(cell, figure) for figure in figures],
     }
@@ -341,6 +345,7 @@ def _json_total(total: Total) -> dict[str, Any]:
         "shared_wins": total.shared_wins,
         "mean_time": total.mean_time,
         "median_time": total.median_time,
+        "mean_area": total.mean_area,
     }
 
 

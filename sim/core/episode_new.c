@@ -10,6 +10,7 @@
 enum {
     MOST_NUMBERS = 1 << 28,  // of a controller's memory, and steps of a log is 16 times that
     MOST_BEAMS = 1 << 20,
+    MOST_PUSHES = 1 << 20,
 };
 
 // The most events that one step has.
@@ -53,7 +54,11 @@ static bool measure(const WgArena *arena, const WgSettings *settings, const WgCo
         || log_steps > (int64_t)16 * MOST_NUMBERS) {
         return false;
     }
-    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
+    int64_t pushes = settings->push_count;
+    if (pushes < 0 || pushes > MOST_PUSHES || settings->place_count > pushes) {
+        return false;
+    }
+    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1 + pushes);
     parts->state = WG_STATE_WORDS + memory;
     parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
     parts->beams = beams;
@@ -141,6 +146,17 @@ void wg_episode_fail(WgEpisode *episode, const char *error)
     episode->over = 1;
 }
 
+// Cells that a coverage task wants, without those that have been visited: the start's.
+static int64_t count_unvisited(const WgArena *arena)
+{
+    int64_t count = 0;
+    int64_t cells = arena->wanted != NULL ? arena->width * arena->height : 0;
+    for (int64_t k = 0; k < cells; k++) {
+        count += arena->wanted[k] != 0 && arena->visited[k] == 0;
+    }
+    return count;
+}
+
 WgStatus wg_episode_begin(WgEpisode *episode)
 {
     const WgSettings *settings = episode->settings;
@@ -151,7 +167,8 @@ WgStatus wg_episode_begin(WgEpisode *episode)
     wg_workspace_begin(&episode->workspace, settings);
     memset(&episode->recording, 0, sizeof episode->recording);
     episode->step = 0;
-    episode->quiet = wg_last_event(episode->arena);
+    episode->robot.report.cells_left = count_unvisited(episode->arena);
+    episode->quiet = wg_last_event(episode->arena, settings);
     episode->waits = 0;
     episode->over = 0;
     episode->workspace.answer[0] = 0.0;
@@ -179,9 +196,11 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     robot->contact = (WgNormal){0.0, 0.0};
     robot->touched = 0;
     robot->next_event = 0;
+    robot->next_push = settings->place_count;
     memset(&robot->report, 0, sizeof robot->report);
     robot->report.hit_step = -1;
     robot->report.overlap_step = -1;
+    robot->report.cells_visited = 1;
     robot->report.digest = WG_HASH_START;
 }
 

@@ -65,47 +65,51 @@ void wg_heading_table(int64_t *table)
     }
 }
 
-// Strength of the signal at a place, 0 if none arrives: 1 / (1 + squared distance in cells),
-// reduced by walls and smoke on its way.
-//
-// shift:  direction from the robot to the place that is read.
-// draw:   number of the random draw of the noise.
-static double reading(const WgArena *arena, const WgSettings *settings, Place place, Place shift, int64_t heading,
-                      int64_t draw)
+// Whether a direction from the robot is in the sensor's field, which reaches as far to either side of the heading.
+static bool is_in_field(const WgSettings *settings, Place shift, int64_t heading)
+{
+    if (settings->sensor_field >= (double)(WG_TURN / 2)) {
+        return true;
+    }
+    int64_t off = wg_abs(wg_turn_towards(heading, wg_heading_of(shift.x, shift.y, heading)));
+    return (double)off <= settings->sensor_field;
+}
+
+// What a source of strength 1 sends to a place: 1 / (1 + squared distance in cells), less what walls and smoke on its
+// way take; 0 beyond the sensor's range.
+static double sent(const WgArena *arena, const WgSettings *settings, Place source, Place place)
 {
     enum { MOST_HALVINGS = 1000 };
 
-    // Out of the sensor's range, or of its field, which reaches equally far to either side of the
-    // heading.
-    int64_t dx = settings->target_x - place.x;
-    int64_t dy = settings->target_y - place.y;
+    int64_t dx = source.x - place.x;
+    int64_t dy = source.y - place.y;
     double away_sq = (double)(dx * dx + dy * dy);
     if (away_sq > settings->sensor_range * settings->sensor_range) {
         return 0.0;
     }
-    if (settings->sensor_field < (double)(WG_TURN / 2)) {
-        int64_t off = wg_abs(wg_turn_towards(heading, wg_heading_of(shift.x, shift.y, heading)));
-        if ((double)off > settings->sensor_field) {
-            return 0.0;
-        }
-    }
-
     double value = 1.0 / (1.0 + away_sq / (double)(WG_UNIT * WG_UNIT));
     WgGrid grid = wg_grid(arena);
     if (settings->signal != WG_SIGNAL_OPEN) {
-        int64_t walls = wg_walls_on_the_way(grid, place.x, place.y, settings->target_x, settings->target_y);
+        int64_t walls = wg_walls_on_the_way(grid, place.x, place.y, source.x, source.y);
         if (walls > 0) {
             bool is_lost = settings->signal == WG_SIGNAL_BLOCKED || walls > MOST_HALVINGS;
             value = is_lost ? 0.0 : ldexp(value, -(int)walls);
         }
     }
     if (settings->smoke > 0.0) {
-        int64_t cells = wg_smoke_on_the_way(grid, place.x, place.y, settings->target_x, settings->target_y,
-                                            settings->smoke_reach);
+        int64_t cells = wg_smoke_on_the_way(grid, place.x, place.y, source.x, source.y, settings->smoke_reach);
         for (int64_t k = 0; k < cells; k++) {
             value *= 1.0 - settings->smoke;
         }
     }
+    return value;
+}
+
+// The same, as the sensor reads it: a share of it wrong.
+//
+// draw:  number of the random draw of the noise.
+static double with_noise(const WgSettings *settings, double value, int64_t draw)
+{
     if (settings->sensor_noise == 0.0) {
         return value;
     }
@@ -114,9 +118,40 @@ static double reading(const WgArena *arena, const WgSettings *settings, Place pl
 
 double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
 {
+    // The sensor adds up what comes from the sources in its field.
     Place here = {state->x, state->y};
-    Place shift = {settings->target_x - state->x, settings->target_y - state->y};
-    return reading(arena, settings, here, shift, state->heading, wg_noise_channel(step, WG_NOISE_SIGNAL));
+    double value = 0.0;
+    for (int64_t k = -1; k < settings->decoy_count; k++) {
+        const WgDecoy *decoy = k < 0 ? NULL : &settings->decoys[k];
+        Place source = {settings->target_x, settings->target_y};
+        if (decoy != NULL) {
+            source = (Place){decoy->x, decoy->y};
+        }
+        Place shift = {source.x - here.x, source.y - here.y};
+        if (is_in_field(settings, shift, state->heading)) {
+            value += (decoy != NULL ? decoy->strength : 1.0) * sent(arena, settings, source, here);
+        }
+    }
+    return with_noise(settings, value, wg_noise_channel(step, WG_NOISE_SIGNAL));
+}
+
+// Strength of the signal that the sensor reads for a place near the robot, 0 where none comes.
+//
+// shift:  direction from the robot to the place.
+// draw:   number of the random draw of the noise.
+static double reading(const WgArena *arena, const WgSettings *settings, Place place, Place shift, int64_t heading,
+                      int64_t draw)
+{
+    if (!is_in_field(settings, shift, heading)) {
+        return 0.0;
+    }
+    Place target = {settings->target_x, settings->target_y};
+    double value = sent(arena, settings, target, place);
+    for (int64_t k = 0; k < settings->decoy_count; k++) {
+        const WgDecoy *decoy = &settings->decoys[k];
+        value += decoy->strength * sent(arena, settings, (Place){decoy->x, decoy->y}, place);
+    }
+    return with_noise(settings, value, draw);
 }
 
 // The cell, of the nine around (ix, iy), that wg_signal_heading points to.
@@ -249,9 +284,9 @@ void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgSta
         observation->time = (double)step * settings->time_step;
     }
 
-    // The position measured by the wheels: the true one, if they have no noise.
+    // The position measured by the wheels: the true one, if they have no noise and nothing pushes the robot.
     if ((senses & WG_SENSE_ODOMETRY) != 0) {
-        if (settings->odometry_noise > 0.0) {
+        if (settings->measures != 0) {
             observation->odometry_x = odometry->x * metres;
             observation->odometry_y = odometry->y * metres;
             observation->odometry_heading = (double)wg_turn_towards(0, wg_floor(odometry->heading + 0.5)) * radians;

@@ -194,6 +194,63 @@ void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t ste
     }
 }
 
+// Displaces the robot by a push, as far as the way is clear, and turns it.
+static void push(const WgArena *arena, const WgSettings *settings, int64_t step, const WgPush *by, WgRobot *robot)
+{
+    WgState *state = &robot->body->state;
+    state->heading = wg_reduced_heading(state->heading + by->turn);
+    bool stays = by->dx == 0 && by->dy == 0;
+    // Under `endpoint` a robot may stand in a wall, and then nothing moves it: no way out of there is clear.
+    if (stays || !wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), state->x, state->y)) {
+        return;
+    }
+
+    // All of it takes no time: it happens at the end of the step.
+    int64_t before = robot->corners;
+    WgSegment way = {state->x, state->y, state->x + by->dx, state->y + by->dy};
+    WgMoved moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, 1.0, 1.0, settings->wall_friction,
+                                  robot->chain, before);
+    robot->corners = moved.count;
+    if (wg_is_contact(moved.contact)) {
+        robot->contact = moved.contact;
+    }
+    for (int64_t k = before; k < robot->corners && robot->report.ending == WG_LIMIT; k++) {
+        arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
+    }
+    if (settings->lattice > 1 && robot->report.ending == WG_LIMIT) {
+        wg_round_pose(arena, settings, step, robot);
+    }
+}
+
+void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    // Those at this time, in their order.
+    while (robot->next_push < settings->push_count && settings->pushes[robot->next_push].step <= step) {
+        const WgPush *by = &settings->pushes[robot->next_push++];
+        if (by->step == step && robot->report.ending == WG_LIMIT) {
+            push(arena, settings, step, by, robot);
+        }
+    }
+
+    // The one at this place; where two are, the first.
+    int64_t ix = wg_cell_of(robot->body->state.x);
+    int64_t iy = wg_cell_of(robot->body->state.y);
+    for (int64_t k = 0; k < settings->place_count && robot->report.ending == WG_LIMIT; k++) {
+        if (settings->pushes[k].ix == ix && settings->pushes[k].iy == iy) {
+            push(arena, settings, step, &settings->pushes[k], robot);
+            break;
+        }
+    }
+}
+
+void wg_count_wanted(WgRobot *robot)
+{
+    robot->report.cells_left--;
+    if (robot->report.cells_left == 0 && robot->report.ending == WG_LIMIT) {
+        robot->report.ending = WG_COVERED;
+    }
+}
+
 int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive)
 {
     double lost = settings->slip * wg_noise_draw(settings, wg_noise_channel(step, WG_NOISE_SLIP));

@@ -40,10 +40,12 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings);
 // Forgets where the robot has been, except for its start.
 void wg_visit_start(const WgArena *arena, const WgSettings *settings);
 
-// Step in which the world changes for the last time; 0 if it never does.
-static inline int64_t wg_last_event(const WgArena *arena)
+// Step in which the world changes, or something pushes the robot, for the last time; 0 if that never happens.
+static inline int64_t wg_last_event(const WgArena *arena, const WgSettings *settings)
 {
-    return arena->event_count > 0 ? arena->events[arena->event_count - 1].step : 0;
+    int64_t event = arena->event_count > 0 ? arena->events[arena->event_count - 1].step : 0;
+    bool is_pushed = settings->push_count > settings->place_count;
+    return is_pushed ? wg_most(event, settings->pushes[settings->push_count - 1].step) : event;
 }
 
 // Whole units of speed, never more than requested, so that no robot exceeds the top speed.
@@ -80,6 +82,12 @@ WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64
 // Moves the robot to the nearest point of a coarser lattice that it can reach on a clear line, if
 // there is one.
 void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
+
+// Displaces and turns a robot that something pushes in a step, after its own move.
+void wg_disturb(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot);
+
+// Counts a cell that a coverage task wants, and ends the run with the last one.
+void wg_count_wanted(WgRobot *robot);
 
 // The remainder of a drive after the wheels have slipped.
 int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive);
@@ -127,7 +135,7 @@ static inline bool wg_nothing_near(const WgArena *arena, const WgSettings *setti
         return false;
     }
     int64_t cells = arena->clearance[iy * arena->width + ix] - 1;
-    return cells * WG_UNIT >= settings->reach + wg_abs(wg_drive(state->speed));
+    return cells * WG_UNIT >= settings->reach + settings->drift_reach + wg_abs(wg_drive(state->speed));
 }
 
 static inline void wg_add_corner(WgRobot *robot, int64_t x, int64_t y, int64_t time)
@@ -190,6 +198,10 @@ static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *ro
         if (*cell == 0) {
             *cell = 1;
             robot->report.last_new_cell = step;
+            robot->report.cells_visited++;
+            if (arena->wanted != NULL && arena->wanted[cell - arena->visited] != 0) {
+                wg_count_wanted(robot);
+            }
         }
     }
     return true;
@@ -216,6 +228,10 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
     if (drive != 0) {
         by = wg_displacement(arena->headings, state->heading, drive);
     }
+    if (settings->disturbed != 0) {
+        by.x += settings->drift_x;
+        by.y += settings->drift_y;
+    }
 
     if (robot->next_event < arena->event_count && arena->events[robot->next_event].step == step) {
         robot->contact = wg_move_through_events(arena, settings, step, by.x, by.y, robot);
@@ -223,12 +239,19 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
-    // Features that few robots have: poses on a coarser lattice, wheels that measure wrong.
+    // Features that few robots have: poses on a coarser lattice, wheels that measure wrong or miss
+    // what pushes the robot. Against a wall the wheels stand still, whatever the floor does.
     if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
-    if (settings->odometry_noise > 0.0) {
-        wg_measure_move(arena, settings, step, state->x - x, state->y - y, robot);
+    if (settings->measures != 0) {
+        bool drifts = settings->disturbed != 0 && !wg_is_contact(robot->contact);
+        int64_t moved_x = state->x - x - (drifts ? settings->drift_x : 0);
+        int64_t moved_y = state->y - y - (drifts ? settings->drift_y : 0);
+        wg_measure_move(arena, settings, step, moved_x, moved_y, robot);
+    }
+    if (settings->push_count > 0 && report->ending == WG_LIMIT) {
+        wg_disturb(arena, settings, step, robot);
     }
 
     return wg_keep_books(arena, step, robot);
@@ -316,7 +339,7 @@ static inline void wg_apply_command(const WgSettings *settings, const WgCommand 
     double limit = settings->turn_limit * settings->turn + 1e-9;
     int64_t turn = wg_commanded_turn(settings, command, limit < most ? (double)(int64_t)limit : most);
     state->heading = wg_reduced_heading(state->heading + turn);
-    if (settings->odometry_noise > 0.0) {
+    if (settings->measures != 0) {
         wg_measure_turn(settings, step, turn, robot);
     }
     state->speed = wg_next_speed(state->speed, wg_commanded_speed(settings, command), settings);

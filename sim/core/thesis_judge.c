@@ -129,6 +129,7 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     if (*seen == 0) {
         *seen = 1;
         run->last_new_cell = step;
+        run->visited++;
     }
 }
 

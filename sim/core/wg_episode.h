@@ -58,6 +58,7 @@ typedef struct WgRobot {
     WgNormal contact;    // of the last step
     int64_t touched;     // 1 if the step before touched a wall
     int64_t next_event;  // index of the first event that is still to come
+    int64_t next_push;   // the same, of the pushes at times
     WgReport report;
 } WgRobot;
 

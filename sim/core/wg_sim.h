@@ -31,6 +31,7 @@ enum {
     WG_BURNED = 4,
     WG_INVALID_COMMAND = 5,
     WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither recorded nor hashed
+    WG_COVERED = 7,  // the robot's centre has been in every cell of WgArena.wanted
 };
 
 // Motion models on the lattice.
@@ -54,6 +55,23 @@ typedef struct WgEvent {
     int64_t iy;
     int64_t state;  // what the cell becomes
 } WgEvent;
+
+// A push: the robot is displaced, along a clear way only, and turned. As rows of (n, 6) int64 in Python.
+typedef struct WgPush {
+    int64_t step;  // the step at whose end it happens; 0: each step that ends with the centre in a cell
+    int64_t ix;    // that cell; -1 for a push at a time
+    int64_t iy;
+    int64_t dx;    // lattice units
+    int64_t dy;
+    int64_t turn;  // heading units
+} WgPush;
+
+// Another source of the signal, which is not the target.
+typedef struct WgDecoy {
+    int64_t x;  // lattice units
+    int64_t y;
+    double strength;  // the target's is 1
+} WgDecoy;
 
 // A corner of the path of one step.
 typedef struct WgCorner {
@@ -94,6 +112,7 @@ typedef struct WgArena {
     int64_t event_count;
     const int64_t *headings;   // (131072,) cosines and sines, 2^-30: sim/motion's heading table
     uint8_t *visited;          // (height, width) 1 where the centre has been
+    const uint8_t *wanted;     // (height, width) 1: a coverage task wants the centre to be there; NULL for other tasks
 
     // Tables for range beams in a world that does not change, which take a third of the time with
     // them. Otherwise all three are NULL.
@@ -126,7 +145,19 @@ typedef struct WgSettings {
     int64_t digest;      // 1: compute the digest of the trace
     int64_t senses;      // WG_SENSE_ bits: what the controller senses
 
+    // What moves the robot besides its wheels: see wg_disturb.
+    int64_t disturbed;     // 1: something does
+    int64_t measures;      // 1: odometry may differ from the pose
+    int64_t drift_x;       // what a tilted floor adds to each step, lattice units
+    int64_t drift_y;
+    int64_t drift_reach;   // the length of that, rounded up
+    const WgPush *pushes;  // (push_count,) first those at places, then those at times, by step
+    int64_t push_count;
+    int64_t place_count;   // how many are at places
+
     // Sensors.
+    const WgDecoy *decoys;  // (decoy_count,)
+    int64_t decoy_count;
     int64_t sensor_cells;  // how many cells around it the signal sensor sees
     int64_t signal;        // WG_SIGNAL_OPEN, ...
     int64_t beams;
@@ -182,6 +213,8 @@ typedef struct WgReport {
     int64_t collisions;
     int64_t last_new_cell;  // the last step that entered a cell for the first time
     int64_t points;         // of the path after the start
+    int64_t cells_visited;  // those that the centre has been in, the start's included
+    int64_t cells_left;     // those that a coverage task still wants
     uint64_t digest;        // rolling FNV-1a hash of every state
     int64_t hit_step;       // of WG_TUNNEL and WG_BURNED; -1
     int64_t hit_ix;

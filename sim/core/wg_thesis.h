@@ -144,6 +144,7 @@ typedef struct WgThesisRun {
     int64_t collisions;
     int64_t activations;   // times that the collide behaviour took control
     int64_t last_new_cell; // last step that ended in a cell for the first time
+    int64_t visited;       // cells that the centre was in after a tick
     uint64_t digest;       // rolling FNV-1a hash of seven words a tick
     WgThesisPlace hit;     // of WG_BURNED
     WgThesisPlace overlap; // first tick that ends deeper in a wall than tolerated

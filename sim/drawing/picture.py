@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sim.drawing.wall_penetrations import penetrated_cells
 from sim.episode import Episode
 from sim.evidence import LoopEvidence, WallEvidence
+from sim.options.disturbances import decoys_of, pushes_of, pushing_places_of
+from sim.trace import Trace
 from sim.verdict import Verdict
+from worldgen.lattice import exact
 from worldgen.render import Drive, EventMark, Trail
-from worldgen.render.overlay import MarkKind
+from worldgen.render.overlay import Disturbances, MarkKind, Shove
 from worldgen.world import World
 
-__all__ = ["drive_of", "trail_of"]
+__all__ = ["disturbances_in", "drive_of", "trail_of"]
 
 # Marks of bumps; more of them would hide the picture.
 _MOST_BUMPS = 400
+
+# The same of pushes.
+_MOST_PUSHES = 100
 
 
 def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
@@ -54,6 +62,37 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
         loop_from,
         marks,
         () if world is None else penetrated_cells(episode, world),
+        disturbances_in(trace),
+    )
+
+
+def disturbances_in(trace: Trace) -> Disturbances:
+    """Return what disturbed a recorded robot, with each push as far as it went."""
+    robot = trace.robot
+    if robot is None:
+        return Disturbances()
+    pushes = []
+    for push in sorted(pushes_of(robot), key=lambda push: push.time)[:_MOST_PUSHES]:
+        step = max(1, math.ceil(exact(push.time) / exact(trace.time_step)))
+        if step > trace.steps:
+            break
+        # A push is the last thing on the path of its step. It began at the point from which it
+        # comes nearest to the displacement that was asked for.
+        last = int(np.searchsorted(trace.path_step, step, side="right")) - 1
+        first = max(int(np.searchsorted(trace.path_step, step)) - 1, 0)
+        dx = trace.path_x[last] - trace.path_x[first : last + 1]
+        dy = trace.path_y[last] - trace.path_y[first : last + 1]
+        best = int(np.argmin(np.hypot(dx - push.dx, dy - push.dy)))
+        x = float(trace.path_x[first + best])
+        y = float(trace.path_y[first + best])
+        pushes.append(Shove(x, y, float(dx[best]), float(dy[best])))
+    return Disturbances(
+        pushes=tuple(pushes),
+        places=tuple(
+            Shove(place.x, place.y, place.dx, place.dy) for place in pushing_places_of(robot)
+        ),
+        decoys=tuple((decoy.x, decoy.y) for decoy in decoys_of(robot)),
+        drift_heading=robot.drift_heading if robot.drift > 0.0 else None,
     )
 
 

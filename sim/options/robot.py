@@ -15,11 +15,19 @@ from sim.options.declared import OptionSet
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import Bounds, Group
 
-__all__ = ["MAX_BEAMS", "SIGNALS", "RobotOptions", "Signal"]
+__all__ = ["MAX_BEAMS", "MOST_PUSHES", "SIGNALS", "RobotOptions", "Signal"]
 
 MAX_BEAMS = 1000
+MOST_PUSHES = 1000
+_MOVES = "Disturbances"
 Signal = Literal["open", "weakened", "blocked"]
 SIGNALS: tuple[Signal, ...] = typing.get_args(Signal)
+# Options that are lists: how many numbers each entry has, and what they are.
+_LISTS = (
+    ("pushes", 4, "time, dx, dy, turn"),
+    ("push_places", 5, "x, y, dx, dy, turn"),
+    ("decoys", 3, "x, y, strength"),
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,16 @@ class RobotOptions(OptionSet):
         beam_noise: Largest share by which a distance is wrong, 0 to 1, another for each beam and
             step.
         beam_dropout: Probability, 0 to 1, that a beam returns nothing.
+        drift: Speed at which a tilted floor carries the robot along, m/s.
+        drift_heading: Where it carries it, rad, counter-clockwise from the x axis.
+        pushes: Pushes at stated times, four numbers each: time (s), displacement along x and y (m),
+            turn (rad, counter-clockwise). Each happens at the end of its step, along a clear way
+            only, so a wall stops it.
+        push_places: Places that push the robot, five numbers each: a point (m) whose cell it is,
+            and displacement and turn as for ``pushes``. Each step that ends with the centre in the
+            cell ends with that push.
+        decoys: Other sources of the signal, three numbers each: place (m), and strength as a
+            multiple of the target's.
         lattice: Poses are rounded after each step to 1/lattice of a cell, where the way there is
             clear; a power of 2 from 2 to 1024, 0 means not.
         coin: How many values a random number of the controller has, 0, 1/coin and so on, equally
@@ -83,6 +101,11 @@ class RobotOptions(OptionSet):
     beam_field: Annotated[float, Bounds(0, 2 * math.pi, "rad"), Group("Beams")] = 0.0
     beam_noise: Annotated[float, Bounds(0, 1), Group("Beams")] = 0.0
     beam_dropout: Annotated[float, Bounds(0, 1), Group("Beams")] = 0.0
+    drift: Annotated[float, Bounds(0, 1e6, "m/s"), Group(_MOVES)] = 0.0
+    drift_heading: Annotated[float, Bounds(-2 * math.pi, 2 * math.pi, "rad"), Group(_MOVES)] = 0.0
+    pushes: Annotated[tuple[float, ...], Group(_MOVES)] = ()
+    push_places: Annotated[tuple[float, ...], Group(_MOVES)] = ()
+    decoys: Annotated[tuple[float, ...], Group("Sensor")] = ()
     lattice: Annotated[int, Bounds(0, 1024), Group("Lattice")] = 0
     coin: Annotated[int, Bounds(0, 65536), Group("Lattice")] = 0
 
@@ -97,6 +120,54 @@ class RobotOptions(OptionSet):
                 "give a power of 2 from 2 to 1024",
                 lattice=self.lattice,
             )
+        for name, size, each in _LISTS:
+            self._check_list(name, size, each)
+        if any(time < 0.0 for time in self.pushes[::4]):
+            raise InvalidParameter(
+                "below-minimum",
+                "{name}: time {value:g} s is below {low:g} s",
+                "give the time after the start",
+                name="pushes",
+                value=min(self.pushes[::4]),
+                low=0,
+            )
+        if any(strength < 0.0 for strength in self.decoys[2::3]):
+            raise InvalidParameter(
+                "below-minimum",
+                "{name}: strength {value:g} is below {low:g}",
+                "give how many times as strong as the target's signal it is",
+                name="decoys",
+                value=min(self.decoys[2::3]),
+                low=0,
+            )
+
+    def _check_list(self, name: str, size: int, each: str) -> None:
+        numbers = getattr(self, name)
+        if len(numbers) % size:
+            raise InvalidParameter(
+                "wrong-length",
+                "{name} has {count} numbers, and each needs {size}: {each}",
+                "write {name}={example}",
+                name=name,
+                count=len(numbers),
+                size=size,
+                each=each,
+                example=":".join(["1"] * size),
+            )
+        if len(numbers) > MOST_PUSHES * size:
+            raise InvalidParameter(
+                "too-many",
+                "{name} has {count} entries, and at most {most} are allowed",
+                "leave some out",
+                name=name,
+                count=len(numbers) // size,
+                most=MOST_PUSHES,
+            )
+
+    @property
+    def moved(self) -> bool:
+        """Whether something moves the robot besides its wheels."""
+        return self.drift > 0.0 or bool(self.pushes) or bool(self.push_places)
 
     @property
     def plain_sensor(self) -> bool:
@@ -108,5 +179,6 @@ class RobotOptions(OptionSet):
             self.sensor_noise,
             self.signal,
             self.smoke,
+            self.decoys,
         )
-        return limits == (1, 0.0, 0.0, 0.0, "open", 0.0)
+        return limits == (1, 0.0, 0.0, 0.0, "open", 0.0, ())

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS, Motion
+from sim.options.disturbances import delay_of
 from sim.options.robot import RobotOptions
 from sim.thesis.options import ThesisOptions
 from worldgen.errors import InvalidParameter
@@ -52,6 +53,7 @@ MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = (
     50  # a run may take this many times the witness's time before it counts as stalled or timed out
 )
+_MOST_OF_A_DRIFT = 10  # a budget grows at most so many times for a drift
 _ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
 _LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 FEWEST_STEPS = 4_000  # of a budget, however short the witness
@@ -222,14 +224,26 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         )
 
 
-def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
-    """Return steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000.
+def step_budget(
+    world: World, time_step: float = DEFAULT_TIME_STEP, robot: RobotOptions | None = None
+) -> int:
+    """Return the steps that a run gets.
 
-    20,000 without one.
+    They are ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without a witness.
+    What pushes the robot or carries it away costs it more time, which is added before.
+
+    Args:
+        world: The world, with its certificate.
+        time_step: s.
+        robot: Options of the robot; without them nothing disturbs it.
     """
     if not isinstance(world.certificate, Witness):
         return _STEPS_WITHOUT_WITNESS
-    wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
+    duration = exact(world.certificate.duration)
+    if robot is not None and robot.moved:
+        delay, factor = delay_of(world, robot)
+        duration = min(factor, Fraction(_MOST_OF_A_DRIFT)) * duration + exact(delay)
+    wanted = math.ceil(BUDGET_FACTOR * duration / exact(time_step))
     return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
 
 
@@ -246,8 +260,11 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
     }
     rest = {name: value for name, value in settings.items() if name not in own}
     options = RunOptions(**own)  # type: ignore[arg-type]
-    budget = options.steps if "steps" in own else step_budget(world, options.time_step)
-    return replace(options, steps=budget, **(switch_sets(options.motion, rest) if rest else {}))
+    if rest:
+        options = replace(options, **switch_sets(options.motion, rest))
+    if "steps" in own:
+        return options
+    return replace(options, steps=step_budget(world, options.time_step, options.robot))
 
 
 def options_from(

@@ -28,11 +28,15 @@ _READ_BY = {
     **dict.fromkeys(_SENSOR, _SIGNAL),
     **dict.fromkeys(_BEAMS, ("beams",)),
     "sensor_cells": ("signal_heading",),
+    "decoys": _SIGNAL,
     "odometry_noise": ("odometry_x", "odometry_y", "odometry_heading"),
     "coin": ("random",),
 }
 # An option that only shapes another one, which is off.
-_SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {"smoke_reach": "smoke"}
+_SHAPES = dict.fromkeys(_BEAMS[1:], "beams") | {
+    "smoke_reach": "smoke",
+    "drift_heading": "drift",
+}
 
 
 def unused_options(scenario: Scenario) -> list[str]:

@@ -33,6 +33,7 @@ __all__ = [
     "grid_of",
     "headings",
     "memory_for",
+    "most_points",
     "near_masks",
     "ray_table",
 ]
@@ -53,6 +54,8 @@ EVENT_FIELDS = 5
 
 # The largest side of a grid, cells, that the beams' tables can describe in 16 bits.
 _MOST_CELLS_OF_RUNS = 65535
+
+# Points of the path that one move may add.
 MOST_CORNERS = int(lib.WG_MOST_CORNERS)
 
 # Steps in the first call of a run; later calls grow until they take long enough.
@@ -162,6 +165,16 @@ def copy_of(settings: Any, memory: CoreMemory = PRIVATE) -> Any:
     return memory.new("WgSettings *", settings[0])
 
 
+def most_points(arena: CoreArena, settings: Any, steps: int) -> int:
+    """Return the most points that the path of so many steps can have.
+
+    Each move adds a few: one in a step, one more for each event and each push, and every step may
+    end in a place that pushes.
+    """
+    moves = steps * (2 if settings.place_count else 1) + len(arena.events)
+    return MOST_CORNERS * (moves + int(settings.push_count))
+
+
 class CoreArena:
     """The surroundings of a robot; ``cells``, ``near`` and ``visited`` change during an episode.
 
@@ -173,6 +186,7 @@ class CoreArena:
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
         beams: Tables that make range beams three times as fast, if the cells never change.
+        wanted: (height, width) uint8, cells that a coverage task wants; empty for other tasks.
         memory: Where the core will look for all this; the arrays are copied there.
     """
 
@@ -184,6 +198,7 @@ class CoreArena:
         events: Ints,
         visited: Cells,
         beams: BeamTables | None = None,
+        wanted: Cells | None = None,
         memory: CoreMemory = PRIVATE,
     ) -> None:
         self.cells = cells = memory.own(cells)
@@ -212,6 +227,10 @@ class CoreArena:
             self.c.spread = pointer(ffi, beams.spread, np.int64)
             self.c.runs = pointer(ffi, beams.runs, np.uint16)
         self.beams = beams
+        self.wanted = np.zeros((0, 0), np.uint8) if wanted is None else memory.own(wanted)
+        if self.wanted.size:
+            self.c.wanted = pointer(ffi, self.wanted, np.uint8)
+        self.held: object = None
 
 
 class Driver:

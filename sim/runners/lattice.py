@@ -38,6 +38,7 @@ from sim.runners.core_calls import (
     memory_for,
     near_masks,
 )
+from sim.runners.disturbing import PackedDisturbances
 from sim.runners.long_runs import MOST_HELD, portions
 from sim.runners.packing import disc_numbers, event_time, start_overlaps, target_sq
 from sim.runners.python_loop import PythonLoop
@@ -102,10 +103,12 @@ class LatticeRun:
         motion = MOTIONS.get(options.motion)
         self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = self.memory.own(_event_rows(world, options.time_step))
+        self._disturbances = PackedDisturbances(world, robot, options.time_step, self.memory)
         self.settings: Any = self.memory.new("WgSettings *")
         self._fill_settings(motion.code, motion.overlap_tolerance)
         self._near = self.memory.own(near_masks(self._cells))
         self._clearance = self.memory.own(self._clearance_table())
+        self._wanted = None
         self._beams = None
         if len(self.events) == 0:
             self._beams = beam_tables(self._cells, self.settings, self.memory)
@@ -147,6 +150,7 @@ class LatticeRun:
         settings.wall_friction = robot.wall_friction
         settings.slip = robot.slip
         settings.odometry_noise = robot.odometry_noise
+        self._disturbances.fill(settings)
         settings.lattice = UNIT // robot.lattice if robot.lattice else 1
 
     def _fill_sensors(self) -> None:
@@ -175,6 +179,7 @@ class LatticeRun:
         The table is empty if the masks around each cell reach as far as the fastest step.
         """
         fastest = int(self.settings.top_speed * self.settings.speed) + 1
+        fastest += int(self.settings.drift_reach)
         if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
             return np.zeros((0, 0), np.int32)
         closing = self.world.timeline.cells_that_become(
@@ -211,8 +216,9 @@ class LatticeRun:
 
     @property
     def last_event_step(self) -> int:
-        """Step in which the world changes for the last time; 0 if it never changes."""
-        return int(self.events[-1, 0]) if len(self.events) else 0
+        """Last step in which the world changes or something pushes the robot; 0 if there is none."""
+        changed = int(self.events[-1, 0]) if len(self.events) else 0
+        return max(changed, self._disturbances.last_step)
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Simulate up to ``steps`` steps from the start; see :meth:`sim.outcome.Runnable.run`."""
@@ -279,7 +285,11 @@ class LatticeRun:
         a controller does not declare are not computed, so noise in them does not matter.
         """
         reads_clock = bool(self.settings.senses & lib.WG_SENSE_TIME)
-        return not reads_clock and not is_noisy(self.controller, self.options)
+        # What moves the robot leaves its mark in the odometry, which is no part of the state.
+        is_displaced = self.options.robot.moved
+        reads_wrong_pose = is_displaced and bool(self.settings.senses & lib.WG_SENSE_ODOMETRY)
+        noisy = is_noisy(self.controller, self.options)
+        return not (reads_clock or reads_wrong_pose or noisy)
 
     def run_many(
         self,
@@ -417,15 +427,19 @@ class LatticeRun:
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        return CoreArena(
+        arena = CoreArena(
             self._cells.copy(),
             near,
             self._clearance,
             self.events,
             visited,
             self._beams,
+            self._wanted,
             self.memory,
         )
+        # The settings point to what this run owns, and an episode outlives it.
+        arena.held = self
+        return arena
 
     def _run_compiled(
         self, controller: CompiledController, record: bool
@@ -531,6 +545,7 @@ class LatticeRun:
             overlap_step=int(report.overlap_step),
             overlap_cell=(int(report.overlap_ix), int(report.overlap_iy)),
             random_draws=int(episode.state.draws) if episode else 0,
+            cells_visited=int(report.cells_visited),
             complete=complete,
             fault=fault.evidence if fault else None,
             trace=None if recording is None else self._trace(*recording, complete),
@@ -557,6 +572,7 @@ class LatticeRun:
             states=np.ascontiguousarray(states).view(np.uint64),
             complete=complete and not lean,
             memory_at=-1 if lean else STATE_WORDS,
+            robot=self.options.robot,
         )
 
 

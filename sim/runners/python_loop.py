@@ -28,7 +28,7 @@ from sim.controllers.programs.process import ProcessController
 from sim.controllers.programs.program import ControllerError, WantsMemory
 from sim.controllers.vector import Asker
 from sim.runners.controller_time import timed
-from sim.runners.core_calls import MOST_CORNERS, CoreArena, CoreEpisode, Driver, Workspace
+from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, Workspace, most_points
 from sim.runners.python_act import Stops, act_in_core
 from sim.runners.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
@@ -124,7 +124,7 @@ class PythonLoop:
         self.episode = episode = CoreEpisode(self._arena, self._settings, Driver(None, memory))
         if record:
             self._rows = np.zeros((steps + 1, 1 + episode.words), np.int64)
-            self._path = np.zeros((MOST_CORNERS * (steps + len(self._arena.events)), 4), np.int64)
+            self._path = np.zeros((most_points(self._arena, self._settings, steps), 4), np.int64)
             self._rows[0, 1:] = episode.state_words()
             episode.record(self._rows[1:], self._path)
         with working("running the controller", often=True) as work:

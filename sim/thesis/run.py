@@ -312,6 +312,7 @@ class ThesisRun:
             wall_step=run.in_wall.step if keeps_going else -1,
             complete=not self.options.thesis.random,
             random_draws=run.state.draws_used,
+            cells_visited=run.visited,
             trace=None if rows is None else self._trace(rows),
         )
 

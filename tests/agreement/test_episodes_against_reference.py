@@ -6,7 +6,7 @@ import pytest
 from sim import CompiledController, RobotOptions, RunOptions
 from sim._core import lib
 from sim.episode import prepare
-from sim.runners.core_calls import CoreEpisode, Driver
+from sim.runners.core_calls import CoreEpisode, Driver, most_points
 from tests.helpers.interpreted import ACTS
 from tests.reference.sim import lattice_episode, lattice_state, recurrence
 from tests.reference.sim.flat_arrays import COUNTS, arena_of, settings_of
@@ -21,22 +21,63 @@ ROBOTS = {
     "heavy": {"acceleration": 0.4, "friction": 0.3, "turn_limit": 2.0, "wall_friction": 0.5},
     "coarse": {"lattice": 16, "coin": 4},
     "blind": {"signal": "weakened", "sensor_noise": 0.1, "sensor_cells": 2, "smoke": 0.3},
+    "pushed": {
+        "pushes": (
+            0.55,
+            0.3,
+            0.0,
+            1.0,
+            0.55,
+            -0.9,
+            0.4,
+            0.0,
+            2.0,
+            0.0,
+            5.0,
+            -2.0,
+            3.0,
+            0.0,
+            0.0,
+            3.0,
+        ),
+        "push_places": (0.45, 0.35, 0.05, 0.03, 0.2, 0.65, 0.65, -0.31, 0.0, 0.0),
+        "wall_friction": 0.2,
+    },
+    "drifting": {"drift": 0.2, "drift_heading": 2.0, "lattice": 8, "pushes": (1.0, 0.1, 0.1, 0.5)},
+    "lured": {
+        "decoys": (1.2, 0.4, 3.0, 0.2, 1.2, 0.5),
+        "sensor_noise": 0.1,
+        "signal": "weakened",
+        "sensor_field": 3.0,
+    },
 }
 WORLDS = {"cup": cup, "burning": burning, "trap": lambda: generate("trap", 3)}
+
+
+def _points(run):
+    return most_points(run.arena(), run.settings, STEPS)
 
 
 def reference_run(run, recorded):
     """The same run in plain Python: robot, search, rows and path."""
     settings, scales = settings_of(run.settings)
     memory = np.array(run.controller.memory, np.float64)
-    robot = lattice_state.new_robot(memory.size, run.events)
+    robot = lattice_state.new_robot(memory.size, run.events, run.settings.push_count)
     room = lattice_state.new_room(memory.size, run.options.robot.beams, STEPS)
     rows = np.zeros((STEPS + 1 if recorded else 0, 6 + memory.size), np.int64)
-    path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
+    path = np.zeros((_points(run) if recorded else 0, 4), np.int64)
     act = ACTS[run.controller.act.name]
     with np.errstate(over="ignore"):
         lattice_episode.lattice_episode(
-            arena_of(run.arena()), settings, scales, act, memory, room, robot, rows, path
+            arena_of(run.arena(), run.settings),
+            settings,
+            scales,
+            act,
+            memory,
+            room,
+            robot,
+            rows,
+            path,
         )
     return robot, room.search, rows, path
 
@@ -45,7 +86,7 @@ def core_run(run, recorded):
     """The same in the core."""
     episode = CoreEpisode(run.arena(), run.settings, Driver(run.controller, run.controller.memory))
     rows = np.zeros((STEPS + 1 if recorded else 0, 1 + episode.words), np.int64)
-    path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
+    path = np.zeros((_points(run) if recorded else 0, 4), np.int64)
     if recorded:
         rows[0, 1:] = episode.state_words()
         episode.record(rows[1:], path)

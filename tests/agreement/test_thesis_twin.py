@@ -120,6 +120,7 @@ def specified(cells, light, events, start, setup, draws, row_count):
         "collisions": counts[at.OUT_COLLISIONS],
         "activations": counts[at.OUT_ACTIVATIONS],
         "last_new_cell": counts[at.OUT_LAST_NEW_CELL],
+        "visited": counts[at.OUT_VISITED],
         "digest": counts[at.OUT_DIGEST] % 2**64,
         "hit": counts[at.OUT_HIT_STEP : at.OUT_HIT_IY + 1],
         "hit_state": counts[at.OUT_HIT_STATE],
@@ -140,7 +141,9 @@ def seen(cells, light, events, start, setup, draws, row_count):
     rows = new_rows(row_count)
     episode.go(setup.steps, draws, rows)
     run = episode.run
-    names = ("ending", "steps", "period", "collisions", "activations", "last_new_cell", "digest")
+    names = (
+        "ending", "steps", "period", "collisions", "activations", "last_new_cell", "visited", "digest",
+    )  # fmt: skip
     found = {name: getattr(run, name) for name in (*names, "path_length", "deepest")}
     for name in ("hit", "overlap", "tunnel", "in_wall"):
         place = getattr(run, name)

@@ -7,7 +7,7 @@ import pytest
 
 from fuzz.failure import Failure
 from fuzz.shrink import shrink
-from fuzz.triage.hazards import can_sense, is_unsensed
+from fuzz.triage.hazards import can_sense, is_hazard
 from fuzz.triage.judging import failure_of, replay
 from fuzz.triage.proofs import certified
 from sim.controllers import CONTROLLERS
@@ -71,14 +71,14 @@ def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
 def test_a_failure_says_whether_its_controller_could_have_known_better(name, unsensed, mine):
     world = burning_world()
     failure = failure_of(certified(world), Scenario(f"{mine}:{name}"))
-    assert failure.record.verdict == "burned" and is_unsensed(failure) is unsensed
+    assert failure.record.verdict == "burned" and is_hazard(failure) is unsensed
     assert replay(Failure.of(loads(failure.dumps()))).confirmed
 
 
 def test_a_hazard_that_is_shrunk_stays_one(mine):
     world = burning_world()
     failure = failure_of(certified(world), Scenario(f"{mine}:Ahead"))
-    assert is_unsensed(shrink(failure, seconds=1.0).failure)
+    assert is_hazard(shrink(failure, seconds=1.0).failure)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +105,7 @@ def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
     said = json.loads(met[1].out)
     assert said["hazards"] and not said["failures"] and met[1].code == 0
     assert all(
-        one["verdict"] == "burned" and is_unsensed(Failure.of(read_world(one["file"])))
+        one["verdict"] == "burned" and is_hazard(Failure.of(read_world(one["file"])))
         for one in said["hazards"]
     )
 

@@ -5,6 +5,7 @@ import pytest
 from sim.evidence import (
     BudgetEvidence,
     BurnedEvidence,
+    CoveredEvidence,
     FaultEvidence,
     LoopEvidence,
     ReachedEvidence,
@@ -17,6 +18,7 @@ from sim.verdict import Verdict
 FRAMES = ({"file": "mine.py", "line": 3, "function": "act"},)
 EACH = {
     Verdict.REACHED: ReachedEvidence(step=5, wall_step=3),
+    Verdict.COVERED: CoveredEvidence(step=5, cells=3),
     Verdict.LOOP: LoopEvidence(entry=0, period=4, state_digest="0" * 16),
     Verdict.STALLED: BudgetEvidence(
         last_new_cell=3, kind="drifting", entry=4, period=2, box=(3, 1)

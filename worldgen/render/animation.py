@@ -16,6 +16,7 @@ from PIL import Image, ImageDraw
 
 from worldgen.errors import InvalidParameter
 from worldgen.render.caption import printable, text_width
+from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Drive
 from worldgen.render.palette import (
@@ -173,8 +174,13 @@ class _Stage:
             for k, drive in enumerate(self.drives)
             for part in self._robot(drive, time, self._colour(k))
         ]
+        disturbed = [
+            part
+            for drive in self.drives
+            for part in above_the_trail(drive.trail.disturbances, self.frame, self.world.cell_size)
+        ]
         return draw_parts(
-            [*parts, *breach_crosses(pierced, self.frame), *self._words(time)],
+            [*parts, *disturbed, *breach_crosses(pierced, self.frame), *self._words(time)],
             self.frame,
             self.size,
             onto=picture,

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from worldgen.render.content import Content
+from worldgen.render.disturbance_parts import decoy_mark, push_arrow
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import (
     APPROACH,
@@ -20,6 +21,7 @@ from worldgen.render.palette import (
     PAPER,
     PIERCED,
     PIERCED_GROUND,
+    PUSH,
     START,
     TARGET,
     TUNNEL,
@@ -188,6 +190,15 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys.append(("overlap", _overlap_sample))
     if "tunnel" in kinds and not trail.pierced:
         keys.append(("through a wall", _tunnel_sample))
+    disturbances = trail.disturbances
+    if disturbances.pushes:
+        keys.append(("push", _push_sample))
+    if disturbances.places:
+        keys.append(("place that pushes", _swatch(mix(PAPER, PUSH, 0.5))))
+    if disturbances.drift_heading is not None:
+        keys.append(("tilted floor", _line(mix(PAPER, PUSH, 0.6), 1.6)))
+    if disturbances.decoys:
+        keys.append(("decoy source", _decoy_sample))
     return keys
 
 
@@ -290,6 +301,14 @@ def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
         *(DrawnLine(np.array((x, y)) + line * unit, stripe) for line in stripes),
         _square(x, y, unit, Paint(stroke=PIERCED, width=2.0 * unit)),
     ]
+
+
+def _push_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return push_arrow((x, y), (x + (ICON - 4.0) * unit, y), unit)
+
+
+def _decoy_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return decoy_mark(x + 0.5 * ICON * unit, y, 0.8 * unit)
 
 
 def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:

@@ -12,7 +12,15 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Drive", "EventMark", "MarkKind", "Trail", "WallPenetration"]
+__all__ = [
+    "Disturbances",
+    "Drive",
+    "EventMark",
+    "MarkKind",
+    "Shove",
+    "Trail",
+    "WallPenetration",
+]
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
@@ -69,6 +77,40 @@ class WallPenetration:
     place: tuple[float, float] | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Shove:
+    """A displacement that something else than its wheels gives the robot.
+
+    Args:
+        x: Where it begins, m; of a place that pushes, a point of its cell.
+        y: m.
+        dx: m.
+        dy: m.
+    """
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbances:
+    """What disturbs a robot besides walls.
+
+    Args:
+        pushes: Pushes that happened, as far as they went.
+        places: Cells that push whoever stands there.
+        decoys: Where other sources of the signal are, x and y in m.
+        drift_heading: Where the floor carries the robot, rad; ``None`` if it is level.
+    """
+
+    pushes: tuple[Shove, ...] = ()
+    places: tuple[Shove, ...] = ()
+    decoys: tuple[tuple[float, float], ...] = ()
+    drift_heading: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Trail:
     """The path of the robot's centre.
@@ -80,6 +122,7 @@ class Trail:
             repetitions of the cycle. ``None`` if the run has none.
         marks: Events along the path.
         pierced: Wall cells that the robot entered.
+        disturbances: What disturbed the robot.
 
     Raises:
         InvalidParameter: If the arrays do not match, are empty or not finite, or the index is out
@@ -91,6 +134,7 @@ class Trail:
     loop_from: int | None = None
     marks: Sequence[EventMark] = field(default_factory=tuple)
     pierced: Sequence[WallPenetration] = ()
+    disturbances: Disturbances = Disturbances()
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):

@@ -19,6 +19,8 @@ __all__ = [
     "PAPER",
     "PIERCED",
     "PIERCED_GROUND",
+    "PUSH",
+    "PUSH_HEAD",
     "START",
     "SWEPT",
     "TARGET",
@@ -37,6 +39,8 @@ START = "#009E73"
 LOOP = "#D55E00"
 # Orange: cells that burn at some time.
 FIRE = "#E69F00"
+# Sky blue: what moves the robot besides its wheels.
+PUSH = "#56B4E9"
 # Reddish purple: where the run broke the world's rules, and cuts.
 TUNNEL = "#CC79A7"
 # Red, with stripes and a frame: walls that the robot entered.
@@ -65,6 +69,7 @@ def mix(first: str, second: str, share: float) -> str:
 
 # Arrow heads, which stand out from the line.
 LOOP_HEAD = mix(LOOP, "#000000", 0.4)
+PUSH_HEAD = mix(PUSH, "#000000", 0.45)
 # The floor that the robot covers in its loop.
 SWEPT = mix(PAPER, LOOP, 0.35)
 # A light colour below the stripes, for readers who cannot tell the hues apart.

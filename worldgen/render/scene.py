@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
+from worldgen.render.disturbance_parts import above_the_trail, under_the_walls
 from worldgen.render.frame import BAND, Frame
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
@@ -123,6 +124,8 @@ def _map(content: Content) -> list[Primitive]:
     world = content.world
     frame = content.frame
     parts: list[Primitive] = [_band(frame), *_floor(world, frame, signal=content.signal)]
+    if content.trail:
+        parts += under_the_walls(content.trail.disturbances, frame)
     parts += [DrawnCells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
@@ -133,6 +136,7 @@ def _map(content: Content) -> list[Primitive]:
     parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
     parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
     if trail:
+        parts += above_the_trail(trail.disturbances, frame, world.cell_size)
         parts += [
             *pierced_parts(trail.pierced, world.walls.shape, frame),
             *breach_crosses(trail.pierced, frame),

@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from worldgen.errors import InvalidParameter
+from worldgen.render.disturbance_parts import above_the_trail
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import GREY, INK, PAPER, mix, rgb
@@ -102,6 +103,8 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
     parts = map_parts(panel.world, frame)
     for k, trail in enumerate(panel.trails):
         parts += _way(trail, frame, k, len(panel.trails))
+        if trail is not None:
+            parts += above_the_trail(trail.disturbances, frame, panel.world.cell_size)
     size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
     picture = draw_parts(parts, frame, size)
     box = (

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from sim._core import lib
 from sim.controllers.base import CompiledController
-from sim.runners.core_calls import MOST_CORNERS, CoreArena, CoreEpisode, Driver, copy_of
+from sim.runners.core_calls import CoreArena, CoreEpisode, Driver, copy_of, most_points
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
@@ -58,7 +58,7 @@ def portions(
     width = 1 + episode.words
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
     rows = memory.zeros((min(most, steps) + 1, width), np.int64)
-    path = memory.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
+    path = memory.zeros((most_points(arena, settings, len(rows)), 4), np.int64)
     rows[0, 1:] = episode.state_words()
     yield Portion(0, rows[:1], path[:0])
     # The next portion overwrites the arrays of this one.

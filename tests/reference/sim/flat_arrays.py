@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 _SETTINGS = (
     "start_x", "start_y", "start_heading", "target_x", "target_y", "target_radius_sq", "clear_sq", "reach", "motion",
     "steps", "find_loop", "seed", "senses", "digest", "sensor_cells", "signal", "beams", "plain_sensor", "smoke_reach",
-    "lattice", "coin", "loop_entry",
+    "lattice", "coin", "loop_entry", "disturbed", "measures", "drift_x", "drift_y", "drift_reach", "place_count",
 )  # fmt: skip
 _SCALES = (
     "metres", "speed", "turn", "radians", "time_step", "top_speed", "tolerance", "start_speed", "turn_limit", "gain",
@@ -27,7 +27,7 @@ _SCALES = (
 )  # fmt: skip
 COUNTS = (
     "ending", "steps", "period", "collisions", "last_new_cell", "points", "digest", "hit_step", "hit_ix", "hit_iy",
-    "overlap_step", "overlap_ix", "overlap_iy", "hit_state",
+    "overlap_step", "overlap_ix", "overlap_iy", "hit_state", "cells_visited", "cells_left",
 )  # fmt: skip
 
 
@@ -38,8 +38,20 @@ def settings_of(settings: Any) -> tuple[Ints, Floats]:
     return ints, np.array([getattr(settings, name) for name in _SCALES], np.float64)
 
 
-def arena_of(arena: CoreArena) -> lattice_state.Arena:
-    """Return an arena as the reference takes it."""
+def arena_of(arena: CoreArena, settings: Any) -> lattice_state.Arena:
+    """Return an arena as the reference takes it, with the pushes and decoys of a WgSettings."""
+    pushes = [settings.pushes[k] for k in range(settings.push_count)]
+    decoys = [settings.decoys[k] for k in range(settings.decoy_count)]
     return lattice_state.Arena(
-        arena.cells, arena.near, arena.clearance, arena.events, arena.headings, arena.visited
+        arena.cells,
+        arena.near,
+        arena.clearance,
+        arena.events,
+        arena.headings,
+        arena.visited,
+        np.array([[p.step, p.ix, p.iy, p.dx, p.dy, p.turn] for p in pushes], np.int64).reshape(
+            -1, 6
+        ),
+        tuple((int(d.x), int(d.y), float(d.strength)) for d in decoys),
+        arena.wanted,
     )

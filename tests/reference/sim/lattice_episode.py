@@ -116,6 +116,11 @@ def is_over(
     return False
 
 
+def _unvisited(arena: Arena) -> int:
+    """How many cells a coverage task wants, but for the start's."""
+    return int(((arena.wanted != 0) & (arena.visited == 0)).sum()) if len(arena.wanted) else 0
+
+
 def lattice_episode(
     arena: Arena,
     settings: Ints,
@@ -146,6 +151,7 @@ def lattice_episode(
     :mod:`tests.reference.sim.recurrence` says.
     """
     set_out(settings, scales, memory, room, robot, last_event(arena))
+    robot.counts[layout.OUT_UNVISITED] = _unvisited(arena)
     if rows.shape[0] > 0:
         for k in range(robot.state.size):
             rows[0, layout.ROW_STATE + k] = robot.state[k]
@@ -175,6 +181,7 @@ def lattice_steps(
         Number of the step.
     """
     set_out(settings, scales, memory, room, robot, last_event(arena))
+    robot.counts[layout.OUT_UNVISITED] = _unvisited(arena)
     if rows.shape[0] > 0:
         for k in range(robot.state.size):
             rows[0, layout.ROW_STATE + k] = robot.state[k]

@@ -34,6 +34,7 @@ __all__ = [
 ]
 
 Cells = npt.NDArray[np.uint8]
+Decoys = tuple[tuple[int, int, float], ...]
 
 _MIDDLE = UNIT // 2
 _SCALE_BITS = 30  # the table holds round(cos * 2**30): 10 nm over a 10 m step
@@ -188,38 +189,26 @@ def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
     )
 
 
-def _reading(
+def _sent(
     cells: Cells,
     settings: npt.NDArray[np.int64],
     scales: npt.NDArray[np.float64],
+    source: tuple[int, int],
     place: tuple[int, int],
-    shift: tuple[int, int, int],
-    draw: int,
 ) -> float:
-    """Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells).
+    """What a source of strength 1 sends to a place: 1 / (1 + squared distance in cells).
 
-    That is less what walls and smoke on its way take.
-
-    Args:
-        cells: Cell states.
-        settings: ``SET_``.
-        scales: ``SCALE_``.
-        place: x, y, lattice units.
-        shift: Direction from the robot to where the signal is looked for, and the robot's heading.
-        draw: Number of the random draw of the noise.
+    That is less what walls and smoke on its way take, and 0 beyond the sensor's range.
     """
     x, y = place
-    target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
-    dx, dy = target_x - x, target_y - y
+    dx, dy = source[0] - x, source[1] - y
     away_sq = float(dx * dx + dy * dy)
     longest = scales[layout.SCALE_SENSOR_RANGE]
-    if away_sq > longest * longest or not _in_field(
-        shift[0], shift[1], shift[2], scales[layout.SCALE_SENSOR_FIELD]
-    ):
+    if away_sq > longest * longest:
         return 0.0
     value = 1.0 / (1.0 + away_sq / float(UNIT * UNIT))
     if settings[layout.SET_SIGNAL] != layout.OPEN:
-        walls = walls_on_the_way(cells, x, y, target_x, target_y)
+        walls = walls_on_the_way(cells, x, y, *source)
         if walls > 0:
             value = (
                 0.0
@@ -228,14 +217,73 @@ def _reading(
             )
     smoke = scales[layout.SCALE_SMOKE]
     if smoke > 0.0:
-        for _ in range(
-            smoke_on_the_way(cells, x, y, target_x, target_y, settings[layout.SET_SMOKE_REACH])
-        ):
+        for _ in range(smoke_on_the_way(cells, x, y, *source, settings[layout.SET_SMOKE_REACH])):
             value *= 1.0 - smoke
+    return value
+
+
+def _sources(
+    settings: npt.NDArray[np.int64], decoys: Decoys
+) -> list[tuple[tuple[int, int], float]]:
+    """Places and strengths of all sources, the target first."""
+    target = (settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y])
+    return [(target, 1.0), *(((x, y), strength) for x, y, strength in decoys)]
+
+
+def _noisy(
+    settings: npt.NDArray[np.int64], scales: npt.NDArray[np.float64], value: float, draw: int
+) -> float:
+    """A strength as the sensor reads it; ``draw`` is the number of the random draw."""
     noise = scales[layout.SCALE_SENSOR_NOISE]
     return (
         value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
     )
+
+
+def _signal_here(
+    cells: Cells,
+    settings: npt.NDArray[np.int64],
+    scales: npt.NDArray[np.float64],
+    pose: tuple[int, int, int],
+    decoys: Decoys,
+    step: int,
+) -> float:
+    """Strength of the signal at the robot, from the sources in the sensor's field."""
+    x, y, heading = pose
+    half_field = scales[layout.SCALE_SENSOR_FIELD]
+    value = 0.0
+    for source, strength in _sources(settings, decoys):
+        if _in_field(source[0] - x, source[1] - y, heading, half_field):
+            value += strength * _sent(cells, settings, scales, source, (x, y))
+    return _noisy(settings, scales, value, noise_channel(step, NOISE_SIGNAL))
+
+
+def _reading(
+    cells: Cells,
+    settings: npt.NDArray[np.int64],
+    scales: npt.NDArray[np.float64],
+    place: tuple[int, int],
+    shift: tuple[int, int, int],
+    decoys: Decoys,
+    draw: int,
+) -> float:
+    """Strength of the signal that the sensor reads for a place near the robot.
+
+    Args:
+        cells: Cell states.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        place: x, y, lattice units.
+        shift: Direction from the robot to the place, and the robot's heading.
+        decoys: Other sources than the target.
+        draw: Number of the random draw of the noise.
+    """
+    if not _in_field(*shift, scales[layout.SCALE_SENSOR_FIELD]):
+        return 0.0
+    value = 0.0
+    for source, strength in _sources(settings, decoys):
+        value += strength * _sent(cells, settings, scales, source, place)
+    return _noisy(settings, scales, value, draw)
 
 
 def _strongest_cell(
@@ -243,6 +291,7 @@ def _strongest_cell(
     settings: npt.NDArray[np.int64],
     scales: npt.NDArray[np.float64],
     pose: tuple[int, int, int],
+    decoys: Decoys,
     step: int,
 ) -> int:
     """As :func:`signal_heading`, for a sensor with other limits.
@@ -266,6 +315,7 @@ def _strongest_cell(
             scales,
             (at_x, at_y),
             (at_x - x, at_y - y, heading),
+            decoys,
             noise_channel(step, NOISE_SIGNAL + 1 + place + 1),
         )
         if value > best:
@@ -283,6 +333,7 @@ def sense(
     contact: tuple[float, float],
     step: int,
     observation: npt.NDArray[np.float64],
+    decoys: Decoys = (),
 ) -> None:
     """Fills the observation: of the senses that cost time only those in ``SET_SENSES``.
 
@@ -296,6 +347,7 @@ def sense(
         contact: Normal of its last contact; 0, 0 for none.
         step: Number of the step.
         observation: (OBS_SIZE + beams,), filled.
+        decoys: Other sources of the signal than the target.
     """
     x, y, heading = state[layout.STATE_X], state[layout.STATE_Y], state[layout.STATE_HEADING]
     radians, metres, senses = (
@@ -324,14 +376,14 @@ def sense(
             turn_towards(0, heading_of(dx, dy, heading)) * radians
         )
     if senses & layout.SENSE_SIGNAL != 0:
-        observation[layout.OBS_SIGNAL] = _reading(
-            cells, settings, scales, (x, y), (dx, dy, heading), noise_channel(step, NOISE_SIGNAL)
+        observation[layout.OBS_SIGNAL] = _signal_here(
+            cells, settings, scales, (x, y, heading), decoys, step
         )
     if senses & layout.SENSE_SIGNAL_HEADING != 0:
         if settings[layout.SET_PLAIN_SENSOR] != 0:
             strongest = signal_heading(cells, x, y, target_x, target_y, heading)
         else:
-            strongest = _strongest_cell(cells, settings, scales, (x, y, heading), step)
+            strongest = _strongest_cell(cells, settings, scales, (x, y, heading), decoys, step)
         observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     if senses & layout.SENSE_RANDOM != 0:
         drawn, coin = (
@@ -342,7 +394,7 @@ def sense(
     if senses & layout.SENSE_TIME != 0:
         observation[layout.OBS_TIME] = step * scales[layout.SCALE_TIME_STEP]
     if senses & layout.SENSE_ODOMETRY != 0:
-        if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
+        if settings[layout.SET_MEASURES] != 0:
             observation[layout.OBS_ODOMETRY_X] = odometry[0] * metres
             observation[layout.OBS_ODOMETRY_Y] = odometry[1] * metres
             observation[layout.OBS_ODOMETRY_HEADING] = (

@@ -46,6 +46,9 @@ class Arena(NamedTuple):
         events: (n, EVENT_SIZE) int64, sorted by step and time.
         headings: (131072,) int64, :func:`tests.reference.sim.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
+        pushes: (n, PUSH_SIZE) int64, first those at places, then those at times, by step.
+        decoys: Other sources of the signal: x, y, lattice units, and strength.
+        wanted: (height, width) uint8, cells that a coverage task wants; of no rows for other tasks.
     """
 
     cells: npt.NDArray[np.uint8]
@@ -54,6 +57,9 @@ class Arena(NamedTuple):
     events: Ints
     headings: Ints
     visited: npt.NDArray[np.uint8]
+    pushes: Ints
+    decoys: tuple[tuple[int, int, float], ...]
+    wanted: npt.NDArray[np.uint8]
 
 
 class Robot(NamedTuple):
@@ -93,7 +99,7 @@ class Room(NamedTuple):
     search: Search
 
 
-def new_robot(memory: int, events: Ints) -> Robot:
+def new_robot(memory: int, events: Ints, pushes: int = 0) -> Robot:
     """A robot with so many numbers of memory, and room for the path of a step with the most events."""
     most = (
         int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max())
@@ -103,7 +109,7 @@ def new_robot(memory: int, events: Ints) -> Robot:
     return Robot(
         np.zeros(layout.STATE_MEMORY + memory, np.int64),
         np.zeros(3),
-        np.zeros((MOST_POINTS * (most + 1), 3), np.int64),
+        np.zeros((MOST_POINTS * (most + 1 + pushes), 3), np.int64),
         np.zeros(layout.OUT_SIZE, np.int64),
         np.zeros(layout.SUM_SIZE),
     )
@@ -128,9 +134,11 @@ def new_room(memory: int, beams: int, steps: int = 0) -> Room:
 
 
 def last_event(arena: Arena) -> int:
-    """Step in which the world changes for the last time; 0 if it never does."""
-    events = arena.events
-    return events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+    """Step in which the world changes, or something pushes the robot, for the last time; else 0."""
+    events, pushes = arena.events, arena.pushes
+    changed = events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+    pushed = pushes[pushes.shape[0] - 1, layout.PUSH_STEP] if pushes.shape[0] > 0 else 0
+    return max(changed, pushed)
 
 
 def whole_speed(asked: float) -> int:
@@ -148,6 +156,7 @@ def _begin(settings: Ints, scales: Floats, robot: Robot) -> None:
         robot.sums[k] = 0.0
     counts[layout.OUT_HIT_STEP], counts[layout.OUT_OVERLAP_STEP] = -1, -1
     counts[layout.OUT_DIGEST] = np.int64(HASH_START)
+    counts[layout.OUT_VISITED] = 1
     state[layout.STATE_X], state[layout.STATE_Y] = settings[layout.SET_X], settings[layout.SET_Y]
     state[layout.STATE_HEADING] = settings[layout.SET_HEADING]
     speed = scales[layout.SCALE_START_SPEED] * scales[layout.SCALE_SPEED] * SPEED_UNIT

@@ -215,7 +215,7 @@ def _move(
         arena,
         reach,
         (ends[0], ends[1], ends[0] + dx, ends[1] + dy),
-        abs(_drive(state[layout.STATE_SPEED])),
+        abs(_drive(state[layout.STATE_SPEED])) + settings[layout.SET_DRIFT_REACH],
     )
     if free:
         if dx != 0 or dy != 0:
@@ -334,6 +334,72 @@ def _measure(
     robot.odometry[1] += wrong * (across * way[0] + along * way[1])
 
 
+def _push(
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    push: Ints,
+    moved: tuple[int, float, float],
+    robot: Robot,
+) -> tuple[int, float, float]:
+    """Displaces the robot by a push, as far as the way is clear, and turns it.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        step: Number of the step.
+        push: ``PUSH_``.
+        moved: Rows of the chain that are filled, and the normal of the contact.
+        robot: The robot.
+
+    Returns:
+        The same then.
+    """
+    state, (count, nx, ny) = robot.state, moved
+    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + push[layout.PUSH_TURN]) % TURN
+    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    dx, dy = push[layout.PUSH_DX], push[layout.PUSH_DY]
+    if (dx == 0 and dy == 0) or not pose_is_clear(arena.cells, SOLID, clear_sq, reach, x, y):
+        return moved
+    friction, before = scales[layout.SCALE_WALL_FRICTION], count
+    count, px, py = swept_move(
+        arena.cells, clear_sq, reach, (x, y, dx, dy), (1.0, 1.0), friction, robot.chain, count
+    )
+    if px != 0.0 or py != 0.0:
+        nx, ny = px, py
+    for k in range(before, count):
+        if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
+            _judge_path(arena, settings, scales, step, (k, k + 1), False, robot)
+    if settings[layout.SET_LATTICE] > 1 and robot.counts[layout.OUT_ENDING] == layout.LIMIT:
+        count = _round_pose(arena, settings, scales, step, count, robot)
+    return count, nx, ny
+
+
+def _disturb(
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    moved: tuple[int, float, float],
+    robot: Robot,
+) -> tuple[int, float, float]:
+    """What pushes the robot at the end of a step; arguments and result as of :func:`_push`."""
+    places = settings[layout.SET_PLACES]
+    for push in arena.pushes[places:]:
+        if push[layout.PUSH_STEP] == step and robot.counts[layout.OUT_ENDING] == layout.LIMIT:
+            moved = _push(arena, settings, scales, step, push, moved, robot)
+    ix, iy = robot.state[layout.STATE_X] // UNIT, robot.state[layout.STATE_Y] // UNIT
+    for push in arena.pushes[:places]:
+        if push[layout.PUSH_IX] == ix and push[layout.PUSH_IY] == iy:
+            if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
+                moved = _push(arena, settings, scales, step, push, moved, robot)
+            break
+    return moved
+
+
 def _advance(
     arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
 ) -> tuple[int, int, float, float]:
@@ -350,6 +416,8 @@ def _advance(
         lost = slip * noise_draw(settings, noise_channel(step, NOISE_SLIP))
         drive = whole_speed(float(drive) * (1.0 - lost))
     way = displacement(arena.headings, state[layout.STATE_HEADING], drive)
+    drift = (settings[layout.SET_DRIFT_X], settings[layout.SET_DRIFT_Y])
+    way = (way[0] + drift[0], way[1] + drift[1])
     if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
         event, count, nx, ny = _move_through_events(
             arena, settings, scales, step, way, event, robot
@@ -359,9 +427,15 @@ def _advance(
         count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
     if settings[layout.SET_LATTICE] > 1 and counts[layout.OUT_ENDING] == layout.LIMIT:
         count = _round_pose(arena, settings, scales, step, count, robot)
-    if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
+    if settings[layout.SET_MEASURES] != 0:
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
+        if (
+            nx == 0.0 and ny == 0.0
+        ):  # against a wall the wheels stand still, whatever the floor does
+            moved = (moved[0] - drift[0], moved[1] - drift[1])
         _measure(settings, scales, arena.headings, step, moved, robot)
+    if arena.pushes.shape[0] > 0 and counts[layout.OUT_ENDING] == layout.LIMIT:
+        count, nx, ny = _disturb(arena, settings, scales, step, (count, nx, ny), robot)
     counts[layout.OUT_POINTS] += count
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
     if (
@@ -371,6 +445,11 @@ def _advance(
     ):
         arena.visited[jy, jx] = 1
         counts[layout.OUT_LAST_NEW_CELL] = step
+        counts[layout.OUT_VISITED] += 1
+        if arena.wanted.shape[0] > 0 and arena.wanted[jy, jx] != 0:
+            counts[layout.OUT_UNVISITED] -= 1
+            if counts[layout.OUT_UNVISITED] == 0 and counts[layout.OUT_ENDING] == layout.LIMIT:
+                counts[layout.OUT_ENDING] = layout.COVERED
     return event, count, nx, ny
 
 
@@ -393,7 +472,7 @@ def move_and_sense(
             room.observation[k] = math.nan
         sense(
             arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
-            room.observation,
+            room.observation, arena.decoys,
         )  # fmt: skip
         for k in range(room.command.size):
             room.command[k] = 0.0
@@ -430,7 +509,7 @@ def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robo
     turn = min(max(asked, -most), most)  # rounded to the lattice, and never above the limit
     state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
     noise = scales[layout.SCALE_ODOMETRY_NOISE]
-    if noise > 0.0:
+    if settings[layout.SET_MEASURES] != 0:
         wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_TURN)) - 1.0)
         robot.odometry[2] += wrong * turn
     wanted = whole_speed(min(max(speed, -top), top) * scales[layout.SCALE_SPEED] * SPEED_UNIT)

@@ -43,6 +43,7 @@ CMD_SIZE = 3
 
 # How an episode ends.
 LIMIT, REACHED, LOOP, TUNNEL, BURNED, INVALID_COMMAND = 0, 1, 2, 3, 4, 5
+COVERED = 7
 
 # Motion models that move on the pose lattice.
 SWEPT, ENDPOINT = 0, 1
@@ -66,7 +67,12 @@ SET_SMOKE_REACH = 18  # cells around a burning one that its smoke fills
 SET_LATTICE = 19  # lattice units to which poses are rounded after each step; 1: none
 SET_COIN = 20  # how many values a random number has; 0: any in [0, 1)
 SET_ENTRY = 21  # step of the state that PROVE_LOOP compares with the last one
-SET_SIZE = 22
+SET_DISTURBED = 22  # 1: something moves the robot besides its wheels
+SET_MEASURES = 23  # 1: odometry may differ from the pose
+SET_DRIFT_X, SET_DRIFT_Y = 24, 25  # what a tilted floor adds to each step, lattice units
+SET_DRIFT_REACH = 26  # the length of that, rounded up
+SET_PLACES = 27  # how many pushes are at places; they come first
+SET_SIZE = 28
 
 # Values of SET_FIND_LOOP: how a recurrence of the complete state ends the run.
 NO_LOOP = 0  # not at all
@@ -115,7 +121,9 @@ OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = (
     12,
 )  # first cut deeper than the tolerance; -1
 OUT_HIT_STATE = 13  # SOLID (debris) or BURNING of the cell that ended the run as BURNED
-OUT_SIZE = 14
+OUT_VISITED = 14  # cells that the centre has been in, the start's included
+OUT_UNVISITED = 15  # cells that a coverage task still wants
+OUT_SIZE = 16
 
 # sums (float64)
 SUM_PATH, SUM_OVERLAP = 0, 1  # lattice units: driven length; deepest cut
@@ -143,6 +151,11 @@ TIME_UNIT = 1 << 32
 # becomes.
 EVENT_STEP, EVENT_TIME, EVENT_IX, EVENT_IY, EVENT_STATE = 0, 1, 2, 3, 4
 EVENT_SIZE = 5
+
+# One push (int64): the step at whose end it happens, or 0 and the cell that pushes; then displacement
+# and turn.
+PUSH_STEP, PUSH_IX, PUSH_IY, PUSH_DX, PUSH_DY, PUSH_TURN = 0, 1, 2, 3, 4, 5
+PUSH_SIZE = 6
 
 UNIT = 1024  # lattice units per cell
 TURN = 65536  # heading units per turn

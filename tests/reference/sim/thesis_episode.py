@@ -278,6 +278,7 @@ def _judge_place(
     if arena.visited[own_x, own_y] == 0:
         arena.visited[own_x, own_y] = 1
         counts[at.OUT_LAST_NEW_CELL] = step
+        counts[at.OUT_VISITED] += 1
 
 
 def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: int) -> float:

@@ -113,7 +113,8 @@ OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = (
     26,
     27,
 )  # as they were then
-COUNTS_SIZE = 28
+OUT_VISITED = 28  # cells that the centre was in after a tick
+COUNTS_SIZE = 29
 
 # sums (float64), px: driven length; deepest overlap at the end of a tick
 SUM_PATH, SUM_OVERLAP = 0, 1

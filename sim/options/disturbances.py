@@ -1,0 +1,181 @@
+"""What moves a robot besides its wheels, and whether it can still arrive.
+
+Options write pushes and decoys as flat lists of numbers; this module reads them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from sim.options.robot import RobotOptions
+from worldgen.lattice import exact, in_cells
+from worldgen.world import Witness, World
+
+__all__ = [
+    "Decoy",
+    "Push",
+    "PushPlace",
+    "decoys_of",
+    "delay_of",
+    "pushes_of",
+    "pushing_places_of",
+    "why_arrival_is_not_certain",
+]
+
+_EDGE = 1e-9  # m, by which places count as larger, for what floats round
+
+
+@dataclass(frozen=True)
+class Push:
+    """Something pushes the robot at a time.
+
+    Args:
+        time: s.
+        dx: m.
+        dy: m.
+        turn: rad, counter-clockwise.
+    """
+
+    time: float
+    dx: float
+    dy: float
+    turn: float
+
+
+@dataclass(frozen=True)
+class PushPlace:
+    """A place that pushes the robot at the end of each step that its centre spends there.
+
+    Args:
+        x: m; the place is the whole cell of this point.
+        y: m.
+        dx: m.
+        dy: m.
+        turn: rad, counter-clockwise.
+    """
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    turn: float
+
+
+@dataclass(frozen=True)
+class Decoy:
+    """Another source of the signal.
+
+    Args:
+        x: m.
+        y: m.
+        strength: How many times as strong as the target's signal.
+    """
+
+    x: float
+    y: float
+    strength: float
+
+
+def _in_groups(numbers: Sequence[float], size: int) -> list[Sequence[float]]:
+    return [numbers[k : k + size] for k in range(0, len(numbers), size)]
+
+
+def pushes_of(robot: RobotOptions) -> list[Push]:
+    """Return the pushes at times, in their order."""
+    return [Push(*group) for group in _in_groups(robot.pushes, 4)]
+
+
+def pushing_places_of(robot: RobotOptions) -> list[PushPlace]:
+    """Return the places that push the robot."""
+    return [PushPlace(*group) for group in _in_groups(robot.push_places, 5)]
+
+
+def decoys_of(robot: RobotOptions) -> list[Decoy]:
+    """Return the decoys."""
+    return [Decoy(*group) for group in _in_groups(robot.decoys, 3)]
+
+
+def delay_of(world: World, robot: RobotOptions) -> tuple[float, Fraction]:
+    """Return by how much disturbances can delay even a perfect robot.
+
+    Returns:
+        Seconds until the last push is over and the way that it took is driven back, and the factor
+        by which a drift against the robot lengthens its way; 1 if the drift is as fast as it is.
+    """
+    pushed = sum(math.hypot(push.dx, push.dy) for push in pushes_of(robot))
+    last = max((push.time for push in pushes_of(robot)), default=0.0)
+    speed = exact(world.robot_speed)
+    left = speed - exact(robot.drift)
+    factor = speed / left if left > 0 else Fraction(1)
+    return last + float(pushed / speed), factor
+
+
+def why_arrival_is_not_certain(world: World, robot: RobotOptions) -> str:
+    """Return why a robot that is disturbed may fail whatever its controller does; else nothing.
+
+    A push at a time moves the robot along a clear way, so in a world that stands still it can drive
+    back and take the witness from there. A robot that turns and changes its speed at once, and is
+    faster than a drift, can drive the witness against it. A place that pushes is harmless if the
+    witness stays out of its cell. Nothing else is certain.
+
+    Args:
+        world: The world, with its certificate.
+        robot: Options of the robot in the run.
+    """
+    if not robot.moved:
+        return ""
+    if not isinstance(world.certificate, Witness):
+        return "no witness shows a way to the target"
+    if world.is_dynamic:
+        return "the world changes, and the witness's times allow for no disturbance"
+    if robot.drift >= world.robot_speed:
+        return "the drift is as fast as the robot"
+    if robot.drift > 0.0 and (robot.turn_limit or robot.acceleration or robot.friction):
+        return "a robot that cannot turn or brake at once may drift off the witness"
+    if robot.push_places:
+        if robot.pushes or robot.drift > 0.0:
+            return "a place may push the robot again after it was moved off the witness"
+        if _crosses(world.certificate, world, pushing_places_of(robot)):
+            return "the witness leads through a place that pushes the robot"
+    return ""
+
+
+def _crosses(witness: Witness, world: World, places: Sequence[PushPlace]) -> bool:
+    """Whether the witness's centre enters one of the places, or touches its edge."""
+    side = world.cell_size
+    points = list(zip(witness.x.tolist(), witness.y.tolist(), strict=True))
+    pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
+    for place in places:
+        left = math.floor(in_cells(place.x, side)) * side - _EDGE
+        low = math.floor(in_cells(place.y, side)) * side - _EDGE
+        box = ((left, left + side + 2 * _EDGE), (low, low + side + 2 * _EDGE))
+        if any(_meets(start, end, box) for start, end in pieces):
+            return True
+    return False
+
+
+def _meets(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    box: tuple[tuple[float, float], tuple[float, float]],
+) -> bool:
+    """Whether a segment meets a box, by clipping it to the two slabs.
+
+    Source: Ericson, Real-Time Collision Detection (2005), 5.3.3.
+    """
+    enter = 0.0
+    leave = 1.0
+    for p, q, (low, high) in zip(start, end, box, strict=True):
+        if p == q:
+            if not low <= p <= high:
+                return False
+            continue
+        one = (low - p) / (q - p)
+        other = (high - p) / (q - p)
+        enter = max(enter, min(one, other))
+        leave = min(leave, max(one, other))
+    return enter <= leave

@@ -1,0 +1,107 @@
+"""What disturbs a robot besides walls, on the map and in its key: pushes, drift, decoys."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Disturbances, Shove
+from worldgen.render.palette import PAPER, PUSH, PUSH_HEAD, TARGET, mix
+from worldgen.render.primitives import DrawnCircle, DrawnLine, Paint, Primitive
+from worldgen.render.trail_parts import arrow_head
+
+__all__ = ["above_the_trail", "decoy_mark", "push_arrow", "under_the_walls"]
+
+# Arrows of a drift along the longer side of the map.
+_DRIFT_ARROWS = 6
+
+
+def under_the_walls(disturbances: Disturbances, frame: Frame) -> list[Primitive]:
+    """A field of faint arrows where the floor carries the robot, hidden by walls."""
+    if disturbances.drift_heading is None:
+        return []
+    pitch = max(frame.width, frame.height) / _DRIFT_ARROWS
+    along = np.array((math.cos(disturbances.drift_heading), -math.sin(disturbances.drift_heading)))
+    paint = Paint(stroke=mix(PAPER, PUSH, 0.45), width=1.6 * frame.unit)
+    parts: list[Primitive] = []
+    for row in range(math.ceil(frame.height / pitch)):
+        for column in range(math.ceil(frame.width / pitch)):
+            middle = np.array((frame.left, frame.top)) + pitch * np.array((column + 0.5, row + 0.5))
+            if middle[0] > frame.left + frame.width or middle[1] > frame.top + frame.height:
+                continue
+            ends = np.array((middle - 0.22 * pitch * along, middle + 0.22 * pitch * along))
+            parts.append(DrawnLine(ends, paint))
+            angle = math.atan2(along[1], along[0])
+            size = 9.0 * frame.unit
+            x, y = ends[1].tolist()
+            parts.append(arrow_head(x, y, angle, size, mix(PAPER, PUSH, 0.45)))
+    return parts
+
+
+def above_the_trail(disturbances: Disturbances, frame: Frame, cell_size: float) -> list[Primitive]:
+    """Places that push, with their arrows; pushes where they happened; decoys.
+
+    Args:
+        disturbances: What to draw.
+        frame: Where the map lies.
+        cell_size: m.
+    """
+    parts: list[Primitive] = []
+    for place in disturbances.places:
+        parts += _place(place, frame, cell_size)
+    for push in disturbances.pushes:
+        start, end = frame.points(
+            np.array(((push.x, push.y), (push.x + push.dx, push.y + push.dy)))
+        ).tolist()
+        parts += push_arrow((start[0], start[1]), (end[0], end[1]), frame.unit)
+    for x, y in disturbances.decoys:
+        parts += decoy_mark(*frame.to_pixels(x, y), frame.unit)
+    return parts
+
+
+def _place(place: Shove, frame: Frame, cell_size: float) -> list[Primitive]:
+    """The cell's frame, and an arrow from its middle in the direction of the push."""
+    left = math.floor(place.x / cell_size + 1e-9) * cell_size
+    low = math.floor(place.y / cell_size + 1e-9) * cell_size
+    corners = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))) * cell_size
+    outline = frame.points(corners + np.array((left, low)))
+    middle = frame.to_pixels(left + 0.5 * cell_size, low + 0.5 * cell_size)
+    parts: list[Primitive] = [
+        DrawnLine(outline, Paint(fill=PUSH, opacity=0.3), closed=True),
+        DrawnLine(outline, Paint(stroke=PUSH, width=2.0 * frame.unit), closed=True),
+    ]
+    length = math.hypot(place.dx, place.dy)
+    if length == 0.0:
+        return parts
+    # Short pushes get an arrow that can be seen.
+    reach = max(length * frame.scale, 14.0 * frame.unit)
+    tip = (middle[0] + reach * place.dx / length, middle[1] - reach * place.dy / length)
+    return parts + push_arrow(middle, tip, frame.unit)
+
+
+def push_arrow(
+    start: tuple[float, float], end: tuple[float, float], unit: float
+) -> list[Primitive]:
+    """An arrow in the pushes' colour; a dot where a push only turns the robot."""
+    if math.dist(start, end) < 1.0:
+        ring = Paint(stroke=PUSH, width=2.4 * unit)
+        return [DrawnCircle(*start, 8.0 * unit, ring)]
+    line = np.array((start, end))
+    angle = math.atan2(end[1] - start[1], end[0] - start[0])
+    return [
+        DrawnLine(line, Paint(stroke=PAPER, width=5.4 * unit, opacity=0.8)),
+        DrawnLine(line, Paint(stroke=PUSH, width=3.0 * unit)),
+        arrow_head(*end, angle, 13.0 * unit, PUSH_HEAD),
+    ]
+
+
+def decoy_mark(x: float, y: float, unit: float) -> list[Primitive]:
+    """A dashed ring in the target's colour, without its cross: it shines, but is not the target."""
+    dashed = Paint(stroke=TARGET, width=2.4 * unit, dash=(3.0 * unit, 4.0 * unit))
+    return [
+        DrawnCircle(x, y, 8.0 * unit, Paint(fill=PAPER, opacity=0.75)),
+        DrawnCircle(x, y, 8.0 * unit, dashed),
+        DrawnCircle(x, y, 2.6 * unit, Paint(fill=TARGET)),
+    ]
