@@ -12,7 +12,7 @@ typedef struct Scratch {
     int64_t *stack;  // as many
 } Scratch;
 
-// Whether an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
+// Returns whether an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
 static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int64_t width, int64_t height)
 {
     switch (edit->kind) {

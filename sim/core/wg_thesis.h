@@ -42,7 +42,7 @@ typedef struct WgThesisSettings {
     int64_t steps;          // budget, ticks
     int64_t find_loop;      // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
     int64_t loop_entry;     // for WG_PROVE_LOOP
-    int64_t digest;         // 1: the digest of the trace is worked out
+    int64_t digest;         // 1: the digest of the trace is computed
     int64_t stop_at_tunnel; // 1: the run ends when the path of the centre enters a wall
     int64_t reading;        // of the arbiter: thesis_arbiter.h
     int64_t repairs;        // WG_REPAIR_ bits

@@ -1,11 +1,12 @@
-// A way for a square as wide as the disc, over whole cells: breadth-first over free squares.
+// A path for a square as wide as the disc, over whole cells: breadth-first over free squares.
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "reach_internal.h"
 
-// What a square's byte says: no square, a free one, how it was reached, or that the search began there.
+// What a square's byte means: no square, a free one, how it was reached, or that the search began
+// there.
 enum { NOT_FREE = 0, FREE = 1, FIRST_STEP = 2, BEGUN = 6 };
 
 struct WgSquares {
@@ -16,8 +17,8 @@ struct WgSquares {
     uint8_t *state;    // ((height + 2) (width + 2),)
     int32_t *heights;  // (width,) free cells from each one down, while squares are looked for
     int64_t row;       // rows that were looked at
-    int32_t *now;      // squares reached in so many steps
-    int32_t *after;    // and in one more
+    int32_t *now;      // squares reached in this many steps
+    int32_t *after;    // and in one more step
     int64_t count;
     int64_t room;
 };
@@ -90,7 +91,7 @@ static bool make_room(WgSquares *squares)
     return true;
 }
 
-// Goes one step on from all squares reached last.
+// Takes one step from all squares reached last.
 static void take_step(WgSquares *squares)
 {
     int64_t stride = squares->walls.width + 2;
@@ -142,7 +143,7 @@ WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progre
     return WG_OK;
 }
 
-// Walks back along the way; fills in its corners from the last one down where ``way`` is given.
+// Walks back along the path; fills in its corners from the last one down if ``way`` is given.
 static int64_t walk_back(const WgSquares *squares, int64_t *way, int64_t count)
 {
     int64_t stride = squares->walls.width + 2;

@@ -1,4 +1,5 @@
-// Where a robot can be at most, tile by tile and slab by slab: in a slab of time it goes no farther than one tile.
+// Bounds on where a robot can be, tile by tile and slab by slab: in a slab of time it gets no
+// farther than one tile.
 
 #include "heap.h"
 #include "reach_internal.h"
@@ -34,7 +35,7 @@ WgStatus wg_spread_new(const WgTiles *tiles, const int64_t *sources, int64_t sou
     return WG_OK;
 }
 
-// Goes from one state to all around its tile, and to later ones of the tile itself.
+// Steps from one state to all tiles around its own, and to later states of its own tile.
 static bool go_on(WgSpread *spread, int64_t now, int64_t state)
 {
     const WgTiles *tiles = &spread->tiles;

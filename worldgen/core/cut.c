@@ -1,7 +1,8 @@
 // Shortest closed chains of cells that wind around a pose: breadth-first over (cell, bits).
 //
-// Each cell that was seen is struck out from its row, so that the search never looks at a cell twice: of a wide disc's
-// thousands of links from each cell, it follows those to new cells only.
+// A cell that has been seen is removed from its row, so that the search never examines a cell
+// twice: of the thousands of links that a wide disc gives each cell, it follows only those to new
+// cells.
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +12,7 @@
 enum {
     MOST_TARGETS = 6,
     STARTS = 24,      // cells from which a short cycle is sought
-    WORK = 20000000,  // looks at rows and cells that those searches may take
+    WORK = 20000000,  // cells and rows that those searches may examine
 };
 
 // A walk over (cell, bits) from (source, no bit) to (source, all bits).
@@ -24,11 +25,11 @@ typedef struct Walk {
     int64_t tail;
     int64_t level_end;
     int64_t depth;
-    int64_t looked;  // looks at rows and cells
+    int64_t looked;  // rows and cells examined
     bool under_way;
 } Walk;
 
-// What comes next of a search.
+// The stages of a search.
 typedef enum Phase {
     MARKING,  // which cells near a ray have odd cycles
     WALKING,  // shortest cycles from some of them
@@ -44,7 +45,7 @@ struct WgCutSearch {
     Phase phase;
     int32_t *sources;  // (slots,) cells with links that have bits, by number; then in the order in which they are taken
     int64_t source_count;
-    int64_t at;  // the source whose turn it is
+    int64_t at;  // the source in progress
     int64_t work;
     int32_t *chain;  // (cells << bits,) the best one, the last cell first
     int64_t length;
@@ -92,7 +93,7 @@ static void follow_rows(const WgLinks *links, Walk *walk, int64_t state, int64_t
     }
 }
 
-// Forgets what was seen.
+// Clears the marks of what was seen.
 static void begin_again(const WgLinks *links, Walk *walk)
 {
     int64_t states = links->cells << links->bits;
@@ -115,7 +116,7 @@ static void begin_walk(const WgLinks *links, Walk *walk, int64_t source)
     see(links, walk, source, 0, source << links->bits);
 }
 
-// Goes on with about ``most`` looks; returns whether the walk came to its end.
+// Continues for about ``most`` cells; returns whether the walk came to its end.
 //
 // limit:      links of which the chain has fewer.
 // thorough:   goes on to all that can be reached.
@@ -147,7 +148,7 @@ static bool go_on(const WgLinks *links, Walk *walk, int64_t limit, bool thorough
     return true;
 }
 
-// Keeps the chain if one was found, the last cell first, and forgets what was seen.
+// Keeps the chain if one was found, the last cell first, and clears the marks.
 static void take_chain(WgCutSearch *search)
 {
     const WgLinks *links = &search->links;
@@ -196,7 +197,7 @@ static int by_distance(const void *a, const void *b)
     return one->cell < two->cell ? -1 : one->cell > two->cell;
 }
 
-// Chooses a few sources, near and far; for several targets all others follow.
+// Chooses a few sources, near and far; with several targets all the others follow.
 static bool choose_sources(WgCutSearch *search)
 {
     int64_t count = search->source_count;
@@ -244,9 +245,9 @@ static bool is_odd(const WgCutSearch *search, int32_t a, int32_t b)
 static WgStatus simplify(WgCutSearch *search)
 {
     int64_t count = search->length;
-    int32_t *where = search->walk.before;  // (cells,) at least: place of a cell in what is kept, -1 if it is not there
+    int32_t *where = search->walk.before;  // (cells,) at least: position of a cell in the kept part, -1 if it is not there
     int32_t *kept = search->walk.order;
-    uint8_t *odd = malloc((size_t)(count + 1));  // of the way from each kept cell to the next
+    uint8_t *odd = malloc((size_t)(count + 1));  // of the steps from each kept cell to the next
     if (odd == NULL) {
         return WG_OUT_OF_MEMORY;
     }
@@ -355,7 +356,8 @@ WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets,
     return WG_OK;
 }
 
-// Follows all links from each source that was not seen yet; then keeps the sources that were seen with either bit.
+// Follows all links from each source not seen yet; then keeps the sources that were seen with
+// either bit.
 static WgStatus mark(WgCutSearch *search, int64_t *most)
 {
     Walk *walk = &search->walk;

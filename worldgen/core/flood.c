@@ -1,4 +1,5 @@
-// Which nodes of a graph are joined to a source: whole rows at a time, in no order, ten times faster than a search.
+// The nodes of a graph that are joined to a source: whole rows at a time, in no order, ten times
+// faster than a search.
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -69,7 +70,7 @@ static void push_runs(Stack *stack, const uint8_t *clear, const uint8_t *seen, i
     }
     int64_t i = low + 1;
     while (i <= high) {
-        // Clear, not seen, and the node before it not clear.
+        // Clear, not seen, and the previous node not clear.
         if (i + 7 <= high && (eight(clear + i) & ~eight(clear + i - 1) & ~eight(seen + i)) == 0) {
             i += 8;
             continue;
@@ -126,7 +127,8 @@ WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, in
             free(stack.nodes);
             return WG_OUT_OF_MEMORY;
         }
-        // The whole run is joined to what is next to it; one step beyond its ends, only by a clear diagonal.
+        // The whole run is joined to its neighbours; beyond its ends only a clear diagonal joins
+        // it.
         for (int side = 0; side < 2; side++) {
             int64_t shift = side == 0 ? stride : -stride;
             int64_t below = shift < 0 ? shift : 0;

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 
 typedef struct WgEntry {
-    int64_t key;     // what counts first
-    int64_t second;  // then this
-    int64_t third;   // and then this
+    int64_t key;     // compared first
+    int64_t second;  // compared second
+    int64_t third;   // compared last
 } WgEntry;
 
 typedef struct WgHeap {
@@ -48,7 +48,7 @@ static inline bool wg_heap_push(WgHeap *heap, WgEntry entry)
     return true;
 }
 
-// Takes the least entry; there is one.
+// Takes the least entry; the heap must not be empty.
 static inline WgEntry wg_heap_pop(WgHeap *heap)
 {
     WgEntry least = heap->entries[0];

@@ -1,4 +1,5 @@
-// When points of a raster are safe: the intervals between the spans in which cells near them are blocked.
+// The times at which points of a raster are safe: the intervals between the spans in which nearby
+// cells are blocked.
 
 #include <stdlib.h>
 
@@ -58,7 +59,7 @@ static void collect(const WgBlocked *blocked, int64_t point, Around *around)
     }
 }
 
-// Writes the gaps between spans where ``begin`` is given; returns how many there are.
+// Writes the gaps between spans if ``begin`` is given; returns how many there are.
 static int64_t list_gaps(const Around *around, int64_t *begin, int64_t *end)
 {
     int64_t found = 0;

@@ -1,4 +1,4 @@
-// Cells and links of which a cut may be made, listed for one question.
+// The cells and links that may form a cut, listed for one query.
 
 #include <stdlib.h>
 #include <string.h>
@@ -7,10 +7,11 @@
 
 enum { MOST_SIDE = 20000, MOST_POSES = 65 };
 
-// Whether the line of a link crosses the ray upwards from a pose an odd number of times.
+// Returns whether the line of a link crosses the ray upwards from a pose an odd number of times.
 static inline bool crosses_ray(const WgFinePose *pose, int64_t ax, int64_t ay, int64_t bx, int64_t by)
 {
-    // The line never turns back, so it is once astride the ray's column if its ends are; few are.
+    // The line never turns back, so it crosses the ray's column once if its ends are on different
+    // sides; few are.
     if ((2 * ax + 1 <= pose->x) == (2 * bx + 1 <= pose->x)) {
         return false;
     }
@@ -38,13 +39,14 @@ uint64_t wg_link_bits(const WgFinePose *poses, int64_t count, int64_t ax, int64_
     return bits;
 }
 
-// Solid cells with a free one among their eight neighbours, the ring outside included; 1 in a padded raster.
+// Solid cells with a free one among their eight neighbours, including the ring outside; 1 in a
+// padded raster.
 static int64_t mark_rim(const WgWalls *walls, int64_t pad, int64_t stride, uint8_t *flat, uint8_t *free_near)
 {
     int64_t width = walls->width;
     int64_t found = 0;
     for (int64_t iy = -1; iy <= walls->height; iy++) {
-        // Whether there is a free cell in each column, level with the row or next to it.
+        // Marks the columns with a free cell, level with the row or next to it.
         memset(free_near, 0, (size_t)(width + 4));
         for (int64_t level = wg_max(iy - 1, 0); level <= wg_min(iy + 1, walls->height - 1); level++) {
             const uint8_t *row = walls->solid + level * width;
@@ -95,7 +97,7 @@ static WgStatus list_cells(WgLinks *links, const WgWalls *walls)
         free(flat);
         return WG_OUT_OF_MEMORY;
     }
-    // Every place is written where the next cell goes, so that nothing has to be guessed about the walls.
+    // Every position is written where the next cell goes, so no branch depends on the walls.
     int32_t count = 0;
     int64_t place = 0;
     for (int64_t iy = -1 - reach; place < size; iy++) {
@@ -150,8 +152,8 @@ static bool make_room(WgLinks *links, int64_t used)
     return true;
 }
 
-// Whether a link of a cell may cross the ray from some pose: it has to be next to the ray and not
-// all below.
+// Returns whether a link of a cell may cross the ray from some pose: it has to be next to the ray
+// and not all below.
 static bool is_near_a_ray(const WgLinks *links, const int64_t *columns, const int64_t *rows, int64_t count, int64_t cell)
 {
     for (int64_t k = 0; k < count; k++) {

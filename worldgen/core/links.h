@@ -8,7 +8,8 @@
 
 #include "reach_internal.h"
 
-// Bits of a link: one for the start and one for each target tell whether its line crosses the ray upwards from there.
+// The bits of a link: one for the start and one for each target; each is 1 if its line crosses the
+// ray upwards from there.
 typedef struct WgLinks {
     int64_t bits;  // targets; a link has a bit for each: the start's crossing xor the target's
     int64_t cells;
@@ -16,9 +17,9 @@ typedef struct WgLinks {
     int64_t stride;     // of the raster
     int32_t *column;    // (cells,) ix
     int32_t *row;       // (cells,) iy
-    int32_t *rank;      // how many cells are before a place of the raster
-    int32_t *place;     // (cells,) where in the raster a cell is
-    int64_t *shift;     // (2 reach + 1,) what to add to a place for the row of a link
+    int32_t *rank;      // number of cells before a position of the raster
+    int32_t *place;     // (cells,) position of a cell in the raster
+    int64_t *shift;     // (2 reach + 1,) what to add to a position for the row of a link
     int64_t *wide;      // (2 reach + 1,) how far to either side that row is linked
     int32_t *slot;      // (cells,) number of a cell with a link that has bits, else -1
     int64_t slots;      // number of these cells
@@ -28,7 +29,7 @@ typedef struct WgLinks {
     int64_t link_room;  // of the last two
 } WgLinks;
 
-// Lists cells and links; wg_links_free releases what there is, whatever this returns.
+// Lists cells and links; wg_links_free releases them, whatever this returns.
 //
 // limit:      least squared gap, cells, at which two cells are not linked.
 // poses:      (poses,) the start, then the targets: at most 65.
@@ -39,7 +40,7 @@ void wg_links_free(WgLinks *links);
 // The sign of across * x + up * y + whole for a pose (x, y) in half cells.
 static inline int wg_side_of(const WgFinePose *pose, int64_t across, int64_t up, int64_t whole)
 {
-    // Limb by limb from the least one up; what is carried is rounded down.
+    // Go limb by limb from the least one up; carries are rounded down.
     int64_t carried = 0;
     bool is_whole = true;
     for (int64_t limb = pose->limbs - 1; limb >= 0; limb--) {
@@ -54,7 +55,7 @@ static inline int wg_side_of(const WgFinePose *pose, int64_t across, int64_t up,
     return total > 0 ? 1 : -1;
 }
 
-// Whether the piece from p to q (half cells) crosses the ray upwards from a pose.
+// Returns whether the piece from p to q (half cells) crosses the ray upwards from a pose.
 static inline bool wg_crosses_ray(const WgFinePose *pose, WgPiece piece)
 {
     if ((piece.px <= pose->x) == (piece.qx <= pose->x)) {

@@ -1,9 +1,10 @@
-// Whether chains part the start from some poses: cells are united link by link, and each link has a bit for each pose.
+// Decides whether chains separate the start from poses: cells are united link by link, and each
+// link has a bit for each pose.
 //
-// A chain parts a pose if its links' bits for that pose add up to an odd number. So every cell knows the sum of the
-// bits from itself to the first cell of its group; a link within a group closes a chain whose sum is then known, and
-// every chain is made of such ones. Links without bits need no look at each: cells that are joined by these alone are
-// united first, row by row.
+// A chain separates a pose if its links' bits for that pose add up to an odd number. So every cell
+// stores the sum of the bits from itself to the first cell of its group; a link within a group
+// closes a chain whose sum is then known, and every chain is composed of such chains. Links without
+// bits need not be examined one by one: cells joined only by these are united first, row by row.
 //
 // Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm" (1975).
 
@@ -14,12 +15,12 @@
 // Groups of cells.
 typedef struct Groups {
     int32_t *parent;  // (cells,)
-    uint64_t *bits;   // (cells,) sum of the bits on the way to the parent
+    uint64_t *bits;   // (cells,) sum of the bits from it to the parent
     int32_t *skip;    // (cells + 1,) leads to the next cell that was not seen
     int32_t *waiting;
 } Groups;
 
-// Unites the cells that links without bits join, from one of them on.
+// Unites the cells joined by links without bits, starting from one of them.
 static void unite_plain(const WgLinks *links, Groups *groups, int32_t first)
 {
     int64_t count = 1;
@@ -51,7 +52,7 @@ static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
         root = groups->parent[root];
     }
     *bits = sum;
-    // The next time the way is short.
+    // The path is short the next time.
     while (groups->parent[cell] != root && cell != root) {
         int32_t next = groups->parent[cell];
         uint64_t own = groups->bits[cell];
@@ -63,7 +64,8 @@ static int32_t find(Groups *groups, int32_t cell, uint64_t *bits)
     return root;
 }
 
-// Looks at the links that have bits, and at all others of their cells; returns the bits of all chains together.
+// Examines the links that have bits, and all others of their cells; returns the bits of all chains
+// together.
 static uint64_t close_chains(const WgLinks *links, Groups *groups)
 {
     uint64_t found = 0;
@@ -105,7 +107,7 @@ WgStatus wg_all_parted(const WgWalls *walls, int64_t limit, const WgFinePose *po
     } else {
         groups.skip = groups.parent + room;
         groups.waiting = groups.skip + room;
-        // Cells whose links have bits are passed over at first.
+        // At first, cells whose links have bits are skipped.
         for (int32_t cell = 0; cell <= links.cells; cell++) {
             groups.parent[cell] = cell;
             groups.skip[cell] = cell < links.cells && links.slot[cell] >= 0 ? cell + 1 : cell;

@@ -1,17 +1,17 @@
-// Whether chains of cells part the start from poses, without the chains.
+// Decides whether chains of cells separate the start from poses, without constructing the chains.
 
 #ifndef WG_PARTED_H
 #define WG_PARTED_H
 
 #include "links.h"
 
-// Whether each of some poses is parted from the start by a chain.
+// Returns whether each of some poses is separated from the start by a chain.
 //
 // limit:      least squared gap, cells, at which two cells are not linked.
 // poses:      (count,) the start, then at most 64 others.
 WgStatus wg_all_parted(const WgWalls *walls, int64_t limit, const WgFinePose *poses, int64_t count, bool *parted);
 
-// Coordinates of a listed pose in whole 1/1024 cell, the nearest.
+// Coordinates of a listed pose, rounded to 1/1024 cell.
 void wg_poses_round(const WgPoses *poses, int64_t index, int64_t *x, int64_t *y);
 
 #endif

@@ -1,4 +1,5 @@
-// Where a disc is clear, for every node and middle of a graph at once: rows of cells, compared 16 at a time.
+// Where a disc is clear, for all nodes and middles of a graph together: rows of cells, compared 16
+// at a time.
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@ typedef struct DiscRow {
 typedef struct DiscRows {
     DiscRow *rows;
     int64_t *begins;  // (2 k^2 + 1,)
-    int64_t pad;      // how far any of them is away, and one
+    int64_t pad;      // reach of the farthest of them, plus one
     int64_t longest;  // the most cells of any
 } DiscRows;
 
@@ -69,7 +70,8 @@ static bool list_rows(DiscRows *all, int64_t k, int64_t limit)
     return true;
 }
 
-// Free cells from each cell on to the right, up to 255 or 65,535: then many are compared at a time.
+// Free cells from each cell on to the right, up to 255 or 65,535, so that many can be compared at a
+// time.
 #define COUNT_GAPS(NAME, TYPE, MOST)                                                                        \
     static void NAME(const uint8_t *solid, int64_t height, int64_t width, int64_t pad, TYPE *gaps)          \
     {                                                                                                       \
@@ -98,10 +100,11 @@ COUNT_GAPS(count_gaps_16, uint16_t, 65535)
 COMPARE_ROW(compare_row_8, uint8_t)
 COMPARE_ROW(compare_row_16, uint16_t)
 
-// Lays the lines of one height within a cell side by side: line a has the points at a/k of each cell.
+// Arranges the lines of one height within a cell next to each other: line a has the points at a/k
+// of each cell.
 static void interleave(const uint8_t *restrict lines, int64_t room, int64_t k, int64_t width, uint8_t *restrict out)
 {
-    // Half cells are the usual case, which the compiler then does 16 at a time.
+    // Half cells are the usual case, which the compiler vectorises to 16 at a time.
     if (k == 2) {
         for (int64_t i = 0; i < width; i++) {
             out[2 * i] = lines[i];

@@ -1,4 +1,4 @@
-// What the files of the prover share among themselves. Lengths in lu are 1/1024 of a cell's side.
+// Shared by the files of the prover. Lengths in lu are 1/1024 of a cell's side.
 
 #ifndef REACH_INTERNAL_H
 #define REACH_INTERNAL_H
@@ -38,7 +38,7 @@ static inline int64_t wg_cell_of(int64_t lu)
     return wg_floor_div(lu, WG_UNIT);
 }
 
-// Whether a cell is solid; all cells outside the grid are.
+// Returns whether a cell is solid; all cells outside the grid are.
 static inline bool wg_is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
 {
     bool inside = ix >= 0 && iy >= 0 && ix < walls->width && iy < walls->height;
@@ -56,7 +56,7 @@ static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t cor
     }
 }
 
-// Which entry of a list is the next one that is its own, from ``v`` on; halves the way there for later.
+// The next entry of a list that is its own root, from ``v`` on; halves the path there for later.
 static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
 {
     while (skip[v] != v) {
@@ -66,7 +66,7 @@ static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
     return v;
 }
 
-// Rounds a root down; the square is less than 2^62.
+// The square root rounded down; the square is less than 2^62.
 int64_t wg_root_floor(int64_t square);
 
 // A piece of a path, lu.
@@ -81,20 +81,20 @@ typedef struct WgPiece {
 typedef struct WgFinePose {
     int64_t x;               // rounded down
     int64_t y;               // rounded down
-    const uint32_t *rest_x;  // (limbs,) what that left off, as digits to the base 2^32, the highest first
+    const uint32_t *rest_x;  // (limbs,) the remainder, as digits to the base 2^32, the highest first
     const uint32_t *rest_y;  // (limbs,)
     int64_t limbs;
 } WgFinePose;
 
-// What a scan of a piece found.
+// The result of a scan of a piece.
 typedef struct WgScan {
     int64_t least;      // least whole square of a distance, lu^2
-    int64_t side;       // of the corner next to the line that is nearest, its distance times the length; 0 for none
+    int64_t side;       // of the nearest corner next to the line, its distance times the length; 0 for none
     int64_t length_sq;  // squared length of the piece if side is of interest, else 0
-    bool nearer;        // surely nearer than was asked
+    bool nearer;        // certainly nearer than requested
 } WgScan;
 
-// Whether the disc may sweep a piece; WG_UNSURE if only fractions can tell.
+// Returns whether the disc may sweep a piece; WG_UNSURE if only fractions can decide.
 WgAnswer wg_sweep(const WgWalls *walls, WgPiece piece, const WgDisc *disc);
 
 #endif

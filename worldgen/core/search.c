@@ -1,9 +1,11 @@
-// The shortest path over the eight neighbours of a graph's nodes, with buckets and bits for a heap.
+// The shortest path over the eight neighbours of a graph's nodes, with buckets and bits instead of
+// a heap.
 //
-// The search takes the node with the least estimate, and of several the one with the least number. Estimates never
-// fall, and a step raises one by at most 198. So the nodes that wait are in a ring of buckets, one for each estimate,
-// and those of the present estimate are bits in a tree of words, 64 to a word, which gives the least in a few looks. A
-// heap took two to four times as long where much is open.
+// The search takes the node with the least estimate, and among equals the one with the least
+// number. Estimates never fall, and a step raises one by at most 198. So waiting nodes are in a
+// ring of buckets, one for each estimate, and those of the present estimate are bits in a tree of
+// words, 64 to a word, which gives the least in a few steps. A heap took two to four times as long
+// on open ground.
 //
 // Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths" (1968).
 // Dial, "Algorithm 360: Shortest-Path Forest with Topological Ordering" (1969), for the buckets.
@@ -17,17 +19,17 @@
 enum {
     AXIS_COST = 70,
     DIAGONAL_COST = 99,
-    REACHED = 15,  // the bits that say how: 0 not yet, 1 to 8 by that step, or one of the next two
+    REACHED = 15,  // the bits of the step: 0 not yet, 1 to 8 by that step, or one of the next two
     BY_BRIDGE = 9,
     AT_SOURCE = 10,
-    CLOSED = 16,  // done with, or never clear
+    CLOSED = 16,  // finished, or never clear
     IS_END = 32,
     IS_SPARE = 64,
 };
 
 enum { LEAST_RING = 1024, MOST_LEVELS = 6, NO_NODE = -1 };
 
-// A node that waits, and the next in its bucket.
+// A waiting node, and the next one in its bucket.
 typedef struct Waiting {
     int32_t node;
     int32_t next;
@@ -37,13 +39,13 @@ struct WgSearch {
     WgGraph graph;
     int64_t toward_x;
     int64_t toward_y;
-    int64_t shifts[8];   // what each step adds to a node's number, four along the axes first
-    int64_t corners[8];  // where the middle of a diagonal step is
+    int64_t shifts[8];   // offset of each step in node numbers, four along the axes first
+    int64_t corners[8];  // offset of the middle of a diagonal step
 
     uint8_t *state;      // (nodes,)
-    uint32_t *estimate;  // (nodes,) of those that were reached, modulo 2^32: those that wait differ by less
+    uint32_t *estimate;  // (nodes,) of reached nodes, modulo 2^32: the estimates of waiting nodes differ by less
 
-    // The ring, with a bit for each bucket that is filled.
+    // The ring, with a bit for each bucket that isn't empty.
     int32_t *first;
     uint64_t *filled;
     int64_t ring;
@@ -61,7 +63,7 @@ struct WgSearch {
     int64_t level;   // the present estimate; -1 while the sources are taken, by number
     int64_t lowest;  // least estimate that the sources lead to
     int64_t end;
-    bool content;  // whether a spare end will do, because no other can be reached
+    bool content;  // whether a spare end is acceptable, because no other can be reached
     bool done;
 
     const int64_t *bridges;  // (bridge_count, 2)
@@ -91,7 +93,7 @@ static void set_bit(WgSearch *search, int64_t node)
     }
 }
 
-// Takes the least node of the present estimate; there is one.
+// Takes the least node of the present estimate, which must exist.
 static int64_t take_least(WgSearch *search)
 {
     int64_t node = 0;
@@ -115,7 +117,7 @@ static bool has_present(const WgSearch *search)
     return search->bits[search->begins[search->levels - 1]] != 0;
 }
 
-// Goes on to the least estimate that a node waits with, and makes its bucket the present nodes.
+// Advances to the least estimate of a waiting node, and makes its bucket the present nodes.
 static void next_level(WgSearch *search)
 {
     int64_t mask = search->ring - 1;
@@ -175,7 +177,7 @@ static bool put_into_bucket(WgSearch *search, int64_t node, int64_t estimate)
     return true;
 }
 
-// Sees to it that the ring has room for all estimates that sources lead to at once.
+// Ensures that the ring has room for all estimates of the sources at once.
 static bool widen_ring(WgSearch *search, int64_t spread)
 {
     int64_t ring = search->ring == 0 ? LEAST_RING : search->ring;
@@ -270,7 +272,7 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
     search->bridges = bridges;
     search->bridge_count = bridge_count;
 
-    // Memory: estimates are not set before their nodes are reached, so pages that are not touched cost nothing.
+    // Memory: estimates are set only when their nodes are reached, so untouched pages cost nothing.
     int64_t words = lay_out_bits(search);
     search->state = malloc((size_t)graph->nodes);
     search->estimate = malloc((size_t)graph->nodes * sizeof *search->estimate);
@@ -300,7 +302,8 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
     return WG_OK;
 }
 
-// Begins again on the far sides of all bridges that the search has come to; returns whether there are any.
+// Begins again on the far sides of all bridges that the search has reached; returns whether there
+// are any.
 static bool cross_bridges(WgSearch *search, bool *has_room)
 {
     int64_t *crossed = search->crossed + 2 * search->crossed_count;
@@ -332,7 +335,7 @@ static bool cross_bridges(WgSearch *search, bool *has_room)
     return count > 0;
 }
 
-// Looks at the eight neighbours of a node.
+// Examines the eight neighbours of a node.
 static bool expand(WgSearch *search, int64_t node)
 {
     const WgGraph *graph = &search->graph;
@@ -438,7 +441,7 @@ static int64_t node_before(const WgSearch *search, int64_t node, uint8_t *how)
     return search->crossed[2 * known + 1];
 }
 
-// Walks back along the path; fills in its corners from the last one down where ``nodes`` is given.
+// Walks back along the path; fills in its corners from the last one down if ``nodes`` is given.
 static int64_t walk_back(const WgSearch *search, int64_t *nodes, int64_t count)
 {
     int64_t found = 0;

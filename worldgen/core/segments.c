@@ -1,23 +1,24 @@
-// Straight pieces of a path against solid cells, in numbers that a machine holds; what is doubtful is asked for.
+// Tests straight pieces of a path against solid cells in machine numbers; doubtful cases are left
+// to the caller.
 //
-// All lengths are whole lu. Whether a piece meets a box, and every distance between boxes, is exact in 64 bits. The
-// distance of a slanted piece from a corner is side / length, both whole; only its comparison with the radius is one of
-// floats, which are right to 1e-15. Where the two are within 1e-13 of each other the answer is "unsure", and the caller
-// compares fractions.
+// All lengths are whole lu. Whether a piece meets a box, and every distance between boxes, is exact
+// in 64 bits. The distance of a slanted piece from a corner is side / length, both whole; only its
+// comparison with the radius uses floats, with an error below 1e-15. If the two are within 1e-13 of
+// each other, the answer is "unsure", and the caller compares fractions.
 
 #include <math.h>
 
 #include "reach_internal.h"
 
-// What a piece is compared with, and how far to look.
+// The length to compare a piece with, and how far to look.
 typedef struct Bound {
-    int64_t reach;  // no cell within it is if omitted, lu
-    double radius_sq;  // square of the distance asked about, lu^2
+    int64_t reach;  // no cell within it is missed, lu
+    double radius_sq;  // square of the distance in question, lu^2
     int64_t limit;     // the same for whole numbers: squares below it are nearer
-    bool stop;         // whether the first cell that is nearer ends the scan
+    bool stop;         // whether the first nearer cell ends the scan
 } Bound;
 
-// A scan under way: the piece, rising, and what was found so far.
+// A scan in progress: the piece, rising, and its result so far.
 typedef struct Scan {
     WgPiece piece;
     int64_t ex;
@@ -86,7 +87,7 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
     int64_t reach = bound.reach;
     const WgScan met = {0, 0, 0, true};
 
-    // Row by row; of the outside, the ring of cells next to the grid is enough.
+    // Go row by row; of the outside, the ring of cells next to the grid is enough.
     int64_t last = wg_min(walls->height, wg_cell_of(piece.qy + reach) + 1);
     for (int64_t iy = wg_max(-1, wg_cell_of(piece.py - reach) - 1); iy <= last; iy++) {
         int64_t low = wg_min(piece.px, piece.qx);
@@ -123,7 +124,8 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
         }
     }
 
-    // The corner next to the line counts if it is nearer than all else, or if floats cannot tell.
+    // The corner next to the line counts if it is nearer than everything else, or if floats cannot
+    // tell.
     WgScan found = {scan.least, 0, 0, scan.least < bound.limit};
     if (scan.nearest_side >= 0) {
         double square = (double)scan.nearest_side * (double)scan.nearest_side;
@@ -155,7 +157,8 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
     int64_t far = state[2];
     int64_t found = state[3];
     WgAnswer answer = (WgAnswer)state[4];
-    // No more corners are kept than were passed, so that those to come have room; and all looking is ahead.
+    // At most as many corners are kept as were passed, so there is always room; and the search only
+    // looks ahead.
     if (at < 0 || at >= count || found < 1 || found > at + 1 || seen <= at || far <= at) {
         return WG_BAD_VALUE;
     }
@@ -163,7 +166,7 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
         return WG_BAD_VALUE;
     }
     while (at < count - 1) {
-        // Looks at corners ahead, until too many in a row are out of sight.
+        // Tests corners ahead, until too many in a row are out of sight.
         while (far < count && far <= seen + patience) {
             if (answer == WG_UNSURE && whole[at] != 0 && whole[far] != 0) {
                 answer = wg_sweep(walls, (WgPiece){x[at], y[at], x[far], y[far]}, disc);
@@ -218,7 +221,8 @@ WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y
     }
     *least = best;
 
-    // Floats are right to 1e-15: what is farther than the nearest by more than that does not count.
+    // The error of floats is below 1e-15, so cells farther away than the nearest by more than that
+    // do not count.
     double nearest = INFINITY;
     for (int64_t i = 0; i < *found; i++) {
         nearest = fmin(nearest, (double)sides[i] * (double)sides[i] / (double)lengths_sq[i]);

@@ -1,6 +1,8 @@
-// A whole decision about a still world, from its cells to the timed path, for starts and targets on the pose lattice.
+// A complete decision about a static world, from its cells to the timed path, for starts and
+// targets on the pose lattice.
 //
-// What it leaves open (nothing was found, or only fractions could tell) its caller asks step by step.
+// If it is inconclusive (nothing was found, or only fractions can decide), its caller continues
+// step by step.
 
 #include <assert.h>
 #include <math.h>
@@ -14,15 +16,15 @@
 enum {
     HALF = WG_UNIT / 2,    // the graph has nodes at multiples of half a cell
     MOST_LINKS = 16,       // nodes around a point
-    LOOK = 32,             // a node is expanded in the time in which a flood fills so many
+    LOOK = 32,             // a node is expanded in the time in which a flood fills this many
     PATIENCE = 6,          // corners in a row that may be out of sight before a straight line ends
-    MOST_TESTS = 6000,     // straight lines that may fail on one path; on long paths there is less patience
+    MOST_TESTS = 6000,     // straight lines that may fail on one path; long paths get fewer
     MOST_CELLS = 1 << 18,  // so that a call ends in a fraction of a second
 };
 
 static const double WHOLE = 9007199254740992.0;  // 2^53: floats below it hold every whole number
 
-// What a decision works on; everything is released at once.
+// The working memory of a decision, all released together.
 typedef struct Work {
     const WgStill *asked;
     WgWalls walls;
@@ -51,7 +53,7 @@ static bool is_clear(Work *work, int64_t x, int64_t y)
     return answer == WG_CLEAR;
 }
 
-// Clear nodes near a point to which the disc may go straight; the node itself where the point is one.
+// Clear nodes near a point that the disc may go straight to; if the point is a node, only that.
 static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, int64_t *nodes)
 {
     const WgGraph *graph = &work->graph;
@@ -78,7 +80,7 @@ static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, 
     return count;
 }
 
-// Whether a node is in the target's disc.
+// Returns whether a node is in the target's disc.
 static bool is_in_target(Work *work, int64_t i, int64_t j)
 {
     const WgTarget *target = &work->asked->target;
@@ -88,7 +90,7 @@ static bool is_in_target(Work *work, int64_t i, int64_t j)
     if (fabs(apart - target->disc_radius) > 1e-9 * (1.0 + target->disc_radius)) {
         return apart < target->disc_radius;
     }
-    // Otherwise only whole numbers tell.
+    // Otherwise only integers can decide.
     if (target->scale == 0 || target->radius < 0) {
         work->knows_spare = false;
         return false;
@@ -124,7 +126,7 @@ static WgStatus list_spare(Work *work)
     return WG_OK;
 }
 
-// Whether an end, or else a spare one, is joined to a source.
+// Returns whether an end, or else a spare one, is joined to a source.
 static WgStatus look(Work *work, bool *joined)
 {
     const WgGraph *graph = &work->graph;
@@ -145,7 +147,7 @@ static WgStatus look(Work *work, bool *joined)
     return status;
 }
 
-// Searches for the path, unless a look shows that there is none.
+// Searches for the path, unless a check shows that there is none.
 static WgStatus search_path(Work *work, bool *found)
 {
     *found = false;
@@ -165,7 +167,7 @@ static WgStatus search_path(Work *work, bool *found)
         if (status != WG_OK || !joined) {
             return status;
         }
-        // Spare ends are looked for where no other can be reached, so the first one will do.
+        // Spare ends are tried if no other can be reached, so the first one is enough.
         if (work->spare_count > 0) {
             wg_search_be_content(work->search);
         }
@@ -175,7 +177,8 @@ static WgStatus search_path(Work *work, bool *found)
     return status;
 }
 
-// Looks for a path to the goal, and then to any clear node of the target; wants the path or only to know of it.
+// Looks for a path to the goal, and then to any clear node of the target; either returns the path
+// or only whether one exists.
 static WgStatus find_way(Work *work, bool *found)
 {
     *found = false;
@@ -206,9 +209,9 @@ static WgFinePose fine_pose(int64_t x, int64_t y, uint32_t rest[2])
     return (WgFinePose){column, row, rest, rest + 1, 1};
 }
 
-enum { MOST_AT_ONCE = 64 };  // poses whose chains are looked for together
+enum { MOST_AT_ONCE = 64 };  // poses whose chains are searched for together
 
-// Whether chains part the start from each of the poses that decide for the target.
+// Returns whether chains separate the start from each of the poses that decide for the target.
 static WgStatus look_for_chains(Work *work, bool *parted)
 {
     const WgStill *asked = work->asked;
@@ -217,7 +220,7 @@ static WgStatus look_for_chains(Work *work, bool *parted)
     poses[0] = fine_pose(asked->start_x, asked->start_y, rests);
     *parted = false;
 
-    // Where the robot may be anywhere in the target, all of it is as the goal is.
+    // If the robot may be anywhere in the target, all of the target is like the goal.
     WgPiece goal = {asked->goal_x, asked->goal_y, asked->goal_x, asked->goal_y};
     if (asked->goal_clear != 0 && wg_sweep(&work->walls, goal, &asked->both) == WG_CLEAR) {
         poses[1] = fine_pose(asked->goal_x, asked->goal_y, rests + 2);
@@ -349,7 +352,7 @@ static WgStatus measure(Work *work, WgStill *still)
         if (still->least < reach * reach) {
             break;
         }
-        // Nothing that is surely within reach: look farther.
+        // Nothing is certainly within reach: look farther.
         if (still->corners > 0) {
             double square = (double)sides[0] * (double)sides[0] / (double)lengths_sq[0];
             work->sure = square < (double)(reach * reach) * (1.0 - 1e-9);
@@ -401,7 +404,7 @@ static void convert(Work *work, WgStill *still)
     }
 }
 
-// Finds the path or that there is none, and says so in ``still``.
+// Finds the path, or that there is none, and records it in ``still``.
 static WgStatus decide(Work *work, WgStill *still)
 {
     WgPiece start = {still->start_x, still->start_y, still->start_x, still->start_y};
@@ -435,7 +438,7 @@ static WgStatus decide(Work *work, WgStill *still)
         return WG_OK;
     }
 
-    // Without the path, it is enough to know that there is one.
+    // Without the path, it is enough to know that one exists.
     bool found;
     status = find_way(work, &found);
     if (status != WG_OK) {

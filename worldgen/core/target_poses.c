@@ -1,10 +1,11 @@
-// The clear poses of the target's disc that decide for all of them: finitely many, each exact.
+// The finitely many clear poses of the target's disc that decide for all of them, exactly.
 //
-// Every connected part of the clear poses in the disc has one that is nearest to the disc's centre. That one is the
-// centre itself, or the foot of a perpendicular from it on the edge of one cell's neighbourhood, or it is on the edges
-// of two neighbourhoods at once (docs/explanation/reachability.md). Such edges are straight lines and circles, so each coordinate
-// is a sum of a whole number and another times a root, over a common factor above 0. Floats choose what is doubtful;
-// that is compared in whole numbers.
+// Every connected part of the clear poses in the disc has a pose nearest to the disc's centre. That
+// pose is the centre itself, the foot of a perpendicular from it on the edge of one cell's
+// neighbourhood, or an intersection of the edges of two neighbourhoods
+// (docs/explanation/reachability.md). Such edges are straight lines and circles, so each coordinate
+// is an integer plus another integer times a root, over a common factor above 0. Floats select the
+// doubtful cases, which are then compared in integers.
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,19 +15,19 @@
 #include "wide.h"
 
 enum {
-    MOST_CORNERS = 3000,  // near the disc; with more it is too large to look at each pose
-    MOST_WORK = 100000000,  // likewise, pairs of a pose and a cell
+    MOST_CORNERS = 3000,  // near the disc; with more, the disc is too large to examine each pose
+    MOST_WORK = 100000000,  // the same limit for pairs of a pose and a cell
     MOST_BITS = 60,  // of a length; then everything below stays under 2^127
 };
 
-static const double SLACK = 1e-6;    // cells; floats are wrong by far less where they choose what is looked at
-static const double DOUBT = 1e-10;   // share by which floats differ before they are believed
+static const double SLACK = 1e-6;    // cells; the error of floats is far smaller where they select what is examined
+static const double DOUBT = 1e-10;   // share by which floats must differ to be trusted
 
 // A pose: each coordinate is (whole + factor root) / (under_whole + under_factor root), from the base cell's corner.
 typedef struct ExactPose {
     double x;  // cells, from the base cell's corner
     double y;
-    int64_t times;  // what its lengths are multiples of: 1/(scale times) cell
+    int64_t times;  // its lengths are multiples of 1/(scale times) cell
     WgInt128 whole_x;
     WgInt128 whole_y;
     int64_t factor_x;
@@ -51,7 +52,7 @@ struct WgPoses {
     bool is_doubtful;
 };
 
-// What the edges of neighbourhoods are made of, from the base cell's corner.
+// The parts of the edges of neighbourhoods, from the base cell's corner.
 typedef struct Edges {
     int64_t *columns;  // lines x = ..., 1/scale cell, sorted
     int64_t *rows;     // lines y = ...
@@ -127,7 +128,8 @@ static int64_t list_corners(const int64_t *cells, int64_t count, int64_t *corner
     return kept;
 }
 
-// The cells near the disc that have a free neighbour, from the base cell; one more than MOST_CORNERS at most.
+// The cells near the disc that have a free neighbour, from the base cell; at most one more than
+// MOST_CORNERS.
 static int64_t list_cells(const WgPoses *poses, int64_t *cells)
 {
     const WgTarget *target = &poses->target;
@@ -169,7 +171,7 @@ static WgStatus find_edges(const WgPoses *poses, Edges *edges)
     edges->rows = malloc(room * sizeof *edges->rows);
     edges->corners = malloc(4 * room * sizeof *edges->corners);
     bool has_room = edges->columns != NULL && edges->rows != NULL && edges->corners != NULL;
-    // There are at least as many corners as cells: with too many of these, it ends here.
+    // There are at least as many corners as cells, so with too many cells it ends here.
     edges->corner_count = count;
     if (has_room && count <= MOST_CORNERS) {
         edges->column_count = list_lines(poses, cells, count, edges->columns);
@@ -208,7 +210,7 @@ static bool is_on_ray(const ExactPose *pose)
     return pose->under_factor != 0;
 }
 
-// Whether a pose is in the closed disc.
+// Returns whether a pose is in the closed disc.
 static bool is_in_disc(WgPoses *poses, const ExactPose *pose)
 {
     const WgTarget *target = &poses->target;
@@ -219,7 +221,7 @@ static bool is_in_disc(WgPoses *poses, const ExactPose *pose)
     if (fabs(apart - target->disc_radius) > doubt) {
         return apart < target->disc_radius;
     }
-    // Otherwise only whole numbers tell.
+    // Otherwise only integers can decide.
     if (target->radius < 0) {
         poses->is_doubtful = true;
         return false;
@@ -240,7 +242,7 @@ static bool is_in_disc(WgPoses *poses, const ExactPose *pose)
     return wg_sign_of_sum(whole, 2 * (ux * vx + uy * vy), pose->square) <= 0;
 }
 
-// Which way a coordinate is beyond a cell's interval: -1 below, 1 above, 0 in it.
+// The side on which a coordinate is beyond a cell's interval: -1 below, 1 above, 0 inside.
 static int beyond(const ExactPose *pose, bool across, int64_t cell)
 {
     if (side_of(pose, across ? 1 : 0, across ? 0 : 1, -cell) < 0) {
@@ -249,7 +251,8 @@ static int beyond(const ExactPose *pose, bool across, int64_t cell)
     return side_of(pose, across ? 1 : 0, across ? 0 : 1, -cell - 1) > 0 ? 1 : 0;
 }
 
-// Whether a pose is nearer to a cell (from the base cell) than the robot's radius, in whole numbers.
+// Returns whether a pose is nearer to a cell (from the base cell) than the robot's radius, in
+// integers.
 static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, int64_t iy)
 {
     int way_x = beyond(pose, true, ix);
@@ -261,7 +264,7 @@ static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, i
     int64_t edge_y = way_y > 0 ? iy + 1 : iy;
     WgInt128 reach = poses->target.reach;
     if (is_on_ray(pose)) {
-        // Everything is divided by scale sqrt(square), where that can be done.
+        // Everything is divided by scale sqrt(square), where possible.
         int64_t scale = poses->target.scale;
         WgInt128 kx = pose->of.x - edge_x;
         WgInt128 ky = pose->of.y - edge_y;
@@ -284,7 +287,7 @@ static bool is_nearer(const WgPoses *poses, const ExactPose *pose, int64_t ix, i
     return wg_sign_of_sum(whole, 2 * (ux * vx + uy * vy), pose->square) < 0;
 }
 
-// Whether a pose is at least the radius from every solid cell.
+// Returns whether a pose is at least the radius from every solid cell.
 static bool is_clear(const WgPoses *poses, const ExactPose *pose)
 {
     double radius = poses->target.robot_radius;
@@ -309,7 +312,7 @@ static bool is_clear(const WgPoses *poses, const ExactPose *pose)
     return true;
 }
 
-// Looks at a candidate, and keeps it if it is a clear pose of the disc.
+// Examines a candidate, and keeps it if it is a clear pose of the disc.
 static WgStatus look_at(WgPoses *poses, const ExactPose *pose)
 {
     double dx = pose->x - (poses->target.centre_x - (double)poses->base_x);
@@ -468,7 +471,8 @@ static WgStatus look_between_corners(WgPoses *poses, const Edges *edges)
     return status;
 }
 
-// Looks at the centre, its feet on the edges, and where two edges meet; also at points beyond an edge's end.
+// Examines the centre, its feet on the edges, and the intersections of edges, including points
+// beyond an edge's end.
 static WgStatus look_at_all(WgPoses *poses, const Edges *edges)
 {
     WgStatus status = look_at_plain(poses, poses->x, poses->y);
@@ -497,7 +501,7 @@ static WgStatus look_at_all(WgPoses *poses, const Edges *edges)
     return status == WG_OK ? look_between_corners(poses, edges) : status;
 }
 
-// Whether every length and product stays in its bounds.
+// Returns whether every length and product stays in its bounds.
 static bool are_short(const WgTarget *target)
 {
     double farthest = 2.0 * (target->disc_radius + 2.0 * target->robot_radius + 6.0);
@@ -507,7 +511,7 @@ static bool are_short(const WgTarget *target)
 
 static WgStatus list_poses(WgPoses *poses, const Edges *edges, WgListed *listed)
 {
-    // Only where there may be too many are they counted first.
+    // They are counted first only if there may be too many.
     int64_t around = 2 * (int64_t)ceil(poses->target.robot_radius) + 5;
     int64_t lines = edges->row_count + edges->column_count;
     int64_t bound = 1 + lines + edges->row_count * edges->column_count +
@@ -601,7 +605,7 @@ void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described)
     described->level += (described->kind == WG_ON_ROW ? poses->base_y : poses->base_x) * scale;
 }
 
-// Whether a chain winds around a pose an odd number of times.
+// Returns whether a chain winds around a pose an odd number of times.
 static bool winds_around(const WgPoses *poses, const ExactPose *pose, const int64_t *cells, int64_t count)
 {
     bool odd = false;

@@ -1,6 +1,7 @@
 // The earliest arrival in a world that changes: safe-interval search over the graph's eight neighbours.
 //
-// A state is (node, safe interval): within one interval, an earlier arrival is never worse, for one can wait.
+// A state is (node, safe interval): within one interval, an earlier arrival is never worse, since
+// the robot can wait.
 //
 // Phillips, Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments" (2011).
 
@@ -16,7 +17,7 @@ struct WgTimedSearch {
 
 static const int64_t MOST_TICKS = (int64_t)1 << 60;  // of a step: it takes longer than any interval lasts
 
-// Ticks to the goal at least; no more than twice what a step takes at most.
+// Lower bound of the ticks to the goal; at most twice the longest step.
 static int64_t ticks_left(const WgTimed *asked, int64_t node)
 {
     int64_t dx = wg_abs(node % asked->stride - asked->toward_x);
@@ -66,7 +67,7 @@ WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_
     return WG_OK;
 }
 
-// When a diagonal step may leave: its middle has to be safe too. -1 if it cannot.
+// The time at which a diagonal step may leave: its middle has to be safe too. -1 if it cannot.
 static int64_t leave_by_middle(const WgTimed *asked, int64_t corner, int64_t leave, int64_t close, int64_t takes)
 {
     for (int64_t middle = asked->mid_first[corner]; middle < asked->mid_first[corner + 1]; middle++) {
@@ -120,7 +121,7 @@ WgStatus wg_timed_advance(WgTimedSearch *search, int64_t most, WgProgress *progr
         }
         WgEntry entry = wg_heap_pop(&search->heap);
         int64_t state = entry.third;
-        // It was reached earlier meanwhile.
+        // It has been reached earlier meanwhile.
         if (entry.second != asked->cost[state]) {
             continue;
         }

@@ -1,7 +1,8 @@
-// What is slow about making and measuring worlds: mazes, open ground, planting, measures of difficulty, foreign maps.
+// The slow parts of making and measuring worlds: mazes, open ground, planting, measures of
+// difficulty, foreign maps.
 //
-// Grids are row-major. A grid that is searched is solid on its rim, so that no step leaves it; functions check that,
-// and every size that they are given. None keeps a pointer.
+// Grids are row-major. A grid that is searched is solid on its rim, so that no step leaves it;
+// functions check that, and all given sizes. None keeps a pointer.
 
 #ifndef WG_MAKING_H
 #define WG_MAKING_H
@@ -12,14 +13,14 @@
 
 // making/maze.c: mazes on a lattice of chambers.
 //
-// While a maze grows, its chambers are on a flat board of (rows + 2) x (columns + 2) places, a ring of WG_OUTSIDE
-// around them: the neighbour of `at` in a direction is at + 1, at + stride, at - 1 or at - stride, and nothing asks
-// whether there is one. A direction is a number of quarter turns from +x.
+// While a maze grows, its chambers are on a flat board of (rows + 2) x (columns + 2) places, with a
+// ring of WG_OUTSIDE around them: the neighbour of `at` in a direction is at + 1, at + stride, at -
+// 1 or at - stride, without a bounds check. A direction is a number of quarter turns from +x.
 //
 // On the board, 0 to 3 is the direction to the parent of a chamber in the maze.
 enum {
     WG_ROOT = 4,     // in the maze, and leads nowhere
-    WG_OUTSIDE = 5,  // no chamber
+    WG_OUTSIDE = 5,  // not a chamber
     WG_FREE = 8,     // not yet in the maze; Wilson's walk adds the direction that it left by
 };
 
@@ -28,7 +29,7 @@ enum {
     WG_EAST = 1,    // open to the neighbour in +x
     WG_NORTH = 2,   // open to the neighbour in +y
     WG_CORNER = 4,  // the pillar between this chamber and the three to its north and east is gone
-    WG_ROCK = 8,    // no chamber
+    WG_ROCK = 8,    // not a chamber
 };
 
 typedef enum WgMazeAlgorithm {
@@ -46,7 +47,7 @@ typedef enum WgMazeAlgorithm {
     WG_MAZE_ALGORITHMS,
 } WgMazeAlgorithm;
 
-// A maze that grows: what it is, set by the caller, and how far it is, kept between two calls.
+// A growing maze: its definition, set by the caller, and its progress, kept between two calls.
 typedef struct WgMaze {
     WgMazeAlgorithm algorithm;
     int64_t columns;   // chambers in x
@@ -54,7 +55,7 @@ typedef struct WgMaze {
     int64_t newest;    // growing tree: picks of 65536 that take the newest chamber
     int64_t oldest;    // growing tree: picks of 65536 that take the oldest
     int64_t left;      // chambers still to be joined; 0 when the maze is done
-    int64_t at;        // where the walk stands, or where the sidewinder's row begins
+    int64_t at;        // position of the walk, or the beginning of the sidewinder's row
     int64_t first;     // hunt: no free chamber comes before it. Wilson: where the present walk began
     int64_t lowest;    // hunt: no chamber of the maze comes before it
     int64_t column;    // sidewinder: chambers of its row that are done
@@ -78,7 +79,7 @@ int64_t wg_maze_work_bytes(const WgMaze *maze);
 WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t *board, int64_t places, void *work,
                        int64_t work_bytes);
 
-// Writes the keys of all edges between chambers, which wait to be sorted for Kruskal's algorithm.
+// Writes the keys of all edges between chambers, to be sorted for Kruskal's algorithm.
 //
 // words:    (places,) random bits; the low half of a chamber's word weighs its edge east, the high half its edge north.
 // board:    (places,) as wg_maze_begin left it.
@@ -87,8 +88,8 @@ WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t
 WgStatus wg_maze_edge_keys(const WgMaze *maze, const uint64_t *words, const int8_t *board, int64_t places,
                            int64_t *keys, int64_t *returned);
 
-// Grows a maze until it is done or the words run out. Prim's and Kruskal's algorithms want the same words in each call
-// and return after some hundred thousand chambers; the others want new words.
+// Grows a maze until it is done or the words run out. Prim's and Kruskal's algorithms need the same
+// words in each call and return after some hundred thousand chambers; the others need new words.
 //
 // words: (word_count,) random bits; for Kruskal's algorithm the sorted keys of all edges.
 WgStatus wg_maze_grow(WgMaze *maze, const uint64_t *words, int64_t word_count, int8_t *board, int64_t places,
@@ -139,7 +140,8 @@ WgStatus wg_steps_from(const uint8_t *windows, int64_t size, int64_t stride, int
 WgStatus wg_components(const uint8_t *windows, int64_t size, int64_t stride, int32_t *owner, int32_t *queue,
                        int64_t *found);
 
-// Lets owners grow over the grid, all at one pace, each place taking as many rounds as it is hard.
+// Lets owners grow over the grid, all at the same pace, each place taking as many rounds as it is
+// hard.
 //
 // waits: (size,) rounds that a place takes, 0 where none may be, as on the rim; used up.
 // owner: (size,) whose a place is, -1 for nobody's; to be filled.
@@ -179,7 +181,8 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
                   const int64_t *cells, const int64_t *cell_ends, const int64_t *halos, const int64_t *halo_ends,
                   int64_t kinds, uint8_t *stands);
 
-// making/distances.c, by_distance.c, pockets.c, openings.c, unite.c: what the measures of difficulty take.
+// making/distances.c, by_distance.c, pockets.c, openings.c, unite.c: for the measures of
+// difficulty.
 
 // Squared distance from each node to the nearest marked one, exactly.
 //
@@ -188,8 +191,8 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 // found:  (rows, columns) to be filled; above 2^30 if none is marked, or (rows + columns)^2 if that is less.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found);
 
-// Marks the nodes that are clear, have no larger free disc next to them, and are at most two radii of theirs away from
-// something.
+// Marks the nodes that are clear, have no larger free disc next to them, and are within two radii
+// of something.
 //
 // clear:    (rows, columns) 1 where the disc is clear; 0 on the rim.
 // squared:  (rows, columns) squared distances to the nearest wall.
@@ -198,7 +201,7 @@ WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t colum
 WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const int32_t *away, int64_t rows,
                           int64_t columns, uint8_t *found);
 
-// Whether places lie in no larger disc of another place.
+// Returns which places are not in a larger disc of another place.
 //
 // places:  (count,) nodes, flat, in ascending order.
 // sizes:   (count,) squared radii of their discs.

@@ -1,7 +1,7 @@
 // Proofs of reachability.
 //
-// Arrays are row-major. Functions check the sizes that they are given; none keeps a pointer longer than it says.
-// Lengths in lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
+// Arrays are row-major. Functions check the sizes they are given; none keeps a pointer longer than
+// stated. Lengths in lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
 
 #ifndef WG_REACH_H
 #define WG_REACH_H
@@ -66,13 +66,14 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
                        int64_t end_count, const int64_t *spare, int64_t spare_count, int64_t toward_x,
                        int64_t toward_y, const int64_t *bridges, int64_t bridge_count, WgSearch **made);
 
-// Goes on, until it is done or ``most`` nodes more were expanded.
+// Continues until it is done or ``most`` more nodes have been expanded.
 WgStatus wg_search_advance(WgSearch *search, int64_t most, WgProgress *progress);
 
-// Says that no end can be reached, so that the first spare one will do.
+// Declares that no end can be reached, so that the first spare one is enough.
 void wg_search_be_content(WgSearch *search);
 
-// Number of nodes of the path that was found, without those in the middle of a straight line; 0 if none was.
+// Number of nodes of the path found, without those in the middle of a straight line; 0 if none was
+// found.
 int64_t wg_search_path_length(const WgSearch *search);
 
 // These nodes, from source to end.
@@ -95,14 +96,15 @@ typedef struct WgDisc {
     double radius_sq;  // its square, lu^2
 } WgDisc;
 
-// Whether the disc may sweep a piece; unsure if only fractions can tell.
+// Returns whether the disc may sweep a piece; unsure if only fractions can decide.
 typedef enum WgAnswer {
     WG_CLEAR = 0,
     WG_MEETS = 1,
     WG_UNSURE = 2,
 } WgAnswer;
 
-// Goes from corner to corner of a path as far as the disc may sweep; stops where only fractions can tell.
+// Goes from corner to corner of a path as far as the disc may sweep; stops where only fractions can
+// decide.
 //
 // x, y:       (count,) corners, lu, rounded down.
 // whole:      (count,) 0 where a corner is not a whole point: each piece there is asked about.
@@ -115,7 +117,7 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
                     const uint8_t *whole, int64_t count, int64_t patience, int64_t *state, int64_t *kept,
                     int64_t *done);
 
-// Least distance from a path to a solid cell, as far as ``reach``.
+// Least distance from a path to a solid cell, up to ``reach``.
 //
 // x, y:       (count,) whole corners, lu; two or more, or one.
 // sides:      (count,) gets, of the pieces that may be nearest by a corner next to them, the distance times length.
@@ -143,14 +145,14 @@ typedef struct WgTarget {
 // The clear poses of a disc that decide for all of them.
 typedef struct WgPoses WgPoses;
 
-// What a list of poses is worth.
+// The state of a list of poses.
 typedef enum WgListed {
     WG_LISTED = 0,
     WG_TOO_MANY = 1,  // thousands of corners are near the disc
     WG_TOO_LONG = 2,  // the numbers have too many digits
 } WgListed;
 
-// Which lines or circles meet at a pose.
+// The lines or circles that meet at a pose.
 typedef enum WgPoseKind {
     WG_PLAIN = 0,      // lines: its coordinates are whole
     WG_ON_RAY = 1,     // the circle around a corner, and the ray from there through the centre
@@ -159,7 +161,7 @@ typedef enum WgPoseKind {
     WG_BETWEEN = 4,    // the circles around two corners
 } WgPoseKind;
 
-// A pose, for who works it out to any precision.
+// A pose, for callers that compute it to any precision.
 typedef struct WgPoseOf {
     int64_t kind;   // a WgPoseKind
     int64_t x;      // of the corner, cells; for lines of the pose, 1/scale cell
@@ -170,7 +172,8 @@ typedef struct WgPoseOf {
     int64_t side;   // 1 or -1: which of two points
 } WgPoseOf;
 
-// Lists the poses. made gets them for wg_poses_free, listed whether that was possible. The walls must outlive the call.
+// Lists the poses. made gets them, to be freed by wg_poses_free; listed gets whether that was
+// possible. The walls must outlive the call.
 WgStatus wg_poses_new(const WgWalls *walls, const WgTarget *target, WgPoses **made, WgListed *listed);
 
 int64_t wg_poses_count(const WgPoses *poses);
@@ -178,14 +181,15 @@ int64_t wg_poses_count(const WgPoses *poses);
 // Describes one of them; index is below their number.
 void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described);
 
-// The first pose, from ``begin`` on, around which a chain winds as often as ``winds`` says; their number if none is.
+// The first pose, from ``begin`` on, that a chain winds around as often as ``winds`` says; their
+// number if there is none.
 int64_t wg_poses_next(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t winds, int64_t begin);
 
 void wg_poses_free(WgPoses *poses);
 
 // still.c
 
-// How lattice units become metres and ticks: fractions of whole numbers.
+// The conversion of lattice units to metres and ticks: fractions of integers.
 typedef struct WgPace {
     int64_t metre_over;   // metres of a lu
     int64_t metre_under;  // less than 2^53
@@ -194,16 +198,16 @@ typedef struct WgPace {
     int64_t ticks;        // of a second, less than 2^53
 } WgPace;
 
-// What a decision came to.
+// The outcome of a decision.
 typedef enum WgOutcome {
     WG_OPEN = 0,           // nothing is known
     WG_REACHED = 1,        // there is a path
     WG_START_COVERED = 2,  // the start is nearer than the radius to a cell
     WG_NO_PATH = 3,        // the start is clear, and no path over half cells leads to the target
-    WG_PARTED = 4,         // and chains of cells part the start from all of the target
+    WG_PARTED = 4,         // and chains of cells separate the start from all of the target
 } WgOutcome;
 
-// A question about a still world, and its answer.
+// A query about a static world, and its answer.
 typedef struct WgStill {
     int64_t start_x;  // lu; the start, rounded
     int64_t start_y;
@@ -234,8 +238,8 @@ typedef struct WgStill {
     int64_t corners;     // number of sides
 } WgStill;
 
-// Looks for a path over half cells, from a lattice pose to the target; and without one, for chains, unless the cut
-// itself is wanted.
+// Looks for a path over half cells from a lattice pose to the target, and failing that for chains,
+// unless the cut itself is wanted.
 WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
 
 // Releases what an answer holds.
@@ -245,7 +249,7 @@ void wg_still_free(WgStill *still);
 
 // A raster of points and the spans in which cells near them are blocked.
 typedef struct WgBlocked {
-    const uint8_t *clear;  // (rows, columns) 0 where a point is never safe
+    const uint8_t *clear;   // (rows, columns) 0 where a point is never safe
     int64_t rows;
     int64_t columns;
     int64_t k;                   // points in a cell's side
@@ -260,7 +264,8 @@ typedef struct WgBlocked {
     int64_t most;  // spans around one point at most
 } WgBlocked;
 
-// Counts the safe intervals of points from to to - 1, each in first[point + 1], or writes them from first[point] on.
+// Counts the safe intervals of points from to to - 1, each in first[point + 1], or writes them from
+// first[point] on.
 //
 // writes:     0 to count.
 // begin, end: ticks; unused while counting.
@@ -269,7 +274,7 @@ WgStatus wg_safe_intervals(const WgBlocked *blocked, int64_t from, int64_t to, i
 
 // timed.c
 
-// What a search over (node, safe interval) works on. All arrays must outlive it.
+// The data of a search over (node, safe interval). All arrays must outlive it.
 typedef struct WgTimed {
     int64_t nodes;
     int64_t stride;            // nodes in a row; those on the rim have no interval
@@ -297,7 +302,7 @@ typedef struct WgTimedSearch WgTimedSearch;
 // begun: (begun_count, 2) states and arrivals.
 WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_count, WgTimedSearch **made);
 
-// Goes on with ``most`` entries of its queue; final gets the state at which it stopped, or -1.
+// Continues with ``most`` entries of its queue; final gets the state at which it stopped, or -1.
 WgStatus wg_timed_advance(WgTimedSearch *search, int64_t most, WgProgress *progress, int64_t *final);
 
 void wg_timed_free(WgTimedSearch *search);
@@ -308,12 +313,12 @@ void wg_timed_free(WgTimedSearch *search);
 typedef struct WgTiles {
     int64_t rows;
     int64_t columns;
-    const int64_t *first;  // (rows columns + 1,) where each tile's states begin
+    const int64_t *first;      // (rows columns + 1,) where each tile's states begin
     int64_t states;
     const int64_t *tile;  // (states,)
     const int64_t *low;   // (states,) first slab in which the tile is alive
     const int64_t *high;  // (states,) last one
-    const uint8_t *goal;  // (rows columns,) 1 where it stops
+    const uint8_t *goal;     // (rows columns,) 1 where it stops
     int64_t *came;        // (states,) at first -1; gets the slab in which a state is reached
 } WgTiles;
 
@@ -321,17 +326,18 @@ typedef struct WgSpread WgSpread;
 
 WgStatus wg_spread_new(const WgTiles *tiles, const int64_t *sources, int64_t source_count, WgSpread **made);
 
-// Goes on with ``most`` states; slab gets that in which the goal is reached, or -1.
+// Continues with ``most`` states; slab gets the one in which the goal is reached, or -1.
 WgStatus wg_spread_advance(WgSpread *spread, int64_t most, WgProgress *progress, int64_t *slab);
 
 void wg_spread_free(WgSpread *spread);
 
 // cut.c
 
-// A search for a cut: a closed chain of solid cells, each gap below the disc's diameter, that parts poses.
+// A search for a cut: a closed chain of solid cells, with gaps below the disc's diameter, that
+// separates poses.
 typedef struct WgCutSearch WgCutSearch;
 
-// Begins a search. Nothing that is given has to outlive the call.
+// Begins a search. No argument has to outlive the call.
 //
 // limit:      least squared gap, cells, that stops no disc.
 // targets:    1 to 6 poses that the chain parts from the start.
@@ -342,10 +348,10 @@ typedef struct WgCutSearch WgCutSearch;
 WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets, const int64_t *poses, int64_t limbs,
                            const uint32_t *rest, WgCutSearch **made);
 
-// Goes on with about ``most`` looks at rows and cells.
+// Continues for about ``most`` rows and cells.
 WgStatus wg_cut_search_advance(WgCutSearch *search, int64_t most, WgProgress *progress);
 
-// Number of cells in the chain that was found; 0 if nothing parts the poses.
+// Number of cells in the chain found; 0 if nothing separates the poses.
 int64_t wg_cut_length(const WgCutSearch *search);
 
 // These cells, in chain order: ix, iy of each.
@@ -353,8 +359,9 @@ void wg_cut_cells(const WgCutSearch *search, int64_t *cells);
 
 void wg_cut_search_free(WgCutSearch *search);
 
-// How often, 0 for even and 1 for odd, a chain winds around a pose, and whether its line is farther away than a radius.
-// Lengths are multiples of 1/scale half cell, less than 2^59; scale times a chain's coordinates too.
+// How often, 0 for even and 1 for odd, a chain winds around a pose, and whether its line stays
+// outside a radius. Lengths are multiples of 1/scale half cell, less than 2^59; so are scale times
+// a chain's coordinates.
 //
 // cells:      (count, 2) ix, iy in chain order, -2 to 20,001.
 // radius:     -1 if it is no multiple.
@@ -375,10 +382,11 @@ typedef struct WgSquares WgSquares;
 // source:     where to begin: (row + 1) (width + 2) + column + 1 of a square's first cell; goal: where to end.
 WgStatus wg_squares_new(const WgWalls *walls, int64_t side, int64_t source, int64_t goal, WgSquares **made);
 
-// Goes on with about ``most`` cells.
+// Continues with about ``most`` cells.
 WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progress);
 
-// Number of squares from source to goal, without those in the middle of a straight line; 0 if there is no way.
+// Number of squares from source to goal, without those in the middle of a straight line; 0 if there
+// is no path.
 int64_t wg_squares_way_length(const WgSquares *squares);
 
 // These squares.

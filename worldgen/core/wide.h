@@ -1,4 +1,4 @@
-// Whole numbers beyond 128 bits, as far as comparing roots needs them.
+// Integers beyond 128 bits, as far as comparing roots needs them.
 
 #ifndef WG_WIDE_H
 #define WG_WIDE_H

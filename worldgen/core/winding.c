@@ -1,4 +1,4 @@
-// How a closed chain of cells lies around a pose, exactly.
+// The exact position of a closed chain of cells relative to a pose.
 
 #include <math.h>
 
@@ -19,7 +19,7 @@ typedef struct Around {
     bool is_doubtful;
 } Around;
 
-// Whether a piece (half cells) crosses the ray upwards from a pose.
+// Returns whether a piece (half cells) crosses the ray upwards from a pose.
 static bool crosses(const Around *around, WgPiece piece)
 {
     WgInt128 px = (WgInt128)piece.px * around->scale - around->x;
@@ -32,14 +32,15 @@ static bool crosses(const Around *around, WgPiece piece)
     return above != 0 && (above > 0) == (piece.qx > piece.px);
 }
 
-// Compares two lengths as floats: 1 if the first is surely longer, -1 if it is surely shorter, else 0.
+// Compares two lengths as floats: 1 if the first is certainly longer, -1 if it is certainly
+// shorter, else 0.
 static int compare_roughly(double one, double two)
 {
     double doubt = 1e-10 * (one + two);
     return one > two + doubt ? 1 : (one < two - doubt ? -1 : 0);
 }
 
-// Whether a corner is farther from a pose than the radius.
+// Returns whether a corner is farther from a pose than the radius.
 static bool is_beyond(Around *around, int64_t x, int64_t y)
 {
     WgInt128 dx = (WgInt128)x * around->scale - around->x;
@@ -53,7 +54,7 @@ static bool is_beyond(Around *around, int64_t x, int64_t y)
     return roughly != 0 ? roughly > 0 : square > (WgUint128)around->radius * (WgUint128)around->radius;
 }
 
-// Whether a piece is farther from a pose than the radius.
+// Returns whether a piece is farther from a pose than the radius.
 static bool is_away(Around *around, WgPiece piece)
 {
     int64_t ex = piece.qx - piece.px;

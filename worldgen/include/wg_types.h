@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-// What every function that can fail returns; worldgen/support/ccall.py raises the others than WG_OK.
+// The result of every function that can fail; worldgen/support/ccall.py raises all but WG_OK.
 typedef enum WgStatus {
     WG_OK = 0,
     WG_BAD_SIZE = 1,       // an array is smaller than the arguments say it must be

@@ -41,7 +41,7 @@ static Node *sort_nodes(Node *nodes, Node *spare, int64_t count, int bits)
     return nodes;
 }
 
-// What is asked: the clear nodes of a grid, and a point.
+// The query: the clear nodes of a grid, and a point.
 typedef struct Field {
     const uint8_t *clear;
     int64_t rows;
@@ -59,8 +59,8 @@ static int64_t squared_to(const Field *field, int64_t row, int64_t column)
     return dx * dx + dy * dy;
 }
 
-// Lays the clear nodes into bands of nearly the same distance, one after the other. `ends` begins as where each band
-// begins; afterwards it is where it ends.
+// Groups the clear nodes into bands of nearly equal distance, one after another. `ends` holds the
+// beginning of each band at first, and its end afterwards.
 static void lay_into_bands(const Field *field, int shift, int64_t *ends, int64_t *places)
 {
     for (int64_t row = 0; row < field->rows; row++) {
@@ -90,7 +90,7 @@ static void sort_band(const Field *field, int64_t first, int64_t last, int bits,
     }
 }
 
-// Counts the clear nodes of each band, from entry 1 on; returns how many there are in all.
+// Counts the clear nodes of each band, from entry 1 on; returns their total number.
 static int64_t count_bands(const Field *field, int shift, int64_t *counts)
 {
     int64_t found = 0;
@@ -106,8 +106,8 @@ static int64_t count_bands(const Field *field, int shift, int64_t *counts)
     return found;
 }
 
-// Band by band, so that what is sorted at a time stays in the nearest caches: 3 million nodes take half of the time, and
-// hardly any memory beyond the result, instead of 98 MB.
+// Sorting band by band keeps the data in the nearest caches: 3 million nodes take half of the time,
+// and hardly any memory beyond the result, instead of 98 MB.
 WgStatus wg_by_distance(const uint8_t *clear, int64_t rows, int64_t columns, int64_t pitch, int64_t x, int64_t y,
                         int64_t *places, int64_t *squared, int64_t count)
 {
@@ -119,7 +119,7 @@ WgStatus wg_by_distance(const uint8_t *clear, int64_t rows, int64_t columns, int
         return WG_BAD_VALUE;
     }
 
-    // A corner is farthest. Few nodes are one band.
+    // A corner is farthest away. A few nodes make one band.
     const Field field = {clear, rows, columns, pitch, x, y};
     int64_t largest = 0;
     for (int corner = 0; corner < 4; corner++) {

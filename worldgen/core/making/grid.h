@@ -1,4 +1,4 @@
-// What searches over flat grids share.
+// Shared by the searches over flat grids.
 
 #ifndef WG_MAKING_GRID_H
 #define WG_MAKING_GRID_H
@@ -6,7 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Returns true if the size is that of a grid whose rim is 0, so that no step from a place that is not 0 leaves it.
+// Returns true if the size is that of a grid with a rim of 0, so that no step from a nonzero place
+// leaves it.
 static inline bool wg_rim_is_closed(const uint8_t *grid, int64_t size, int64_t stride)
 {
     if (stride < 1 || size < stride || size > INT32_MAX || size % stride != 0) {
@@ -25,7 +26,7 @@ static inline bool wg_rim_is_closed(const uint8_t *grid, int64_t size, int64_t s
     return true;
 }
 
-// What eight steps add to a flat index, four along the axes first.
+// The offsets of the eight steps in flat indices, the four along the axes first.
 static inline void wg_eight_steps(int64_t stride, int64_t steps[8])
 {
     steps[0] = 1;
@@ -38,7 +39,7 @@ static inline void wg_eight_steps(int64_t stride, int64_t steps[8])
     steps[7] = 1 - stride;
 }
 
-// Where the middles of the four diagonal steps are; of the straight ones, nothing is asked.
+// The offsets of the middles of the four diagonal steps; straight steps need none.
 static inline void wg_eight_middles(int64_t stride, int64_t middles[8])
 {
     middles[0] = 0;

@@ -1,4 +1,5 @@
-// Open ground: where windows are free, which places are joined, how far apart they are, what must be dug between them.
+// Open ground: where windows are free, which places are joined, how far apart they are, and what
+// must be dug between them.
 
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +60,7 @@ WgStatus wg_shortest_path(const uint8_t *windows, int64_t size, int64_t stride, 
     int64_t steps[4];
     four_steps(stride, steps);
 
-    // Breadth first; the path's array holds the queue.
+    // Searches breadth first; the path's array holds the queue.
     int32_t *queue = path;
     fill(came, size, -1);
     came[start] = (int32_t)start;
@@ -169,7 +170,8 @@ WgStatus wg_dig(uint8_t *waits, int64_t size, int64_t stride, int32_t *owner, in
     int64_t shifts[4];
     four_steps(stride, shifts);
 
-    // All owned places begin, in their order. What is owned is crossed in one round, however hard it is.
+    // All owned places begin, in their order. An owned place is crossed in one round, however hard
+    // it is.
     int64_t tail = 0;
     for (int64_t at = 0; at < size; at++) {
         bool begins = owner[at] >= 0;

@@ -1,4 +1,4 @@
-// Mazes: how one is set up, and which function grows it.
+// Mazes: setting one up, and choosing the function that grows it.
 
 #include "maze.h"
 
@@ -53,7 +53,8 @@ int64_t wg_maze_work_bytes(const WgMaze *maze)
     case WG_ELLER:
         return (2 * columns + 2) * (int64_t)sizeof(int32_t);
     case WG_RECURSIVE_DIVISION: {
-        // Four numbers for each rectangle that waits; no more wait than the maze's size has bits.
+        // Four numbers for each waiting rectangle; at most as many wait as the maze's size has
+        // bits.
         int64_t bits = 0;
         while (columns * rows >> bits != 0) {
             bits++;
@@ -71,7 +72,7 @@ static bool sizes_fit(const WgMaze *maze, int64_t places, int64_t work_bytes)
     return needed >= 0 && work_bytes >= needed && places == places_of(maze);
 }
 
-// The place of a chamber that is counted in rows, and how many there are; -1 if there are not so many.
+// The place of a chamber counted in rows, and the number of chambers; -1 if there are fewer.
 static int64_t place_of(const WgMaze *maze, const uint8_t *mask, int64_t number, int64_t *chambers)
 {
     int64_t found = -1;
@@ -95,7 +96,7 @@ static int64_t place_of(const WgMaze *maze, const uint8_t *mask, int64_t number,
     return found;
 }
 
-// Checks that all chambers can be reached from one of them; an algorithm would never end where they cannot.
+// Checks that all chambers can be reached from one of them; an algorithm would never end otherwise.
 static WgStatus check_connected(int8_t *board, int64_t stride, int64_t root, int64_t chambers)
 {
     int32_t *queue = malloc((size_t)chambers * sizeof *queue);
@@ -139,7 +140,7 @@ WgStatus wg_maze_begin(WgMaze *maze, const uint8_t *mask, int64_t number, int8_t
         return WG_BAD_VALUE;
     }
 
-    // What works row by row writes links, and looks at no ring.
+    // Algorithms that work row by row write links, and do not look at the ring.
     memset(board, any_shape ? WG_OUTSIDE : 0, (size_t)places);
     for (int64_t row = 0; any_shape && row < rows; row++) {
         int8_t *line = board + (row + 1) * stride + 1;

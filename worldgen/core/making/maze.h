@@ -1,4 +1,4 @@
-// What the files of the mazes share.
+// Shared by the files of the mazes.
 
 #ifndef WG_MAKING_MAZE_H
 #define WG_MAKING_MAZE_H
@@ -16,8 +16,8 @@ typedef struct Growth {
     void *work;
 } Growth;
 
-// What a step in a direction adds to a place. Without a branch, which would be guessed wrong every second time:
-// Aldous and Broder's walk takes half the time.
+// The offset of a step in a direction. It has no branch, which would be mispredicted every second
+// time: Aldous and Broder's walk takes half the time.
 static inline int64_t wg_maze_step(int64_t direction, int64_t stride)
 {
     return (1 - (direction & 2)) * (1 + (direction & 1) * (stride - 1));

@@ -5,7 +5,7 @@
 
 #include "wg_making.h"
 
-// The sum of some positive lengths; -1 if one is not positive, or the sum is beyond what a grid can have.
+// The sum of positive lengths; -1 if one is not positive, or the sum exceeds the largest grid.
 static int64_t sum_of(const int64_t *lengths, int64_t count)
 {
     int64_t sum = 0;
@@ -18,8 +18,8 @@ static int64_t sum_of(const int64_t *lengths, int64_t count)
     return sum;
 }
 
-// One strip of the plan, a byte for each strip across. Strips of chambers and of walls take turns; the one below the
-// first chambers is solid.
+// One strip of the plan, a byte for each strip across. Strips of chambers and of walls alternate;
+// the one below the first chambers is solid.
 static void plan_strip(const int8_t *links, int64_t columns, int64_t strip, uint8_t *plan)
 {
     plan[0] = 1;

@@ -1,8 +1,9 @@
 // Mazes by choosing edges or chambers: Kruskal's and Prim's algorithms, and the growing tree.
 //
-// Kruskal's and Prim's find the tree of least total weight, where each edge of the lattice has a random weight of 32
-// bits. Equal weights, one pair in four thousand million, go by the edge's number. So with the same words both find
-// the same tree; they only grow it in another order.
+// Kruskal's and Prim's algorithms find the tree of least total weight, where each edge of the
+// lattice has a random weight of 32 bits. Equal weights, one pair in four billion, are ordered by
+// the edge's number. So both find the same tree from the same words; they only grow it in a
+// different order.
 //
 // A key is a weight, then the number of an edge, in 63 bits; an edge's number is twice the place of its lower or left
 // chamber, and one more if it leads north.
@@ -43,15 +44,16 @@ WgStatus wg_maze_edge_keys(const WgMaze *maze, const uint64_t *words, const int8
     return WG_OK;
 }
 
-// Takes the edges from the lightest on, and keeps those that join what is not yet joined.
-// Joseph B. Kruskal, "On the shortest spanning subtree of a graph and the traveling salesman problem", Proceedings of
-// the American Mathematical Society, 1956; the sets are M. Rem's, in Edsger W. Dijkstra, "A Discipline of
-// Programming", 1976, chapter 23: two searches climb at once and splice.
+// Takes the edges from the lightest on, and keeps those that join separate parts. Joseph B.
+// Kruskal, "On the shortest spanning subtree of a graph and the traveling salesman problem",
+// Proceedings of the American Mathematical Society, 1956; the sets are M. Rem's, in Edsger W.
+// Dijkstra, "A Discipline of Programming", 1976, chapter 23: two searches climb together and
+// splice.
 WgStatus wg_maze_kruskal(Growth *growth)
 {
     WgMaze *maze = growth->maze;
     int8_t *board = growth->board;
-    int32_t *above = growth->work;  // the sets: each place points to one of its set with a lower number, or to itself
+    int32_t *above = growth->work;  // the sets: each place points to a place of its set with a lower number, or to itself
     int64_t edge = maze->edge;
     if (edge == 0) {
         for (int64_t at = 0; at < growth->places; at++) {
@@ -106,7 +108,7 @@ static void heap_push(int64_t *heap, int64_t size, int64_t key)
     heap[hole] = key;
 }
 
-// Puts a key where the least was.
+// Replaces the least key by another one.
 static void heap_replace(int64_t *heap, int64_t size, int64_t key)
 {
     int64_t hole = 0;
@@ -141,7 +143,7 @@ WgStatus wg_maze_prim(Growth *growth)
     int64_t size = maze->waiting;
     int64_t stop = maze->left > CHAMBERS_A_CALL ? maze->left - CHAMBERS_A_CALL : 0;
     while (maze->left > stop) {
-        // The edges that lead out of the newest chamber are now at the rim.
+        // The edges that lead out of the newest chamber are added to the rim.
         for (int64_t direction = 0; direction < 4; direction++) {
             int64_t beyond = at + wg_maze_step(direction, stride);
             if (board[beyond] == WG_FREE) {
@@ -149,7 +151,8 @@ WgStatus wg_maze_prim(Growth *growth)
                 size++;
             }
         }
-        // The lightest that still leads out; those whose both ends have come into the maze are dropped.
+        // The lightest that still leads out; edges whose ends are both in the maze by now are
+        // dropped.
         bool grown = false;
         while (!grown) {
             if (size == 0) {
@@ -178,10 +181,11 @@ WgStatus wg_maze_prim(Growth *growth)
     return WG_OK;
 }
 
-// Digs from the newest, the oldest or any chamber of a list; one that has no free neighbour leaves the list.
+// Digs from the newest, the oldest or any chamber of a list; a chamber without free neighbours
+// leaves the list.
 //
-// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that would favour some
-// choice, and an entry that has left the list, are drawn again with the next word.
+// Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that
+// would bias a choice, and an entry that has left the list, are drawn again with the next word.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "The Growing Tree Algorithm".
 void wg_maze_growing_tree(Growth *growth)
@@ -195,7 +199,7 @@ void wg_maze_growing_tree(Growth *growth)
     int64_t head = maze->head;
     int64_t tail = maze->tail;
     for (int64_t used = 0; used < growth->word_count && maze->left > 0; used++) {
-        // Which entry of the list.
+        // Choose the entry of the list.
         uint64_t word = growth->words[used];
         int64_t rule = (int64_t)(word & 0xFFFF);
         int64_t lot = (int64_t)(word >> 16 & 0xFFFF);
@@ -212,7 +216,7 @@ void wg_maze_growing_tree(Growth *growth)
                 continue;
             }
         }
-        if (lot >= 65532) {  // 12 divides 65532: the rest is even for 1, 2, 3 and 4 neighbours
+        if (lot >= 65532) {  // 12 divides 65532, so the choice among 1, 2, 3 and 4 neighbours is unbiased
             continue;
         }
         maze->again = 0;
@@ -238,7 +242,8 @@ void wg_maze_growing_tree(Growth *growth)
             continue;
         }
 
-        // It has none: it leaves the list, which is kept so dense that a random draw hits every second time.
+        // It has none: it leaves the list, which is kept so dense that a random draw hits every
+        // second time.
         list[entry] = -1;
         maze->alive--;
         while (list[tail - 1] < 0) {

@@ -1,7 +1,7 @@
 // Mazes of whole rectangles: Eller's algorithm, sidewinder, binary tree, recursive division.
 //
-// They go through the rows in order and look at no neighbour above, or split rectangles, so no chamber may be missing.
-// Each writes links onto the board at once.
+// They go through the rows in order without looking at neighbours above, or split rectangles, so no
+// chamber may be missing. Each writes links directly onto the board.
 
 #include "maze.h"
 
@@ -9,8 +9,9 @@
 
 // Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
 //
-// Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row never cross, so each is
-// a ring in the order of columns, and the next column is of the same set if it is next in the ring.
+// Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row never
+// cross, so each is a ring in column order, and the next column is in the same set if it comes next
+// in the ring.
 //
 // Marlin Eller's algorithm of 1982, as described in Jamis Buck, "Mazes for Programmers", 2015; the rings are John
 // Tromp's, in Don Libes, "Obfuscated C and Other Mysteries", 1993.
@@ -22,7 +23,7 @@ void wg_maze_eller(Growth *growth)
     int64_t rows = growth->maze->rows;
     int32_t *next = growth->work;            // the next chamber of each in its ring
     int32_t *previous = next + columns + 1;  // and the previous one
-    // The last one is not a chamber; it is only ever written as it was.
+    // The last one isn't a chamber; it is only ever rewritten unchanged.
     for (int64_t column = 0; column <= columns; column++) {
         next[column] = (int32_t)column;
         previous[column] = (int32_t)column;
@@ -35,8 +36,8 @@ void wg_maze_eller(Growth *growth)
             int64_t bits = (int64_t)(words[column >> 5] >> (2 * (column & 31))) & 3;
             int32_t beside = column + 1;
 
-            // Join it to the next. All four are written either way: a branch on a random bit is guessed wrong every
-            // second time; measured 1.8 x.
+            // Join it to the next. All four are written either way: a branch on a random bit is
+            // mispredicted every second time; measured 1.8 x.
             int32_t after = next[column];
             int32_t far = previous[beside];
             bool joined = (bits & 1) != 0 && after != beside && beside != columns;
@@ -57,7 +58,7 @@ void wg_maze_eller(Growth *growth)
         }
     }
 
-    // In the last row, all that is not joined yet is joined.
+    // In the last row, everything that isn't joined yet is joined.
     int64_t base = rows * stride + 1;
     for (int32_t column = 0; column < columns - 1; column++) {
         int32_t beside = column + 1;
@@ -77,8 +78,8 @@ void wg_maze_eller(Growth *growth)
 
 // Cuts each row into runs and opens one chamber of each run upwards; the last row is one run.
 //
-// Each word is one run: after each chamber a bit says whether the run ends, and the upper half chooses where it goes
-// up, even to one part in ten million. A run of 32 chambers ends by itself.
+// Each word is one run: after each chamber a bit decides whether the run ends, and the upper half
+// chooses where it goes up, unbiased to one part in ten million. A run of 32 chambers always ends.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, chapter 1.
 void wg_maze_sidewinder(Growth *growth)
@@ -143,11 +144,12 @@ typedef struct Rectangle {
     int32_t unused;
 } Rectangle;
 
-// Cuts a rectangle in two by a wall with one door, across its longer side, and then each part in the same manner.
+// Cuts a rectangle in two by a wall with one door, across its longer side, and then each part in
+// the same way.
 //
-// What is one chamber wide is a corridor. Each word is one cut: a bit for the side, where the sides are equal, 31 bits
-// for the wall, 32 for the door; numbers that would favour some choice are drawn again. The smaller part goes first,
-// so no more wait than the maze's size has bits.
+// A rectangle one chamber wide is a corridor. Each word is one cut: a bit for the side, if the
+// sides are equal, 31 bits for the wall, 32 for the door; numbers that would bias a choice are
+// drawn again. The smaller part goes first, so at most as many wait as the maze's size has bits.
 //
 // Jamis Buck, "Mazes for Programmers", 2015, "Recursive Division".
 void wg_maze_recursive_division(Growth *growth)

@@ -1,7 +1,8 @@
 // Mazes by walking: Wilson's, Aldous and Broder's, the recursive backtracker, hunt-and-kill.
 //
-// Each draws directions of two bits, the lowest bits of a word first, and stops when its words run out; called again
-// with the next words, it continues. A draw that cannot be used is drawn again, so the choice stays even.
+// Each draws directions of two bits, the lowest bits of a word first, and stops when its words run
+// out; called again with the next words, it continues. Unusable draws are repeated, so the choice
+// stays unbiased.
 
 #include "maze.h"
 
@@ -14,8 +15,8 @@ static inline int64_t draw(const uint64_t *words, int64_t number)
     return (int64_t)(words[number >> 5] >> (2 * (number & 31))) & 3;
 }
 
-// The neighbours of a place that are free, a bit for each direction. The board holds no walk of Wilson's here, so
-// the bit of WG_FREE tells.
+// The free neighbours of a place, a bit for each direction. The board holds no walk of Wilson's
+// algorithm here, so the WG_FREE bit is sufficient.
 static inline int64_t free_neighbours(const int8_t *board, int64_t at, int64_t stride)
 {
     int64_t east = board[at + 1] >> 3;
@@ -25,7 +26,7 @@ static inline int64_t free_neighbours(const int8_t *board, int64_t at, int64_t s
     return east + (north << 1) + (west << 2) + (south << 3);
 }
 
-// Draws until one of some directions comes; 4 if the words run out first.
+// Draws until one of the given directions comes up; 4 if the words run out first.
 static inline int64_t draw_one_of(int64_t ways, const uint64_t *words, int64_t count, int64_t *used)
 {
     while (*used < count) {
@@ -51,7 +52,8 @@ void wg_maze_wilson(Growth *growth)
     int64_t at = maze->at;
     int64_t left = maze->left;
     while (left > 0) {
-        // Walk until the maze is met. Each chamber keeps the last direction out of it, which erases the loops.
+        // Walk until the maze is reached. Each chamber keeps the last direction out of it, which
+        // erases the loops.
         int8_t here = board[at];
         while (here >= WG_FREE) {
             if (used == count) {
@@ -69,7 +71,7 @@ void wg_maze_wilson(Growth *growth)
                 here = there;
             }
         }
-        // What the walk has left is part of the maze.
+        // The remaining walk becomes part of the maze.
         at = maze->first;
         while (board[at] >= WG_FREE) {
             int64_t direction = board[at] & 3;
@@ -108,10 +110,9 @@ void wg_maze_aldous_broder(Growth *growth)
     maze->left = left;
 }
 
-// Digs to random free neighbours, and where there is none returns along its own path. That path is on the board, so
-// there is neither recursion nor a stack.
-// Robert Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing, 1972, with a random
-// choice of the next edge.
+// Digs to random free neighbours, and returns along its own path if there are none. That path is on
+// the board, so there is neither recursion nor a stack. Robert Tarjan, "Depth-first search and
+// linear graph algorithms", SIAM Journal on Computing, 1972, with a random choice of the next edge.
 void wg_maze_backtracker(Growth *growth)
 {
     WgMaze *maze = growth->maze;
@@ -172,7 +173,7 @@ void wg_maze_hunt_and_kill(Growth *growth)
             while (board[first] != WG_FREE) {
                 first++;
             }
-            // A free chamber next to the maze comes no earlier than one row before the maze's first chamber.
+            // A free chamber next to the maze is at most one row before the maze's first chamber.
             spot = (first > lowest - stride ? first : lowest - stride) - 1;
             while (ways == 0) {
                 spot++;

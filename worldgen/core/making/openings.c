@@ -1,4 +1,5 @@
-// How many paths lead from a place: the parts of the ring around it that reach its outer circle.
+// Counts the paths that lead from a place: the parts of the ring around it that reach its outer
+// circle.
 
 #include <assert.h>
 #include <math.h>
@@ -17,11 +18,11 @@ typedef struct Ring {
     Offset *offsets;
     int64_t count;
     int64_t room;
-    int64_t size;      // squared radius that it is made for; -1 at first
+    int64_t size;      // squared radius that it was made for; -1 at first
     int64_t outer_sq;  // squared radius of its outer circle
 } Ring;
 
-// One question: a map, and work space that all places share.
+// One query: a map, and work space that all places share.
 typedef struct Search {
     const uint8_t *clear;
     const uint8_t *middle;
@@ -29,7 +30,7 @@ typedef struct Search {
     int64_t stride;
     int64_t steps[8];
     int64_t middles[8];
-    int32_t *mark;  // what a node is to the place that is looked at; numbers of earlier places mean nothing
+    int32_t *mark;  // the role of a node for the current place; numbers of earlier places are stale
     int32_t *queue;
 } Search;
 
@@ -144,7 +145,8 @@ static bool flood_part(Search *search, int64_t place, int64_t size, int64_t begi
     return leads_on;
 }
 
-// The parts of a place's ring that lead on: all of them, or those alone that a flood from the place comes to.
+// The parts of a place's ring that lead on: all of them, or only those that a flood from the place
+// reaches.
 static int64_t count_parts(Search *search, const Ring *ring, int64_t place, int32_t stamp, bool only_reached)
 {
     for (int64_t r = 0; r < ring->count; r++) {
@@ -188,7 +190,8 @@ WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, 
         if (!has_memory) {
             break;
         }
-        // All parts of the ring take little and decide most places; the flood is for those with three or more.
+        // Counting all parts of the ring is cheap and decides most places; only those with three or
+        // more need the flood.
         found[k] = count_parts(&search, &ring, places[k], stamp, false);
         if (found[k] >= 3) {
             flood_disc(&search, places[k], ring.outer_sq, stamp);

@@ -54,7 +54,7 @@ WgStatus wg_highest(const int64_t *places, const int64_t *sizes, int64_t count, 
         largest = sizes[k] > largest ? sizes[k] : largest;
     }
 
-    // No disc reaches further than the largest: row by row, the places near each one.
+    // No disc reaches further than the largest, so go row by row through the places near each one.
     int64_t reach = (int64_t)sqrt((double)largest) + 1;
     for (int64_t n = 0; n < asked_count; n++) {
         if (asked[n] < 0 || asked[n] >= count) {

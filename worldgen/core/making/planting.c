@@ -1,4 +1,4 @@
-// Puts things down wherever they fit, every two a least gap apart.
+// Puts things down wherever they fit, with a least gap between any two.
 
 #include <stdbool.h>
 

@@ -1,7 +1,8 @@
-// Pockets into which the target draws a robot: nodes united in the order of their distance from it.
+// Pockets that draw a robot towards the target: nodes united in the order of their distance from
+// it.
 //
-// Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002; of depressions in terrain,
-// filled in that order, Barnes, Lehman, Mulla, "Priority-Flood", 2014.
+// Edelsbrunner, Letscher, Zomorodian, "Topological Persistence and Simplification", 2002. Barnes,
+// Lehman, Mulla, "Priority-Flood", 2014, fill depressions in terrain in that order.
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,9 +14,9 @@ enum { AT_TARGET = 1, AT_BOTH = 3 };
 
 // Sets of nodes, each numbered by its rank in the order of distances. The root of a set is its lowest node.
 typedef struct Sets {
-    int32_t *rank;    // of each node; -1 until it is its turn
-    int32_t *parent;  // the root of a set is its own
-    uint8_t *role;    // of each root: what is in its set
+    int32_t *rank;    // of each node; -1 until it has been processed
+    int32_t *parent;  // the parent of a set's root is itself
+    uint8_t *role;    // of each root: contents of its set
 } Sets;
 
 static int32_t find_root(int32_t *parent, int32_t at)
@@ -74,7 +75,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
     int64_t pass = -1;
     int64_t found = 0;
     for (int32_t r = 0; r < count; r++) {
-        // Beyond the pass of the start no pocket counts.
+        // Pockets beyond the pass of the start do not count.
         int64_t level = squared[r];
         if (pass >= 0 && level > pass) {
             break;
@@ -100,7 +101,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
                     found++;
                 }
             }
-            // The lower one is the root.
+            // The lower one becomes the root.
             int32_t kept = other < root ? other : root;
             int32_t gone = other < root ? root : other;
             sets.parent[gone] = kept;

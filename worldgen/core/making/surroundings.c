@@ -1,7 +1,8 @@
-// What is around points of a path: the nearest wall, and how far sixteen rays get.
+// The surroundings of points of a path: the nearest wall, and how far sixteen rays get.
 //
-// Points are in cells, multiples of a power of two not below 2^-23, so that every sum, difference and comparison here
-// is exact, and a world turned or mirrored gives the same numbers to the last bit.
+// Points are in cells, multiples of a power of two that is at least 2^-23, so every sum, difference
+// and comparison here is exact, and a rotated or mirrored world gives the same numbers to the last
+// bit.
 
 #include <math.h>
 #include <stdbool.h>
@@ -14,7 +15,7 @@ typedef struct Walls {
     int64_t columns;
 } Walls;
 
-// What is outside is solid.
+// Everything outside is solid.
 static bool is_solid(const Walls *walls, int64_t column, int64_t row)
 {
     bool inside = column >= 0 && column < walls->columns && row >= 0 && row < walls->rows;
@@ -26,8 +27,8 @@ static bool is_inside(const Walls *walls, double x, double y)
     return x >= 0.0 && x <= (double)walls->columns && y >= 0.0 && y <= (double)walls->rows;
 }
 
-// The least of best and the squared distance from a point to the solid cells of one row. A cell farther along the row
-// than that changes nothing, so the search ends there.
+// The least of best and the squared distance from a point to the solid cells of one row. A cell
+// farther along the row than that changes nothing, so the search ends there.
 static double nearest_in_row(const Walls *walls, int64_t row, double x, double y, double best)
 {
     double above = (double)row - y;

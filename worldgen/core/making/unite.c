@@ -1,4 +1,4 @@
-// Cells that gaps link, united; a closed chain of odd sum parts start from target.
+// Unites cells that gaps link; a closed chain with an odd sum separates start from target.
 
 #include "wg_making.h"
 
